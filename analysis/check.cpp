@@ -240,7 +240,7 @@ Exit run(const CheckOptions& o, const Common& common) {
     }
     // Only a shard records which files it read, so a whole run need not list the data folder.
     const bool whole = o.shard.empty() && !common.joined;
-    Divided divided =
+    RunDivision divided =
         divide(o.shard, o.report, whole ? std::vector<std::filesystem::path>{} : files_of(o, data), common);
     divided.division.expect({"check"});
     std::unique_ptr<output::file::ResultFolder> folder;

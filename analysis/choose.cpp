@@ -9,34 +9,34 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/selection/doors.hpp"
+#include "analysis/selection/external.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "measure/choice/file_rays.hpp"
-#include "measure/mend/price.hpp"
+#include "measure/repair/price.hpp"
 #include "number/error.hpp"
 #include "output/choice/choice_files.hpp"
 #include "output/file/atomic_file.hpp"
-#include "output/mend/form_code.hpp"
-#include "output/mend/mend_files.hpp"
+#include "output/repair/form_code.hpp"
+#include "output/repair/mend_files.hpp"
 
 namespace lostbits::analysis {
 
 using measure::choice::ChoiceRequest;
 using measure::evaluate::TestedForm;
-using measure::mend::Mended;
-using measure::mend::MendRequest;
-using output::mend::MendResult;
-using output::mend::Proposal;
+using measure::repair::Mended;
+using measure::repair::MendRequest;
+using output::repair::MendResult;
+using output::repair::Proposal;
 
 namespace {
 
 /// Repaired forms; they stay loaded as long as the object lives.
 struct Mending {
     struct Made {
-        intersect::doors::Formula formula;
+        intersect::external::Formula formula;
         Format format;
     };
     std::vector<Made> made;
@@ -51,33 +51,34 @@ public:
     void mend_all() {
         ChoiceRequest quiet = asked_;
         quiet.progress = [](std::uint64_t) {};
-        const auto worth = worth_of(quiet);
+        const auto quality = quality_of(quiet);
         for (std::size_t r = 0; r < asked_.rows.size(); ++r)
-            if (!worth[r].meets(asked_.wish) && !asked_.rows[r].form->is_placed) mend_one(asked_.rows[r]);
+            if (!quality[r].meets(asked_.requirement) && !asked_.rows[r].form->is_placed) mend_one(asked_.rows[r]);
     }
 
-    std::vector<measure::mend::Written> written = {};
+    std::vector<measure::repair::Written> written = {};
     std::vector<output::choice::MendedCandidate> candidates = {};
 
 private:
     void mend_one(const TestedForm& row) {
-        requests_.push_back({.scene = asked_.scene, .row = row, .wish = asked_.wish, .limit = asked_.limit});
+        requests_.push_back(
+            {.scene = asked_.scene, .row = row, .requirement = asked_.requirement, .limit = asked_.limit});
         try {
             // 0: do not prove that the sets are minimal, that is, try no smaller sets after the search.
-            mended_.push_back(measure::mend::mend(requests_.back(), 0));
+            mended_.push_back(measure::repair::mend(requests_.back(), 0));
         } catch (const InputError&) {
             return;  // its operations are not known, or not the same for every ray
         }
         const MendResult result{
-            .request = requests_.back(), .mended = mended_.back(), .catalogue = {}, .catalogue_worth = {}};
+            .request = requests_.back(), .mended = mended_.back(), .catalogue = {}, .catalogue_quality = {}};
         proposals_.push_back(proposals_of(result));
         int count = 0;
         for (const Proposal& one : proposals_.back())
-            if (one.worth->meets(asked_.wish) && is_new(one, row)) add(result, one, ++count);
+            if (one.quality->meets(asked_.requirement) && is_new(one, row)) add(result, one, ++count);
     }
 
     bool is_new(const Proposal& proposal, const TestedForm& row) {
-        const auto lines = output::mend::statements(proposal.tape, *row.form);
+        const auto lines = output::repair::statements(proposal.tape, *row.form);
         return seen_
             .insert(fmt::format("{} {} {}", static_cast<int>(row.form->shape), row.format.name, fmt::join(lines, "\n")))
             .second;
@@ -88,11 +89,11 @@ private:
         std::string name(row.form->info->name);
         std::ranges::replace(name, '.', '_');
         name += fmt::format("_{}{}", row.format.name == "f32" ? "" : row.format.name + "_", count);
-        written.push_back(output::mend::written(result, proposal, name, command_));
+        written.push_back(output::repair::written(result, proposal, name, command_));
         std::string how = fmt::format("{}, {}", row.form->info->name, how_in_words(result, proposal));
         if (!proposal.rewritten) how += ": " + names_of_set(result);
         candidates.push_back({"mended." + name, std::move(how),
-                              proposal.rewritten ? proposal.rewritten->apart : result.mended.apart_worth,
+                              proposal.rewritten ? proposal.rewritten->apart : result.mended.apart_quality,
                               name + ".hpp"});
     }
 
@@ -105,9 +106,9 @@ private:
 };
 
 /// Repairs every row of the request that does not meet its requirement and whose operations are known. Compiles every
-/// result of `measure::mend::mend` that meets it, and writes it as a file into `folder`. Equal results of two forms
+/// result of `measure::repair::mend` that meets it, and writes it as a file into `folder`. Equal results of two forms
 /// count once. Throws EnvironmentError if nothing can be compiled. `command` is the command that asks for it.
-Mending mended(const ChoiceRequest& request, const measure::mend::Workshop& workshop,
+Mending mended(const ChoiceRequest& request, const measure::repair::Workshop& workshop,
                const std::filesystem::path& folder, const std::string& command) {
     Bench bench(request, command);
     bench.mend_all();
@@ -125,7 +126,7 @@ Mending mended(const ChoiceRequest& request, const measure::mend::Workshop& work
     return all;
 }
 
-struct ChooseOptions : selection::RayFileWords {
+struct ChooseOptions : selection::RayFileOptions {
     std::vector<std::string> subjects;  ///< one scene, or files of rays
     std::string size, variant, at = "p99", out;
     std::vector<std::string> forms{"*"}, formats{"f32", "f64"}, set;
@@ -145,7 +146,7 @@ std::vector<measure::evaluate::TestedForm> rows_of(const ChooseOptions& o, const
             "them",
             formats.front().name));
     auto all = selection::cross(selection::select_forms(o.forms), formats);
-    selection::refuse_makers(all, "choose");
+    selection::refuse_generators(all, "choose");
     selection::refuse_contracted(all, "choose");
     auto rows = selection::timed_on(id, {all, o.forms, quiet}, meets);
     selection::note_unmeasured(o.forms, rows, quiet);
@@ -157,8 +158,8 @@ ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken s
     if (o.bits < 0 && o.tolerance.empty())
         throw InputError(
             "choose: the requirement is missing; add --bits 16 (of t) or --tolerance 0.001 (of the hit point)");
-    request.wish = {.bits = std::max(0.0, o.bits), .wrong = o.wrong, .quantile = quantile_at(o.at)};
-    if (!o.tolerance.empty()) request.wish.tolerance = selection::tolerance_in_units(o.tolerance, o.unit);
+    request.requirement = {.bits = std::max(0.0, o.bits), .wrong = o.wrong, .quantile = quantile_at(o.at)};
+    if (!o.tolerance.empty()) request.requirement.tolerance = selection::tolerance_in_units(o.tolerance, o.unit);
     else if (!o.unit.empty()) throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is missing");
     request.single = o.single;
     request.limit.stop = request.plan.stop = stop;
@@ -179,17 +180,17 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const Ow
     std::optional<measure::choice::Meetings> meetings;
     if (request.scene) request.shows = meetings.emplace(request, request.rows).shows();
     const auto all = measure_candidates(request, timed);
-    output::choice::Chosen chosen{request, all, timed, cheapest(all, request.wish)};
+    output::choice::ChoiceResult chosen{request, all, timed, cheapest(all, request.requirement)};
     chosen.mended = std::move(mended);
-    if (meetings) chosen.requirement = requirement_of(request, all, *meetings);
+    if (meetings) chosen.requirement_map = requirement_map_of(request, all, *meetings);
     request.shows.clear();
     request.progress = [](std::uint64_t) {};
     if (chosen.meets) {
         const measure::evaluate::TestedForm& row = all[*chosen.meets].row;
-        chosen.rooms = rooms_of(request, row);
+        chosen.margins = margins_of(request, row);
         if (request.scene) chosen.offsets = measure::choice::safe_offsets(*request.scene, row, request.limit);
     } else {
-        chosen.obstacle = find_obstacle(request, all[*nearest(all, request.wish)].row);
+        chosen.obstacle = find_obstacle(request, all[*nearest(all, request.requirement)].row);
     }
     files.finish(chosen);
     complete(owner);
@@ -267,10 +268,10 @@ Exit run(const ChooseOptions& o, const Common& common) {
 }  // namespace
 
 void add_choose(const shell::Command& program, const Common& common) {
-    auto command = program.add_command(
-        "choose",
-        "The cheapest form and format that meets a wish on a scene or on rays of files, what it costs, and how far it "
-        "holds");
+    auto command = program.add_command("choose",
+                                       "The cheapest form and format that meets a requirement on a scene or on rays of "
+                                       "files, what it costs, and how far it "
+                                       "holds");
     const auto o = std::make_shared<ChooseOptions>();
     o->stop = common.stop;
     command
@@ -296,9 +297,9 @@ void add_choose(const shell::Command& program, const Common& common) {
     command.add("--variant", o->variant, "One variant of a scene that has several");
     command.add_set(o->set, "Change a number of the scene first: sphere[0].radius=10");
     selection::add_ray_options(command, *o);
-    command.add(
-        "--mend", o->mend,
-        "Also mend the forms that do not meet the wish (see `lostbits mend`); what comes out is compiled and timed");
+    command.add("--mend", o->mend,
+                "Also mend the forms that do not meet the requirement (see `lostbits mend`); what comes out is "
+                "compiled and timed");
     command.add("--compiler", o->compiler, "The compiler that --mend uses (default: c++)");
     command.add("--quick", o->quick, "Shorter measurements of time, for a first look");
     selection::add_out(command, o->out);

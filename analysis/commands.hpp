@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/selection/doors.hpp"
+#include "analysis/selection/external.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/shard/division.hpp"
 #include "analysis/shell/command_line.hpp"
@@ -30,7 +30,7 @@ struct Common {
     bool verbose = false;
     int threads = 0;  ///< 0: one per core
     std::string isa;  ///< a name of `isa_names`; empty: the widest of the processor
-    selection::DoorWords doors;
+    selection::ExternalOptions external;
     intersect::process::StopToken stop = {};     ///< stops the work of the command
     selection::Typed typed;                      ///< the command as it was typed
     bool force = false;                          ///< also write to folders that have files of others
@@ -85,10 +85,10 @@ private:
 /// Loads the scenes of a command that tests primitives one by one. Adds to `rows` the rows that the scenes need, and
 /// prints which scenes and forms are left out. Throws InputError for scenes and forms that make rays in each format,
 /// and whatever `require` throws for a scene. `name` is the command.
-[[nodiscard]] std::vector<scene::file::Scene> scenes_of_solids(const selection::SharedOptions& shared,
-                                                               std::vector<measure::evaluate::TestedForm>& rows,
-                                                               const char* name, const Common& common,
-                                                               void (*require)(const scene::file::Scene&));
+[[nodiscard]] std::vector<scene::file::Scene> scenes_of_primitives(const selection::SharedOptions& shared,
+                                                                   std::vector<measure::evaluate::TestedForm>& rows,
+                                                                   const char* name, const Common& common,
+                                                                   void (*require)(const scene::file::Scene&));
 
 /// Adds `--shard` to a command.
 void add_shard(const shell::Command& command, std::string& word);
@@ -97,7 +97,7 @@ void add_shard(const shell::Command& command, std::string& word);
 [[nodiscard]] std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, const Common& common);
 
 /// The division of a run, and its folders.
-struct Divided {
+struct RunDivision {
     shard::Division division;
     std::unique_ptr<output::file::ResultFolder> folder = {};  ///< folder of a shard; null in other runs
     std::filesystem::path out;                                ///< folder of the results; in a shard, the shard's
@@ -105,12 +105,12 @@ struct Divided {
 
 /// Divides a run by the value of its `--shard`. `out` is the folder of its results; `files` decide what it measures.
 /// Throws InputError for a bad value, and if the shards to join read other files.
-[[nodiscard]] Divided divide(const std::string& word, const std::string& out,
-                             const std::vector<std::filesystem::path>& files, const Common& common,
-                             bool resumed = false);
+[[nodiscard]] RunDivision divide(const std::string& word, const std::string& out,
+                                 const std::vector<std::filesystem::path>& files, const Common& common,
+                                 bool resumed = false);
 
 /// Ends such a run: the file of a shard gets its final name, which is printed.
-void finish(Divided& divided, const Common& common);
+void finish(RunDivision& divided, const Common& common);
 
 /// Throws EnvironmentError if the file cannot be written, so that a run fails before its first ray and not after the
 /// tenth scene.

@@ -12,7 +12,7 @@
 #include "number/error.hpp"
 #include "output/file/result_folder.hpp"
 #include "scene/toml/counted.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::analysis {
 
@@ -107,7 +107,7 @@ void print_made_differently(const std::vector<std::string>& lines) {
     for (const std::string& line : lines) fmt::print("  {}\n", line);
 }
 
-struct DiffWords {
+struct DiffOptions {
     std::string a, b, draw;
     std::vector<std::string> tolerances, ignored, forms, formats;
     bool strict = false, pictures = false;
@@ -123,7 +123,7 @@ std::set<std::string> names_of(const std::vector<Result>& results) {
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
 /// Compares every file of every kind, one after another, as for two commits that should change no result.
-Exit run_strictly(const DiffWords& w, const CompareOptions& options, const Common& common) {
+Exit run_strictly(const DiffOptions& w, const CompareOptions& options, const Common& common) {
     // Reads all files before it prints anything, so that bad input does not leave half an answer.
     const auto results = diff::compare_all(w.a, w.b, options);
     diff::refuse_unknown_columns(options, names_of(results));
@@ -143,7 +143,7 @@ Exit run_strictly(const DiffWords& w, const CompareOptions& options, const Commo
     return same ? Exit::done : Exit::answer_is_no;
 }
 
-Exit run_on_maps(const DiffWords& w, const MapSides& sides, const CompareOptions& options, const Common& common) {
+Exit run_on_maps(const DiffOptions& w, const MapSides& sides, const CompareOptions& options, const Common& common) {
     const diff::MapDifference found = diff::compare_maps(sides, options, w.pictures);
     auto names = names_of(found.others);
     names.insert(found.rows.names.begin(), found.rows.names.end());
@@ -165,7 +165,7 @@ Exit run_on_maps(const DiffWords& w, const MapSides& sides, const CompareOptions
 }
 
 /// Prints on stderr which of the compared folders have incomplete results.
-void say_what_is_unfinished(const DiffWords& w) {
+void say_what_is_unfinished(const DiffOptions& w) {
     std::set<fs::path> folders;
     for (const fs::path side : {w.a, w.b}) {
         if (side.empty()) continue;
@@ -183,7 +183,7 @@ void say_what_is_unfinished(const DiffWords& w) {
     }
 }
 
-MapSides sides_of(const DiffWords& w) {
+MapSides sides_of(const DiffOptions& w) {
     if (w.forms.empty()) return {w.a, w.b, {}, {}, w.formats};
     if (w.forms.size() != 2)
         throw InputError(fmt::format("-i: names {}; name two, as in -i sphere.press -i sphere.unified",
@@ -195,7 +195,7 @@ MapSides sides_of(const DiffWords& w) {
     return {w.a, w.a, w.forms[0], w.forms[1], w.formats};
 }
 
-Exit run(const DiffWords& w, const Common& common) {
+Exit run(const DiffOptions& w, const Common& common) {
     CompareOptions options;
     options.stop = common.stop;
     for (const std::string& text : w.tolerances) options.tolerances.push_back(output::diff::parse_tolerance(text));
@@ -223,7 +223,7 @@ void add_diff(const shell::Command& program, const Common& common) {
         "diff",
         "Where two folders of maps, two forms of one, or two files differ; NaN, infinite and missing values always "
         "count");
-    const auto w = std::make_shared<DiffWords>();
+    const auto w = std::make_shared<DiffOptions>();
     command.add("A", w->a, "A file or a folder").required();
     command.add("B", w->b, "The file or folder to compare it with; none with two forms");
     command.add("--allow", w->tolerances,

@@ -10,13 +10,13 @@
 
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/ray_numbers.hpp"
-#include "analysis/selection/ray_words.hpp"
+#include "analysis/selection/ray_options.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/selection/sweep_options.hpp"
 #include "commands.hpp"
 #include "measure/apriori/ranges.hpp"
 #include "number/real.hpp"
-#include "output/blame/explain_text.hpp"
+#include "output/attribution/explain_text.hpp"
 #include "output/file/escape.hpp"
 #include "scene/toml/round.hpp"
 #include "shapes/number_names.hpp"
@@ -30,7 +30,7 @@ using measure::apriori::StepRays;
 namespace {
 
 /// The options of --ranges.
-struct RangeWords {
+struct RangeOptions {
     bool asked = false;               ///< --ranges
     std::vector<std::string> ranges;  ///< NAME=LOW..HIGH
     std::string at;                   ///< of a sweep: a value of each axis
@@ -38,8 +38,8 @@ struct RangeWords {
 };
 
 struct ExplainOptions {
-    selection::RayWords words;
-    RangeWords ranges;
+    selection::RayOptions words;
+    RangeOptions ranges;
     std::string form, format = "f32";
     std::vector<std::string> beside;
     bool json = false, fpcore = false, latex = false, c = false;
@@ -55,7 +55,7 @@ auto only(const char* option, const std::string& word, const char* what, const S
     return found.front();
 }
 
-void refuse_ray(const selection::RayWords& ray) {
+void refuse_ray(const selection::RayOptions& ray) {
     const std::array words{std::pair{"--pixel", !ray.pixel.empty()}, std::pair{"--worst", ray.worst},
                            std::pair{"--ray", !ray.ray.empty()}, std::pair{"--case", !ray.named_case.empty()}};
     for (const auto& [option, given] : words)
@@ -91,21 +91,21 @@ GivenRange range_named(const std::string& text) {
 template <class Subject>
 const intersect::table::Intersector* form_for(const intersect::table::Intersector& form, const Subject& subject) {
     if (subject.meets(form.shapes())) return &form;
-    if (subject.meets(form.shapes().placed()) && is_solid(form.shape) && !form.is_placed)
-        return &intersect::space::through(intersect::space::usual_space(), form);
+    if (subject.meets(form.shapes().placed()) && is_primitive(form.shape) && !form.is_placed)
+        return &intersect::transform::through(intersect::transform::usual_transform_method(), form);
     throw NothingSelected(fmt::format("{} is not a form for the primitives of {}; `lostbits list forms` lists all",
                                       form.info->name, subject.id));
 }
 
 /// The rays of a sweep at the step that --at-step names.
-scene::sweep::SweepFile sweep_of(const selection::RayWords& ray, const std::filesystem::path& file,
+scene::sweep::SweepFile sweep_of(const selection::RayOptions& ray, const std::filesystem::path& file,
                                  const std::filesystem::path& data, intersect::process::StopToken stop) {
     const auto kind = scene::sweep::sweep_kind(file);
     if (kind != scene::sweep::SweepKind::axes)
         throw InputError(ray.subject +
                          ": has no axes, but --ranges takes the ranges from a step of a sweep along axes; name one, or "
                          "a scene, and give other ranges by --input-range NAME=LOW..HIGH");
-    const selection::SweepWords changes{ray.size, ray.steps, ray.set};
+    const selection::SweepChangeOptions changes{ray.size, ray.steps, ray.set};
     selection::check_changes(changes, kind, ray.subject);
     return {file, data, selection::read_changes(changes), stop};
 }
@@ -124,8 +124,8 @@ StepRays step_of(const scene::sweep::SweepFile& sweep, const std::string& at) {
 }
 
 /// Prints the bound on the error over ranges. Throws InputError for options that name a ray, and for malformed ranges.
-Exit explain_ranges(const selection::RayWords& ray, const RangeWords& words, const measure::evaluate::TestedForm& row,
-                    bool json, const Common& common) {
+Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& words,
+                    const measure::evaluate::TestedForm& row, bool json, const Common& common) {
     refuse_ray(ray);
     RangesRequest request{.format = row.format, .boxes = static_cast<std::size_t>(words.boxes)};
     for (const std::string& text : words.ranges) {
@@ -156,7 +156,8 @@ Exit explain_ranges(const selection::RayWords& ray, const RangeWords& words, con
     request.limit.stop = common.stop;
     const selection::ThreadLimit limit(common.threads);
     const auto bound = measure::apriori::bound_over_ranges(request);
-    fmt::print("{}", json ? output::blame::ranges_json(request, bound) : output::blame::ranges_text(request, bound));
+    fmt::print("{}", json ? output::attribution::ranges_json(request, bound)
+                          : output::attribution::ranges_text(request, bound));
     return Exit::done;
 }
 
@@ -180,24 +181,24 @@ Exit run(const ExplainOptions& o, const Common& common) {
             throw InputError("--ranges: the bound is printed as text or as --json only; leave out the other options");
         return explain_ranges(o.words, o.ranges, {&form, format}, o.json, common);
     }
-    const selection::AskedRay asked =
+    const selection::SelectedRay asked =
         selection::find_ray(o.words, {&form, format}, selection::data_folder(common.data));
     const measure::answer::OneRay& ray = asked.ray;
     if (asked.scene && !common.quiet) selection::note_lost_numbers(*asked.scene, {{&form, format}});
     const auto beside = selection::select_forms(o.beside, "--beside");
-    std::optional<measure::blame::PixelOf> pixel;
+    std::optional<measure::attribution::PixelOf> pixel;
     if (asked.scene && asked.pixel)
         pixel = {asked.scene.get(), asked.pixel->first, asked.pixel->second, {.stop = common.stop}};
-    const measure::blame::Explanation x = measure::blame::explain(*asked.form, format, ray, beside, pixel);
-    const auto march = output::blame::end_of_march(form, format, ray);
+    const measure::attribution::Explanation x = measure::attribution::explain(*asked.form, format, ray, beside, pixel);
+    const auto march = output::attribution::end_of_march(form, format, ray);
     for (const std::string& why : x.silent) fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(why));
-    if (o.json) fmt::print("{}", output::blame::explain_json(x, march));
-    else if (o.fpcore) fmt::print("{}", output::blame::explain_fpcore(x));
-    else if (o.latex) fmt::print("{}", output::blame::explain_latex(x));
-    else if (o.c) fmt::print("{}", output::blame::explain_c(x));
+    if (o.json) fmt::print("{}", output::attribution::explain_json(x, march));
+    else if (o.fpcore) fmt::print("{}", output::attribution::explain_fpcore(x));
+    else if (o.latex) fmt::print("{}", output::attribution::explain_latex(x));
+    else if (o.c) fmt::print("{}", output::attribution::explain_c(x));
     else {
         fmt::print("{}", asked.note);
-        fmt::print("{}", output::blame::explain_text(x, common.verbose, march));
+        fmt::print("{}", output::attribution::explain_text(x, common.verbose, march));
     }
     return Exit::done;
 }
@@ -208,7 +209,7 @@ void add_explain(const shell::Command& program, const Common& common) {
     auto command =
         program.add_command("explain", "One ray of a scene, operation by operation: which one loses the bits");
     const auto o = std::make_shared<ExplainOptions>();
-    selection::RayWords& words = o->words;
+    selection::RayOptions& words = o->words;
     words.stop = common.stop;
     command.add("SCENE", words.subject,
                 "A scene file, or a name in data/scenes; with --case a file of cases, or a name in "
@@ -221,11 +222,12 @@ void add_explain(const shell::Command& program, const Common& common) {
     command.add("--variant", words.variant, "The variant of a scene that has several");
     command.add("--ray", words.ray,
                 "A ray of your own: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, taken as given");
-    words.solids.add_to(
+    words.primitives.add_to(
         command,
         "Primitives for --ray, in place of a scene; may be repeated; @ and twelve numbers put one under "
         "a matrix");
-    command.add("--tmin", words.tmin, "Where the range of the ray begins, with solids of its own (default: 0)");
+    command.add("--tmin", words.tmin,
+                "Where the range of the ray begins, for primitives given by options (default: 0)");
     command.add("--tmax", words.tmax, "Where it ends (default: nowhere)");
     command.add("--open-ends", words.open_ends,
                 "Ends of the range that are excluded: a hit exactly there does not count (default: none)",

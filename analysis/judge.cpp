@@ -5,18 +5,18 @@
 #include <algorithm>
 #include <memory>
 
-#include "analysis/selection/doors.hpp"
-#include "analysis/selection/judge_words.hpp"
+#include "analysis/selection/external.hpp"
+#include "analysis/selection/judge_options.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/shard/pieces.hpp"
 #include "commands.hpp"
 #include "intersect/conventions.hpp"
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/file/number_text.hpp"
 #include "output/judge/judge_files.hpp"
-#include "scene/dump/number_words.hpp"
+#include "scene/dump/number_parser.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/rays/stored_mesh.hpp"
 #include "scene/toml/counted.hpp"
@@ -29,7 +29,7 @@ using measure::judge::JudgeRequest;
 using measure::judge::JudgeResult;
 using measure::metric::Metric;
 using scene::dump::Dump;
-using selection::JudgeWords;
+using selection::JudgeOptions;
 
 namespace {
 
@@ -40,21 +40,21 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
     std::erase_if(asked, [&request](const measure::evaluate::TestedForm& row) { return request.is_of_file(row); });
     if (asked.empty()) return selection::measured(drawn, request.rows);
     scene::rays::RayGroup group;
-    group.solids = scene::rays::examples_of(request.solids, request.mesh.get());
-    if (group.solids.empty()) {
-        group.solids.resize(1);
-        group.solids.front().shape = asked.front().form->shape;
+    group.primitives = scene::rays::examples_of(request.primitives, request.mesh.get());
+    if (group.primitives.empty()) {
+        group.primitives.resize(1);
+        group.primitives.front().shape = asked.front().form->shape;
     }
-    for (Solid<double>& solid : group.solids)
-        if (have_matrices) solid.placed = selection::any_matrix();
+    for (Primitive<double>& primitive : group.primitives)
+        if (have_matrices) primitive.placed = selection::any_matrix();
     group.march = request.march;
     return made.for_forms(selection::measured(drawn, request.rows), measure::evaluate::forms_of(asked),
-                          [&group] { return measure::blame::SettingOf(group); });
+                          [&group] { return measure::attribution::SettingOf(group); });
 }
 
 /// Prints a note on stderr if the decimals of a file do not fit its format.
 void note_digits(const std::string& file, const Format& format, const JudgeResult& result) {
-    const auto needed = [](const Format& f) { return scene::dump::NumberWords(f).digits(); };
+    const auto needed = [](const Format& f) { return scene::dump::NumberParser(f).digits(); };
     const Format narrow = *find_format("f32");
     const bool is_wide = format.parameters.precision > binary32.precision;
     // Shortest decimals may all be a digit shorter than the longest possible one, so one digit less is not reported.
@@ -77,7 +77,7 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
 std::string fallen_short(const JudgeRequest& request, const measure::evaluate::FormSummary& s) {
     std::string words;
     for (const char* const name : {"enough_bits", "tolerance"}) {
-        const std::size_t m = measure::metric::place_of(request.metrics, name);
+        const std::size_t m = measure::metric::index_of(request.metrics, name);
         if (m < request.metrics.size()) words += fmt::format(" {:>11}", s.categories[m].at(1));
     }
     return words;
@@ -92,10 +92,10 @@ std::string mesh_counts(const measure::evaluate::FormSummary& s, bool told) {
 }
 
 void print_judged(const JudgeRequest& request, const JudgeResult& result, const std::string& by) {
-    const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
+    const std::size_t lost = measure::metric::index_of(request.metrics, "lost_bits");
     std::string short_of;
     for (const auto& [metric, title] : {std::pair("enough_bits", "too few"), std::pair("tolerance", "beyond")})
-        if (measure::metric::place_of(request.metrics, metric) < request.metrics.size())
+        if (measure::metric::index_of(request.metrics, metric) < request.metrics.size())
             short_of += fmt::format(" {:>11}", title);
     const std::string of_mesh = request.mesh ? fmt::format("{:>7} {:>10} {:>15} {:>12} ", "crack", "double hit",
                                                            "wrong neighbour", "out of order")
@@ -106,7 +106,7 @@ void print_judged(const JudgeRequest& request, const JudgeResult& result, const 
                                const measure::evaluate::FormSummary& s, bool is_file) {
         fmt::print("  {:<28} {:<5} {:>8} {}{:>15} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}{}\n", name, format,
                    s.count(Outcome::agree_hit), request.mesh ? mesh_counts(s, !is_file) : "",
-                   s.count(Outcome::wrong_object), s.count(Outcome::false_hit), s.count(Outcome::false_miss),
+                   s.count(Outcome::wrong_primitive), s.count(Outcome::false_hit), s.count(Outcome::false_miss),
                    s.count(Outcome::not_a_number), lost_or_withheld(s, lost, 0.5), lost_or_withheld(s, lost, 0.99),
                    lost_or_withheld(s, lost, 1), fallen_short(request, s));
     };
@@ -121,7 +121,8 @@ void print_judged(const JudgeRequest& request, const JudgeResult& result, const 
 
 /// The rows to judge: that of the file, if it has answers, then those of -i. Prints a note if external intersectors
 /// were loaded but -i names no form.
-std::vector<measure::evaluate::TestedForm> rows_of(const JudgeWords& o, const Dump& dump, const selection::Meets& meets,
+std::vector<measure::evaluate::TestedForm> rows_of(const JudgeOptions& o, const Dump& dump,
+                                                   const selection::Meets& meets,
                                                    const intersect::table::Intersector* answers, const Common& common) {
     std::vector<measure::evaluate::TestedForm> rows;
     if (answers) rows.push_back({answers, dump.format()});
@@ -130,18 +131,18 @@ std::vector<measure::evaluate::TestedForm> rows_of(const JudgeWords& o, const Du
             throw InputError(
                 fmt::format("-f {}: is for forms, and -i names none; for the format of the answers write --file-format",
                             o.formats[0]));
-        const bool opened = !common.doors.plugins.empty() || !common.doors.pipes.empty() ||
-                            !common.doors.shaders.empty() || !common.doors.functions.empty();
+        const bool opened = !common.external.plugins.empty() || !common.external.pipes.empty() ||
+                            !common.external.shaders.empty() || !common.external.functions.empty();
         if (!rows.empty() && opened && !common.quiet)
             fmt::print(stderr, "lostbits: only the answers of the file are judged; add -i to judge forms too\n");
         if (!rows.empty()) return rows;
         throw NothingSelected(
             fmt::format("{}: has rays but no answers (columns hit or t); name forms to judge, such as -i '{}'", o.file,
-                        selection::globs_of([&meets](Shapes s) { return selection::are_solids(s) && meets(s); })));
+                        selection::globs_of([&meets](Shapes s) { return selection::are_primitives(s) && meets(s); })));
     }
     const auto formats = o.formats.empty() ? std::vector{dump.format()} : selection::select_formats(o.formats);
     auto all = selection::cross(selection::select_forms(o.forms), formats);
-    selection::refuse_makers(all, "judge");
+    selection::refuse_generators(all, "judge");
     const auto asked = selection::rows_meeting({all, o.forms, common.quiet}, o.file, meets);
     if (asked.empty())
         throw NothingSelected(o.file + ": no selected form handles its primitives" +
@@ -163,7 +164,7 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
             dump, request,
             [&files](std::size_t row, const auto& chunk, const auto& band) { files.piece(row, chunk, band); });
         if (!division.is_shard()) return result;
-        division.put(job, shard::Noted::end, result, files.worst(), *request.stages);
+        division.put(job, shard::RecordKind::end, result, files.worst(), *request.stages);
         return std::nullopt;
     }
     JudgeResult all;
@@ -181,14 +182,15 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
     return all;
 }
 
-Exit run(const JudgeWords& o, const Common& common) {
+Exit run(const JudgeOptions& o, const Common& common) {
     require_folder(o.out);
     const auto scene = selection::scene_of(o, selection::data_folder(common.data));
     const auto dump = selection::open_file(o, o.file, selection::shape_given(o, scene), o.rows || !o.by.empty());
-    JudgeRequest request{.solids = selection::solids_given(o, scene, dump->format()), .limit = {.stop = common.stop}};
+    JudgeRequest request{.primitives = selection::primitives_given(o, scene, dump->format()),
+                         .limit = {.stop = common.stop}};
     if (scene) request.mesh = scene::rays::stored_mesh(*scene, dump->format().parameters);
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
-    const std::vector<Solid<double>> examples = scene::rays::examples_of(request.solids, request.mesh.get());
+    const std::vector<Primitive<double>> examples = scene::rays::examples_of(request.primitives, request.mesh.get());
     selection::put_under_matrices(*dump, examples);
     const Shapes shapes = selection::shapes_of_rays(dump->layout(), examples);
     const selection::Meets meets = [&](Shapes forms) {
@@ -197,8 +199,8 @@ Exit run(const JudgeWords& o, const Common& common) {
     const std::string stem = scene::toml::result_name(o.file);
     intersect::Info contract = selection::contract_of(o, *dump);
     if (dump->layout().decides_only()) contract.roots = intersect::Roots::none;
-    const Shape shape = dump->layout().solid() ? *dump->layout().solid() : examples.front().shape;
-    intersect::doors::require_front(contract.facing, shape, o.file);
+    const Shape shape = dump->layout().primitive() ? *dump->layout().primitive() : examples.front().shape;
+    intersect::external::require_front(contract.facing, shape, o.file);
     if (!shapes.are_several()) intersect::require_origin(contract.at_origin, contract.inside, shape, o.file);
     const measure::judge::FileForm answers(stem, shape, contract);
     if (dump->layout().has_answers()) request.file_form = &answers.form();
@@ -237,9 +239,9 @@ Exit run(const JudgeWords& o, const Common& common) {
     if (!o.against.empty()) selection::add_pairs(drawn);
     selection::note_without_formula(drawn, request.rows, common.quiet);
     auto asked = drawn;
-    selection::add_wish(o, made, asked);
+    selection::add_requirement(o, made, asked);
     request.metrics = metrics_of(asked, request, dump->layout().has_matrix(), made);
-    for (const Metric*& m : drawn) m = request.metrics[measure::metric::place_of(request.metrics, m->name)];
+    for (const Metric*& m : drawn) m = request.metrics[measure::metric::index_of(request.metrics, m->name)];
     const selection::ThreadLimit limit(common.threads);
 
     measure::truth::StageCounts stages;
@@ -250,12 +252,12 @@ Exit run(const JudgeWords& o, const Common& common) {
     request.progress = [&](std::uint64_t, std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
     std::vector<std::filesystem::path> read{o.file};
     if (scene) read.push_back(scene->path);
-    Divided divided = divide(o.shard, o.out, read, common);
+    RunDivision divided = divide(o.shard, o.out, read, common);
     shard::Division& division = divided.division;
     division.expect({"judge"});
     const auto folder = std::filesystem::path(o.out) / stem;
     std::unique_ptr<output::file::ResultFolder> owner;
-    if (!division.is_shard()) owner = own_folder(folder, common, output::blame::shell_word(o.file));
+    if (!division.is_shard()) owner = own_folder(folder, common, output::attribution::shell_word(o.file));
     output::judge::JudgeFiles files(request, *dump,
                                     {.folder = folder,
                                      .id = stem,
@@ -291,7 +293,7 @@ Exit run(const JudgeWords& o, const Common& common) {
     }
     if (const auto file = request.file_place())
         note_suspicions({request.rows[*file]}, common, [&](const measure::evaluate::TestedForm&) {
-            const std::string words = measure::contract::suspicion(result.first, measure::contract::Whose::file,
+            const std::string words = measure::contract::suspicion(result.first, measure::contract::AnswerSource::file,
                                                                    result.misses_beside_first(result.summaries[*file]));
             const bool all = result.first_are_all(result.summaries[*file]);
             return measure::contract::on_rays_of(o.file, all ? result.rays : result.first.size(), result.rays,
@@ -304,10 +306,11 @@ Exit run(const JudgeWords& o, const Common& common) {
 
 void add_judge(const shell::Command& program, const Common& common) {
     auto command = program.add_command("judge", "Rays, and answers if there are any, from a file: CSV, .npy or raw");
-    const auto o = std::make_shared<JudgeWords>();
+    const auto o = std::make_shared<JudgeOptions>();
     o->stop = common.stop;
     command
-        .add("FILE", o->file, "Columns ox,oy,oz,dx,dy,dz, perhaps tmin and tmax, a solid's and its matrix's, hit and t")
+        .add("FILE", o->file,
+             "Columns ox,oy,oz,dx,dy,dz, perhaps tmin and tmax, a primitive's and its matrix's, hit and t")
         .required();
     selection::add_ray_options(command, *o);
     command.add_list("-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");

@@ -5,11 +5,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "analysis/selection/doors.hpp"
+#include "analysis/selection/external.hpp"
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "intersect/conventions.hpp"
-#include "measure/blame/culprits.hpp"
+#include "measure/attribution/culprits.hpp"
 #include "measure/consistency/check.hpp"
 #include "measure/offset/strategy.hpp"
 #include "output/file/escape.hpp"
@@ -54,9 +54,9 @@ using Words = std::array<std::string_view, n>;
 /// The right answer for a ray that starts inside.
 std::string from_inside(intersect::Inside said, Shape shape) {
     if (said != intersect::Inside::usual) return std::string(intersect::inside_names[static_cast<std::size_t>(said)]);
-    if (!is_solid(shape)) return "by solid";
+    if (!is_primitive(shape)) return "by primitive";
     if (is_flat(shape)) return "none";
-    return zero_inside(shape) ? "zero" : "exit";
+    return inside_returns_zero(shape) ? "zero" : "exit";
 }
 
 Listing intersectors(const Common& /*common*/) {
@@ -92,23 +92,24 @@ Listing formats(const Common& /*common*/) {
 }
 
 /// Methods to transform a ray to the object space of a primitive.
-Listing spaces(const Common& /*common*/) {
-    return listing({"name", "title", "direction", "source"}, intersect::space::spaces(), [](const auto& s) {
-        return Words<4>{s.info->name, s.info->title, s.info->direction == intersect::Direction::unit ? "unit" : "any",
-                        s.info->source};
-    });
+Listing transforms(const Common& /*common*/) {
+    return listing(
+        {"name", "title", "direction", "source"}, intersect::transform::transform_methods(), [](const auto& s) {
+            return Words<4>{s.info->name, s.info->title,
+                            s.info->direction == intersect::Direction::unit ? "unit" : "any", s.info->source};
+        });
 }
 
 /// Methods to compute the bounding box of a primitive.
-Listing hulls(const Common& /*common*/) {
-    return listing({"name", "title", "source"}, intersect::hull::hulls(), [](const auto& way) {
+Listing box_methods(const Common& /*common*/) {
+    return listing({"name", "title", "source"}, intersect::bounding_box::box_methods(), [](const auto& way) {
         return Words<3>{way.info->name, way.info->title, way.info->source};
     });
 }
 
 /// Ray generators, which make the ray of a pixel.
-Listing makers(const Common& /*common*/) {
-    return listing({"name", "title", "begins", "source"}, scene::camera::makers(), [](const auto& m) {
+Listing ray_generators(const Common& /*common*/) {
+    return listing({"name", "title", "begins", "source"}, scene::camera::ray_generators(), [](const auto& m) {
         return Words<4>{m.info->name, m.info->title, m.info->from_near ? "near plane" : "eye", m.info->source};
     });
 }
@@ -126,7 +127,8 @@ Listing metric_table(const Common& /*common*/) {
     };
     for (const char* name : {"contribution:LABEL", "cancellation:LABEL"})
         add(name, name, true, "; `lostbits list labels` shows the labels of each form");
-    add("step:NAME", "step:origin", true, fmt::format("; one of {}", fmt::join(intersect::space::step_names, ", ")));
+    add("step:NAME", "step:origin", true,
+        fmt::format("; one of {}", fmt::join(intersect::transform::step_names, ", ")));
     add("tolerance:LENGTH", "tolerance:0.001", false, ", or any other number");
     add("enough_bits:BITS", "enough_bits:16", false, ", or any other number");
     return l;
@@ -157,7 +159,7 @@ Listing checks(const Common& /*common*/) {
 Listing devices(const Common& common) {
     Listing l{{"name", "renderer", "version", "dot", "arithmetic"}};
     for (const std::string& kind : selection::devices_of({"all"})) {
-        const selection::DeviceTold told = selection::ask_device(kind, common.doors);
+        const selection::DeviceReport told = selection::ask_device(kind, common.external);
         const auto fact = [&told](std::string_view key) {
             const auto found =
                 std::ranges::find(told.facts, key, [](const auto& f) -> std::string_view { return f.first; });
@@ -174,12 +176,12 @@ Listing devices(const Common& common) {
 
 /// The labels of each form's operations, recorded with one primitive of its shape.
 Listing labels(const Common& /*common*/) {
-    std::vector<Solid<double>> solids;
-    for (const ShapeRow& row : shape_rows) solids.push_back(solid_around<double>(row.shape, {0, 0, 5}, 1));
+    std::vector<Primitive<double>> primitives;
+    for (const ShapeRow& row : shape_rows) primitives.push_back(primitive_around<double>(row.shape, {0, 0, 5}, 1));
     const intersect::MarchConstants<double> march{};  // labels do not depend on its numbers
     return listing({"name", "labels"}, lostbits::intersect::table::intersectors(), [&](const auto& form) {
-        auto all = measure::blame::labels_of(
-            form, {!is_solid(form.shape) ? std::span(solids).first(1) : std::span(solids), &march});
+        auto all = measure::attribution::labels_of(
+            form, {!is_primitive(form.shape) ? std::span(primitives).first(1) : std::span(primitives), &march});
         std::ranges::sort(all);  // the order on the tape depends on the order in which the compiler evaluates arguments
         return Row{std::string(form.info->name), fmt::format("{}", fmt::join(all, " "))};
     });
@@ -289,13 +291,21 @@ void print_json(const Listing& l) {
 
 /// In the order of the help.
 constexpr std::pair<const char*, Listing (*)(const Common&)> lists[] = {
-    {"forms", intersectors},    {"intersectors", intersectors},
-    {"labels", labels},         {"formats", formats},
-    {"metrics", metric_table},  {"scenes", scenes},
-    {"sweeps", sweeps},         {"claims", claims},
-    {"strategies", strategies}, {"checks", checks},
-    {"spaces", spaces},         {"hulls", hulls},
-    {"makers", makers},         {"devices", devices}};
+    {"forms", intersectors},
+    {"intersectors", intersectors},
+    {"labels", labels},
+    {"formats", formats},
+    {"metrics", metric_table},
+    {"scenes", scenes},
+    {"sweeps", sweeps},
+    {"claims", claims},
+    {"strategies", strategies},
+    {"checks", checks},
+    {"transforms", transforms},
+    {"boxes", box_methods},
+    {"generators", ray_generators},
+    {"devices", devices},
+};
 
 Exit run(const std::string& what, bool json, const Common& common) {
     const Listing made = std::ranges::find(lists, what, [](const auto& list) { return list.first; })->second(common);
@@ -309,8 +319,8 @@ Exit run(const std::string& what, bool json, const Common& common) {
 void add_list(const shell::Command& program, const Common& common) {
     auto command = program.add_command("list",
                                        "List forms (intersectors), labels of their operations, formats, metrics, "
-                                       "scenes, sweeps, claims, strategies, checks, spaces, hulls, makers of rays, "
-                                       "devices");
+                                       "scenes, sweeps, claims, strategies, checks, transforms, bounding boxes, "
+                                       "ray generators, devices");
     const auto what = std::make_shared<std::string>("forms");
     const auto json = std::make_shared<bool>(false);
     std::vector<std::string> names;

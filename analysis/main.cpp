@@ -9,7 +9,7 @@
 #include <new>
 #include <system_error>
 
-#include "analysis/selection/doors.hpp"
+#include "analysis/selection/external.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/subject_kinds.hpp"
 #include "analysis/shard/division.hpp"
@@ -19,7 +19,7 @@
 #include "analysis/shell/renamed.hpp"
 #include "analysis/shell/table_on_stdout.hpp"
 #include "commands.hpp"
-#include "intersect/doors/guard.hpp"
+#include "intersect/external/guard.hpp"
 #include "intersect/process/floating_point.hpp"
 #include "intersect/process/own_state.hpp"
 #include "intersect/simd/packed.hpp"
@@ -53,30 +53,30 @@ void add_common(const shell::Command& program, Common& common) {
                 shell::one_of({intersect::simd::isa_names.begin(), intersect::simd::isa_names.end()}));
 }
 
-void add_doors(const shell::Command& program, selection::DoorWords& doors) {
-    program.add("--plugin", doors.plugins,
+void add_external_options(const shell::Command& program, selection::ExternalOptions& external) {
+    program.add("--plugin", external.plugins,
                 "A library of intersectors of your own (lostbits_plugin.h); its forms stand beside the others. May "
                 "be repeated");
-    program.add("--pipe", doors.pipes,
+    program.add("--pipe", external.pipes,
                 "A command that reads rays on its standard input and answers on its standard output, in any "
                 "language; its forms stand beside the others. May be repeated");
-    program.add("--shader", doors.shaders,
+    program.add("--shader", external.shaders,
                 "A file of GLSL or HLSL with a function that intersects, run by this machine's driver; its form "
                 "shader.NAME stands beside the others. FILE.glsl:FUNCTION names one of several. May be repeated");
-    program.add("--function", doors.functions,
+    program.add("--function", external.functions,
                 "A function of C, C++ or Rust as it stands, compiled by clang or rustc: FILE.c:NAME. Its form "
                 "function.NAME stands beside the others, in every format and with its operations. May be repeated");
-    program.add_list("--device", doors.devices,
+    program.add_list("--device", external.devices,
                      "What runs --shader: opengl, vulkan, or all that there are (default: the first that there is)");
     const auto isolate =
-        program.add("--isolate", doors.isolate,
+        program.add("--isolate", external.isolate,
                     "Run libraries in processes of their own, so that none can end the program (default: for "
                     "`check`, and wherever CI is set in the environment; not those of formulas)");
     program
-        .add("--in-process", doors.in_process,
+        .add("--in-process", external.in_process,
              "Run libraries in the program itself: faster, and a crash or exit of theirs ends it with 3")
         .excludes(isolate);
-    program.add("--time-limit", doors.seconds,
+    program.add("--time-limit", external.seconds,
                 "Seconds that --plugin, --pipe and --shader may take for a batch, and a compiler for --function (30)",
                 shell::number_from(0.1, 1e6));
 }
@@ -136,10 +136,10 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     shell::CommandLine program("lostbits", program_and_version, description);
     Common common;
     common.joined = std::move(joined);
-    common.doors.ends_with = shell::tell_status;
-    common.stop = common.doors.stop = shell::stop_by_signal();
+    common.external.ends_with = shell::tell_status;
+    common.stop = common.external.stop = shell::stop_by_signal();
     add_common(program, common);
-    add_doors(program, common.doors);
+    add_external_options(program, common.external);
     for (const auto add : {add_check, add_choose, add_consistency, add_devices, add_diff, add_explain, add_judge,
                            add_list, add_map, add_mend})
         add(program, common);
@@ -152,7 +152,7 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
         add(program, common);
     add_shell(program);
     add_examples(program);
-    const shell::NewWords read = shell::with_new_names(program, words);
+    const shell::UpdatedArguments read = shell::with_new_names(program, words);
     try {
         const auto parsed = program.parse(read.words);
         if (parsed == shell::CommandLine::Parsed::help) fmt::print("{}", shell::help_page(program, below_help));
@@ -170,13 +170,13 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     selection::refuse_other_kinds(program, selection::data_folder(common.data));
     if (const auto isa = intersect::simd::isa_named(common.isa)) intersect::simd::set_isa(*isa);
     const auto named = [name = program.given().at(1).name()](const char* command) { return name == command; };
-    if (!named("shader") && !named("devices")) selection::decide_where(common.doors, named("check"));
+    if (!named("shader") && !named("devices")) selection::decide_where(common.external, named("check"));
     if (!named("plugin") && !named("shader") && !named("devices")) {
-        if (!common.quiet) selection::note_where(common.doors, named("trade") || named("choose"));
-        if (const std::string here = selection::loaded_here(common.doors); !here.empty())
-            shell::supervise(here, common.doors.seconds);
-        common.doors.quiet = common.quiet;
-        selection::open_doors(common.doors, common.threads);
+        if (!common.quiet) selection::note_where(common.external, named("trade") || named("choose"));
+        if (const std::string here = selection::loaded_here(common.external); !here.empty())
+            shell::supervise(here, common.external.seconds);
+        common.external.quiet = common.quiet;
+        selection::open_external(common.external, common.threads);
         shell::open_standard_streams();  // a library may have closed one
         if (!common.quiet) {
             selection::note_states();
@@ -188,7 +188,7 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     table.write();
     // `plugin` prints these notes itself, or its caller does.
     if (!common.quiet && !named("plugin")) {
-        for (const std::string& note : intersect::doors::changes_noted())
+        for (const std::string& note : intersect::external::changes_noted())
             fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(note));
     }
     return code;
@@ -204,7 +204,7 @@ namespace {
 [[noreturn]] void on_terminate() {
     lostbits::output::file::remove_partial_files();
     // Without foreign code in the process, an uncaught exception is a bug of lostbits.
-    const char* const who = lostbits::intersect::doors::foreign_code_here();
+    const char* const who = lostbits::intersect::external::foreign_code_here();
     const bool is_foreign = lostbits::intersect::process::has_foreign_code();
     auto code = lostbits::Exit::environment;
     try {

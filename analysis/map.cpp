@@ -7,16 +7,16 @@
 #include <optional>
 #include <set>
 
-#include "analysis/selection/doors.hpp"
+#include "analysis/selection/external.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/shard/pieces.hpp"
 #include "commands.hpp"
 #include "intersect/conventions.hpp"
-#include "measure/blame/culprits.hpp"
+#include "measure/attribution/culprits.hpp"
 #include "measure/contract/suspect.hpp"
 #include "measure/evaluate/culprit_order.hpp"
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/map/map_exr.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/needed_files.hpp"
@@ -47,7 +47,7 @@ std::string input_of(const MapOptions& o) {
 
 /// The command that makes the same EXR again, with exactly the options that decide its bytes.
 std::string canonical_command(const Scene& scene, const MapOptions& o) {
-    return fmt::format("lostbits map {}{}{}{}{}{}{}{} --exr{}", scene.id, output::blame::where_forms_are_from(),
+    return fmt::format("lostbits map {}{}{}{}{}{}{}{} --exr{}", scene.id, output::attribution::where_forms_are_from(),
                        each(" -i '", o.forms, "'"), each(" -f ", o.formats),
                        each(" --metric ", o.metrics) + (o.range.empty() ? "" : " --range " + o.range),
                        o.envelope ? " --envelope" : "", o.against.empty() ? "" : " --against " + o.against,
@@ -86,9 +86,9 @@ SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<Tes
                    {}};
     work.map.metrics =
         made.for_forms(selection::measured(wanted, work.map.rows), measure::evaluate::forms_of(work.map.rows),
-                       [&scene] { return measure::blame::SettingOf(scene); });
+                       [&scene] { return measure::attribution::SettingOf(scene); });
     work.map.metrics = measure::evaluate::order_culprits(work.map, made);
-    if (o.bits_needed > 0) selection::refuse_makers(rows, "--bits");
+    if (o.bits_needed > 0) selection::refuse_generators(rows, "--bits");
     if (o.bits_needed > 0)
         work.needed.emplace(NeededRequest{.scene = scene,
                                           .forms = forms_of_any_width(work.map.rows),
@@ -168,7 +168,7 @@ void say_results(const SceneWork& work, const SceneSummaries& summaries, const s
 }
 
 /// The surroundings of the work on a scene: options, progress, division.
-struct Around {
+struct MapContext {
     const Common& common;
     output::file::Progress& progress;
     shard::Division& division;
@@ -178,10 +178,10 @@ struct Around {
 /// Maps one scene. Returns the number of its rays without a proved truth; 0 in a shard, since the whole run counts
 /// them.
 std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<const Metric*>& drawn,
-                        const Around& around) {
-    const Common& common = around.common;
-    output::file::Progress& progress = around.progress;
-    shard::Division& division = around.division;
+                        const MapContext& context) {
+    const Common& common = context.common;
+    output::file::Progress& progress = context.progress;
+    shard::Division& division = context.division;
     const Scene& scene = *work.map.scene;
     const std::string job = "map " + scene.id, needed_job = "needed " + scene.id;
     work.map.share = division.share();
@@ -214,7 +214,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
     SceneSummaries summaries;
     if (division.joins()) shard::join_into(files, summaries.map, *work.map.stages, division, job);
     else summaries.map = measure::evaluate::evaluate_rows(work.map, files.shows());
-    if (division.is_shard()) division.put(job, shard::Noted::end, summaries.map, *work.map.stages);
+    if (division.is_shard()) division.put(job, shard::RecordKind::end, summaries.map, *work.map.stages);
     if (work.needed && division.joins()) {
         measure::truth::StageCounts none;
         shard::join_into(*needed_files, summaries.needed, none, division, needed_job);
@@ -229,12 +229,13 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
             request, [&](std::size_t form, const auto& band) { needed_files->band(form, band); });
     }
     if (division.is_shard()) {
-        if (work.needed) division.put(needed_job, shard::Noted::end, summaries.needed, measure::truth::StageCounts{});
+        if (work.needed)
+            division.put(needed_job, shard::RecordKind::end, summaries.needed, measure::truth::StageCounts{});
         return 0;
     }
     if (work.needed) needed_files->finish(summaries.needed);
     files.finish(summaries.map);
-    around.complete();
+    context.complete();
     if (!common.quiet) progress.aside([&] { say_results(work, summaries, folder, common.verbose); });
     return summaries.map.front().count(Outcome::unresolved);
 }
@@ -242,7 +243,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
 /// The metrics to draw for one scene, as its work measures them.
 std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const SceneWork& work) {
     std::ranges::transform(asked, asked.begin(), [&work](const Metric* m) {
-        return work.map.metrics[measure::metric::place_of(work.map.metrics, m->name)];
+        return work.map.metrics[measure::metric::index_of(work.map.metrics, m->name)];
     });
     return asked;
 }

@@ -1,4 +1,4 @@
-#include "measure/mend/mend.hpp"
+#include "measure/repair/mend.hpp"
 
 #include <fmt/format.h>
 
@@ -13,21 +13,21 @@
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
-#include "output/mend/mend_files.hpp"
+#include "output/repair/mend_files.hpp"
 
 namespace lostbits::analysis {
 
-using measure::mend::MendRequest;
-using output::mend::MendResult;
+using measure::repair::MendRequest;
+using output::repair::MendResult;
 
 namespace {
 
 struct MendOptions {
     std::vector<std::string> subjects;  ///< one scene, or files of rays
     selection::SceneChoice changes;
-    selection::RayFileWords rays;
+    selection::RayFileOptions rays;
     std::string form, format = "f32", wider = "double", at = "max", out, emit, compiler = "c++";
     bool price = false;
     double bits = 0, wrong = 0;
@@ -45,10 +45,10 @@ measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id
     if (!forms.front()->exists_in(formats.front()))
         throw InputError(fmt::format("-f {}: {} does not exist in it; its formats: {}", o.format, o.form,
                                      selection::formats_of(*forms.front())));
-    selection::refuse_makers(forms, "mend");
+    selection::refuse_generators(forms, "mend");
     const auto* form = forms.front();
-    if (meets(form->shapes().placed()) && is_solid(form->shape) && !form->is_placed)
-        form = &intersect::space::through(intersect::space::usual_space(), *form);
+    if (meets(form->shapes().placed()) && is_primitive(form->shape) && !form->is_placed)
+        form = &intersect::transform::through(intersect::transform::usual_transform_method(), *form);
     if (!meets(form->shapes()))
         throw NothingSelected(fmt::format("{} is not a form for the primitives of {}{}", o.form, id,
                                           selection::words_to_meet({{form, *find_format(o.format)}}, meets)));
@@ -58,14 +58,14 @@ measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id
 /// Times the form, its repairs and the catalogue in one run. If nothing can be compiled, records the reason.
 void add_prices(MendResult& result, const MendOptions& o, const std::string& command) {
     const MendRequest& request = result.request;
-    std::vector<measure::mend::Written> written;
+    std::vector<measure::repair::Written> written;
     const auto proposals = proposals_of(result);
     for (const auto& proposal : proposals) {
         const std::string name = fmt::format("mended{}", written.size() + 1);
-        written.push_back(output::mend::written(result, proposal, name, command));
+        written.push_back(output::repair::written(result, proposal, name, command));
     }
     try {
-        std::vector<intersect::doors::Formula> formulas;
+        std::vector<intersect::external::Formula> formulas;
         if (!written.empty()) formulas = compiled(request, written, {o.compiler, selection::form_flags_folder()});
         std::vector<measure::evaluate::TestedForm> rows{request.row};
         for (const auto& formula : formulas) rows.push_back({.form = &formula.row, .format = request.row.format});
@@ -77,7 +77,7 @@ void add_prices(MendResult& result, const MendOptions& o, const std::string& com
 }
 
 std::string command_of(const MendOptions& o) {
-    using output::blame::shell_word;
+    using output::attribution::shell_word;
     std::string words = fmt::format("lostbits mend {} -i {} -f {} --bits {:.12g}", shell_word(o.subjects.front()),
                                     shell_word(o.form), shell_word(o.format), o.bits);
     const auto add = [&words](const char* option, const std::string& value) {
@@ -127,7 +127,7 @@ public:
 
     /// Makes these files the subject of the request.
     void become_subject_of(MendRequest& request) {
-        rays_ = judged(request, measure::mend::catalogue_beside(request.row));
+        rays_ = judged(request, measure::repair::catalogue_beside(request.row));
         if (!common_.quiet) selection::note_rounded(rays_.name, rays_.rounded, rays_.format);
         request.rays = &rays_;
         request.on_all = [this, &request](const std::vector<Tape>& tapes) {
@@ -138,7 +138,7 @@ public:
                 rows.push_back({.form = &forms.back().row(), .format = request.row.format});
             }
             opened_ = open();
-            return judged(request, rows).worth;
+            return judged(request, rows).quality;
         };
     }
 
@@ -148,7 +148,7 @@ private:
     }
     measure::choice::FileRays judged(const MendRequest& request,
                                      const std::vector<measure::evaluate::TestedForm>& rows) {
-        measure::choice::ChoiceRequest asked{.rows = rows, .wish = request.wish};
+        measure::choice::ChoiceRequest asked{.rows = rows, .requirement = request.requirement};
         asked.limit = request.limit;
         return judge_rays(*opened_.dump, opened_.terms, asked);
     }
@@ -190,14 +190,14 @@ Exit run(const MendOptions& o, const Common& common) {
         throw InputError("--emit " + o.emit +
                          ": a shader gets a primitive without a matrix; write .hpp, or mend the form without its "
                          "transform, -i " +
-                         std::string(intersect::hull::innermost(*request.row.form).info->name));
-    request.wish = {.bits = o.bits, .wrong = o.wrong, .quantile = quantile_at(o.at)};
+                         std::string(intersect::bounding_box::innermost(*request.row.form).info->name));
+    request.requirement = {.bits = o.bits, .wrong = o.wrong, .quantile = quantile_at(o.at)};
     request.limit.stop = common.stop;
     const selection::ThreadLimit limit(common.threads);
     if (rays) rays->become_subject_of(request);
     const std::string subject = scene ? selection::name_of_scene(*scene, data) : rays->words();
     std::unique_ptr<output::file::ResultFolder> owner;
-    std::optional<output::mend::MendFiles> files;
+    std::optional<output::repair::MendFiles> files;
     if (!o.out.empty()) {
         const auto folder = std::filesystem::path(o.out) / request.id();
         owner = own_folder(folder, common, subject);
@@ -205,8 +205,8 @@ Exit run(const MendOptions& o, const Common& common) {
     }
     std::optional<output::file::AtomicFile> header;
     if (!o.emit.empty()) header.emplace(o.emit);
-    const measure::mend::Mended mended = mend(request);
-    MendResult result = output::mend::result_of(request, mended);
+    const measure::repair::Mended mended = mend(request);
+    MendResult result = output::repair::result_of(request, mended);
     const std::string command = scene ? command_of(o) : common.typed.of(subject);
     if (o.price) add_prices(result, o, command);
     if (header) {
@@ -218,19 +218,19 @@ Exit run(const MendOptions& o, const Common& common) {
         write_page(files->folder() / "index.html", result, common.typed.of(subject) + " -o out");
     }
     complete(owner);
-    fmt::print("{}", output::mend::in_words(result));
+    fmt::print("{}", output::repair::in_words(result));
     if (files && !common.quiet)
         for (const char* name : {"mend.csv", "index.html"}) fmt::print("{}\n", (files->folder() / name).string());
-    const bool met = mended.set || best_of(proposals_of(result), request.wish);
+    const bool met = mended.set || best_of(proposals_of(result), request.requirement);
     return met ? Exit::done : Exit::answer_is_no;
 }
 
 }  // namespace
 
 void add_mend(const shell::Command& program, const Common& common) {
-    auto command = program.add_command(
-        "mend",
-        "What to change in a form so that it meets a wish on a scene: the fewest operations wider, or other formulas");
+    auto command = program.add_command("mend",
+                                       "What to change in a form so that it meets a requirement on a scene: the fewest "
+                                       "operations wider, or other formulas");
     const auto o = std::make_shared<MendOptions>();
     o->changes.stop = o->rays.stop = common.stop;
     command

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "analysis/selection/doors.hpp"
+#include "analysis/selection/external.hpp"
 #include "analysis/shell/process.hpp"
 #include "commands.hpp"
-#include "intersect/doors/formulas.hpp"
-#include "intersect/doors/pipe.hpp"
-#include "intersect/doors/plugin.hpp"
+#include "intersect/external/formulas.hpp"
+#include "intersect/external/pipe.hpp"
+#include "intersect/external/plugin.hpp"
 #include "intersect/process/own_state.hpp"
 #include "measure/contract/probe.hpp"
 #include "shapes/number_names.hpp"
@@ -21,8 +21,8 @@ namespace lostbits::analysis {
 
 namespace {
 
-using intersect::doors::Contract;
-using intersect::doors::ForeignForm;
+using intersect::external::Contract;
+using intersect::external::ForeignForm;
 using measure::contract::Observation;
 
 /// Answers requests on standard input with the forms of a library. If it cannot load the library, it sends the reason
@@ -32,12 +32,12 @@ Exit serve(const std::string& named) {
     intersect::process::keep_own_state();
     std::vector<ForeignForm> forms;
     try {
-        forms = intersect::doors::load_plugin(intersect::doors::find_plugin(named));
+        forms = intersect::external::load_plugin(intersect::external::find_plugin(named));
     } catch (const Error& error) {  // the process at the other end reports it
-        const std::string words = intersect::doors::refusal_of(error);
+        const std::string words = intersect::external::refusal_of(error);
         return write(answers, words.data(), words.size()) < 0 ? Exit::environment : error.code();
     }
-    if (intersect::doors::serve_pipe(forms, STDIN_FILENO, answers)) return Exit::done;
+    if (intersect::external::serve_pipe(forms, STDIN_FILENO, answers)) return Exit::done;
     throw InputError(
         "plugin serve: standard input is not a request of lostbits-pipe/1; only `lostbits … --plugin LIBRARY "
         "--isolate` runs this command");
@@ -74,14 +74,14 @@ bool show_trial(const ForeignForm& form, const std::optional<ForeignForm>& first
 
 /// Checks every form of a library or of a command. Returns answer_is_no if a form breaks one of its promises.
 Exit try_forms(const std::string& library, const Common& common) {
-    selection::DoorWords words = common.doors;
+    selection::ExternalOptions words = common.external;
     if (!library.empty()) words.plugins.push_back(library);
     if (const std::string here = selection::loaded_here(words); !here.empty()) shell::supervise(here, words.seconds);
     const auto [forms, formulas] = selection::open_each(words, common.threads);
     if (forms.empty()) throw InputError("plugin check: name a library, or a command by --pipe");
     bool good = true;
     for (const ForeignForm& form : forms)
-        good = show_trial(form, intersect::doors::first_of(formulas, form), common.quiet) && good;
+        good = show_trial(form, intersect::external::first_of(formulas, form), common.quiet) && good;
     return good ? Exit::done : Exit::answer_is_no;
 }
 

@@ -6,13 +6,13 @@
 #include <set>
 
 #include "analysis/report/report_parts.hpp"
-#include "analysis/selection/doors.hpp"
+#include "analysis/selection/external.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/ray_numbers.hpp"
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"
-#include "measure/blame/culprits.hpp"
+#include "measure/attribution/culprits.hpp"
 #include "measure/speed/timing.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
@@ -149,7 +149,7 @@ struct Work {
 };
 
 void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesystem::path& data,
-                const selection::ChosenRows& chosen, intersect::process::StopToken stop) {
+                const selection::SelectedRows& chosen, intersect::process::StopToken stop) {
     std::vector<TestedForm> fit;
     const auto kind = scene::sweep::sweep_kind(path);
     // These kinds have no plots, only numbers, and take long.
@@ -211,7 +211,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
                 wanted.push_back(measure::metric::find_metric(metric));
             if (scene.pixels() <= small_map) wanted.push_back(measure::metric::find_metric("culprit"));
             auto all = work.made.for_forms(selection::measured(wanted, fit), measure::evaluate::forms_of(fit),
-                                           [&scene] { return measure::blame::SettingOf(scene); });
+                                           [&scene] { return measure::attribution::SettingOf(scene); });
             // Leaves out `residual` by default: its layer of floats would be the largest part of most pages.
             std::erase_if(all, [&](const Metric* m) {
                 return m->name == "residual" && std::ranges::find(asked, m) == asked.end();
@@ -296,8 +296,8 @@ Exit run(const ReportOptions& o, const Common& common) {
     for (const ChoiceWork& choice : work.choices) report.choices.push_back(choice_part(choice, common.stop));
     for (const report::MendWork& mend : work.mends) report.mends.push_back(mend_part(mend, common.stop));
     if (o.trade) {
-        for (const ShapeRow& solid : shape_rows) {
-            const Shape shape = solid.shape;
+        for (const ShapeRow& primitive : shape_rows) {
+            const Shape shape = primitive.shape;
             const auto rows = selection::fitting(timed_rows(o), [shape](Shapes forms) { return forms == shape; });
             if (!rows.empty()) report.trades.push_back(report::trade_part(shape, rows, common.stop));
         }
@@ -334,9 +334,10 @@ void add_report(const shell::Command& program, const Common& common) {
     command.add("--no-claims", o->no_claims, "Leave claims out");
     command.add("--all", o->all, "Every scene and sweep under data");
     command.add("--trade", o->trade, "Also measure speed, briefly; the page then differs from run to run");
-    command.add_list("--choose", o->choices,
-                     "Also what is the cheapest form for a scene and a wish: SCENE:BITS, or SCENE:BITS:max for bits of "
-                     "every hit; the page then differs from run to run");
+    command.add_list(
+        "--choose", o->choices,
+        "Also what is the cheapest form for a scene and a requirement: SCENE:BITS, or SCENE:BITS:max for bits of "
+        "every hit; the page then differs from run to run");
     command.add_list("--mend", o->mends,
                      "Also what to change in a form so that it keeps bits of every hit of a scene: SCENE:FORM:BITS, or "
                      "SCENE:FORM:BITS:p99 (default: none, or those of data/report.toml where no SUBJECT is named)");

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "analysis/selection/select.hpp"
-#include "intersect/doors/plugin.hpp"
+#include "intersect/external/plugin.hpp"
 #include "measure/answer/against.hpp"
 #include "measure/choice/candidates.hpp"
 #include "measure/truth/truth.hpp"
@@ -26,7 +26,7 @@ std::unique_ptr<output::file::ResultFolder> own_folder(const std::filesystem::pa
                                                        const std::string& subject,
                                                        output::file::ResultFolder::Rules rules) {
     rules.force = common.force;
-    output::file::MadeBy by{common.typed.of(subject), program_and_version};
+    output::file::Provenance by{common.typed.of(subject), program_and_version};
     for (const auto& row : intersect::table::intersectors().subspan(intersect::table::catalogue().size()))
         by.forms.emplace_back(row.info->name, row.info->source);
     return std::make_unique<output::file::ResultFolder>(folder, std::move(by), rules);
@@ -65,17 +65,17 @@ std::uint64_t SceneFolders::each(std::size_t scenes, output::file::Progress& pro
     return unproved;
 }
 
-std::vector<scene::file::Scene> scenes_of_solids(const selection::SharedOptions& shared,
-                                                 std::vector<measure::evaluate::TestedForm>& rows, const char* name,
-                                                 const Common& common, void (*require)(const scene::file::Scene&)) {
+std::vector<scene::file::Scene> scenes_of_primitives(const selection::SharedOptions& shared,
+                                                     std::vector<measure::evaluate::TestedForm>& rows, const char* name,
+                                                     const Common& common, void (*require)(const scene::file::Scene&)) {
     using scene::file::Scene;
     auto scenes = selection::load_scenes(shared.scenes, selection::data_folder(common.data));
     selection::refuse_made_rays(scenes, name);
-    selection::refuse_makers(rows, name);
+    selection::refuse_generators(rows, name);
     for (const Scene& scene : scenes) require(scene);
     const auto met = selection::drop_unfitting(
         scenes, {rows, shared.forms, common.quiet},
-        [](const Scene& s, Shapes forms) { return selection::are_solids(forms) && s.meets(forms); },
+        [](const Scene& s, Shapes forms) { return selection::are_primitives(forms) && s.meets(forms); },
         [](const Scene& s) { return s.id; });
     selection::note_unmeasured(shared.forms, met, common.quiet);
     return scenes;
@@ -93,16 +93,16 @@ void add_shard(const shell::Command& command, std::string& word) {
 std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, const Common& common) {
     output::shard::InputHash inputs;
     for (const auto& file : files) inputs.add_file(file);
-    for (const std::string& plugin : common.doors.plugins) {
+    for (const std::string& plugin : common.external.plugins) {
         std::error_code ignored;
-        const std::string file = plugin.substr(intersect::doors::prefix_of_plugin(plugin).size());
+        const std::string file = plugin.substr(intersect::external::prefix_of_plugin(plugin).size());
         if (std::filesystem::is_regular_file(file, ignored)) inputs.add_file(file);
     }
     return inputs.value();
 }
 
-Divided divide(const std::string& word, const std::string& out, const std::vector<std::filesystem::path>& files,
-               const Common& common, bool resumed) {
+RunDivision divide(const std::string& word, const std::string& out, const std::vector<std::filesystem::path>& files,
+                   const Common& common, bool resumed) {
     if (word.empty() && !common.joined) return {.division = {}, .out = out};
     const auto share = word.empty() ? measure::shard::Share{} : shard::share_named(word);
     const output::shard::StateHead head{program_and_version, common.typed.text(), hash_of_inputs(files, common), share};
@@ -112,12 +112,12 @@ Divided divide(const std::string& word, const std::string& out, const std::vecto
     }
     const auto folder = std::filesystem::path(out) / shard::folder_name(share);
     auto owner = std::make_unique<output::file::ResultFolder>(
-        folder, output::file::MadeBy{fmt::format("{} --shard {}", common.typed.text(), word), program_and_version},
+        folder, output::file::Provenance{fmt::format("{} --shard {}", common.typed.text(), word), program_and_version},
         output::file::ResultFolder::Rules{.force = common.force, .keep = resumed});
     return {.division = shard::Division(folder, head), .folder = std::move(owner), .out = folder};
 }
 
-void finish(Divided& divided, const Common& common) {
+void finish(RunDivision& divided, const Common& common) {
     divided.division.finish();
     complete(divided.folder);
     if (divided.division.is_shard() && !common.quiet)
@@ -164,7 +164,7 @@ void note_suspicions(const std::vector<measure::evaluate::TestedForm>& rows, con
 void print_pairs(const std::vector<measure::evaluate::TestedForm>& rows,
                  const std::vector<const measure::metric::Metric*>& metrics,
                  const std::vector<measure::evaluate::FormSummary>& summaries) {
-    const std::size_t against = measure::metric::place_of(metrics, "against");
+    const std::size_t against = measure::metric::index_of(metrics, "against");
     if (against == metrics.size()) return;
     for (std::size_t r = 0; r < rows.size(); ++r) {
         if (rows[r].against == nullptr) continue;
@@ -186,7 +186,7 @@ std::string lost_or_withheld(const measure::evaluate::FormSummary& summary, std:
 
 void print_table(const measure::evaluate::EvaluationRequest& request,
                  const std::vector<measure::evaluate::FormSummary>& summaries) {
-    const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits");
+    const std::size_t lost = measure::metric::index_of(request.metrics, "lost_bits");
     const bool mesh = request.scene != nullptr && request.scene->mesh;
     const auto of_mesh = [mesh](const auto& crack, const auto& twice, const auto& beside, const auto& order) {
         return mesh ? fmt::format("{:>7} {:>10} {:>15} {:>12} ", crack, twice, beside, order) : std::string();
@@ -202,7 +202,7 @@ void print_table(const measure::evaluate::EvaluationRequest& request,
                    request.rows[r].format.name,
                    of_mesh(s.count(Outcome::crack), s.count(Outcome::double_hit), s.count(Outcome::wrong_neighbour),
                            s.count(Outcome::out_of_order)),
-                   s.count(measure::answer::Outcome::wrong_object), s.count(measure::answer::Outcome::false_hit),
+                   s.count(measure::answer::Outcome::wrong_primitive), s.count(measure::answer::Outcome::false_hit),
                    s.count(measure::answer::Outcome::false_miss), s.count(measure::answer::Outcome::not_a_number),
                    s.count(measure::answer::Outcome::agree_hit), lost_or_withheld(s, lost, 0.5),
                    lost_or_withheld(s, lost, 0.99));

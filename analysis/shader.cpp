@@ -11,10 +11,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "analysis/selection/doors.hpp"
+#include "analysis/selection/external.hpp"
 #include "commands.hpp"
 #include "intersect/device/probe.hpp"
-#include "intersect/doors/pipe.hpp"
+#include "intersect/external/pipe.hpp"
 #include "intersect/shader/forms.hpp"
 
 namespace lostbits::analysis {
@@ -52,7 +52,7 @@ Exit serve_shader(const std::string& named, const std::string& kind) {
     const int answers = take_standard_output("shader serve");
     // A driver that hangs would not notice that its input ends when the other program is killed.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    std::vector<intersect::doors::ForeignForm> forms;
+    std::vector<intersect::external::ForeignForm> forms;
     try {
         const ShaderSource shader = read_shader(named);
         const auto device = device_named(kind.empty() && shader.hlsl ? "vulkan" : kind);  // HLSL needs Vulkan
@@ -63,10 +63,10 @@ Exit serve_shader(const std::string& named, const std::string& kind) {
                        device->words().renderer);
         forms = forms_of(shader, device, !kind.empty(), line_of(device->words(), arithmetic));
     } catch (const Error& error) {
-        const std::string words = intersect::doors::refusal_of(error);
+        const std::string words = intersect::external::refusal_of(error);
         return write(answers, words.data(), words.size()) < 0 ? Exit::environment : error.code();
     }
-    if (intersect::doors::serve_pipe(forms, STDIN_FILENO, answers)) return Exit::done;
+    if (intersect::external::serve_pipe(forms, STDIN_FILENO, answers)) return Exit::done;
     throw InputError(
         "shader serve: standard input is not a request of lostbits-pipe/1; only `lostbits … --shader FILE.glsl` runs "
         "this command");
@@ -79,7 +79,7 @@ Exit tell_device(const std::string& kind) {
     try {
         const auto device = device_named(kind);
         const Arithmetic arithmetic = probe(*device);
-        const DeviceWords& words = device->words();
+        const DeviceDescription& words = device->words();
         text = fmt::format("device={}\nrenderer={}\nvendor={}\nversion={}\ndriver={}\ndigest={:016x}\n", words.kind,
                            words.renderer, words.vendor, words.version, words.driver, arithmetic.digest);
         for (const Fact& fact : arithmetic.facts) text += fmt::format("{}={}\n", fact.key, fact.value);
@@ -93,7 +93,7 @@ Exit tell_device(const std::string& kind) {
     return write(output, text.data(), text.size()) < 0 ? Exit::environment : Exit::done;
 }
 
-void print_device(const selection::DeviceTold& told) {
+void print_device(const selection::DeviceReport& told) {
     if (!told.lacks.empty()) {
         fmt::print("{}\n  not available: {}\n", told.kind, told.lacks);
         return;
@@ -107,10 +107,10 @@ void print_device(const selection::DeviceTold& told) {
 Exit show_devices(bool json, const Common& common) {
     auto array = nlohmann::ordered_json::array();
     bool any = false;
-    std::vector<std::string> kinds = selection::devices_of(common.doors.devices);
-    if (common.doors.devices.empty()) kinds = selection::devices_of({"all"});
+    std::vector<std::string> kinds = selection::devices_of(common.external.devices);
+    if (common.external.devices.empty()) kinds = selection::devices_of({"all"});
     for (const std::string& kind : kinds) {
-        const selection::DeviceTold told = selection::ask_device(kind, common.doors);
+        const selection::DeviceReport told = selection::ask_device(kind, common.external);
         any = any || told.lacks.empty();
         nlohmann::ordered_json object{{"device", told.kind}};
         if (!told.lacks.empty()) object["missing"] = told.lacks;

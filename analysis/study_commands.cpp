@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/selection/doors.hpp"
+#include "analysis/selection/external.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/shard/pieces.hpp"
@@ -179,7 +179,7 @@ Exit run_command(const StudyOptions& o, const Common& common) {
                                  selection::select_formats(o.formats));
     std::erase_if(rows, [](const auto& row) { return !Words::takes(*row.form); });
     if (rows.empty()) throw NothingSelected(Words::none_taken);
-    auto scenes = scenes_of_solids(o, rows, Words::name, common, Words::require);
+    auto scenes = scenes_of_primitives(o, rows, Words::name, common, Words::require);
     const selection::ThreadLimit limit(common.threads);
 
     std::vector<typename Words::View::Study> studies;

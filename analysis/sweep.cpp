@@ -7,7 +7,7 @@
 #include <memory>
 #include <optional>
 
-#include "analysis/selection/doors.hpp"
+#include "analysis/selection/external.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/selection/sweep_options.hpp"
@@ -45,13 +45,13 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
 }
 
 /// Runs a file of named cases; its result is the matrix of cases.
-void run_case_file(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
+void run_case_file(const std::filesystem::path& path, const SweepSelection& chosen) {
     const scene::sweep::CaseFile file(path);
     const auto rows = selection::fitting(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
     measure::sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
     request.metrics =
         chosen.made.for_forms(selection::measured(chosen.asked, rows), measure::evaluate::forms_of(rows),
-                              [&file] { return measure::blame::SettingOf(file.rays(0, binary64).front()); });
+                              [&file] { return measure::attribution::SettingOf(file.rays(0, binary64).front()); });
     for (TestedForm row : rows) {
         for (const auto& judged : file.conventions) {
             row.judged = judged;
@@ -72,7 +72,7 @@ void run_case_file(const std::filesystem::path& path, const ChosenOfSweep& chose
     if (!chosen.common.quiet) fmt::print("{}\n", (folder / "cases.csv").string());
 }
 
-void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
+void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     const Common& common = chosen.common;
     scene::sweep::SweepFile sweep(path, chosen.data(), selection::read_changes(chosen.o), common.stop);
     sweep.title += chosen.o.in_title();
@@ -83,12 +83,12 @@ void run_axes(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
         .limit = {.stop = common.stop}};
     auto asked = chosen.asked;
     // Forms that march stop short on purpose, so the error alone says little: it is split in two.
-    if (std::ranges::any_of(request.rows, [](const TestedForm& row) { return !is_solid(row.form->shape); })) {
+    if (std::ranges::any_of(request.rows, [](const TestedForm& row) { return !is_primitive(row.form->shape); })) {
         for (const char* name : {"model_error", "rounding_error"}) asked.push_back(measure::metric::find_metric(name));
     }
     request.metrics =
         chosen.made.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
-                              [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
+                              [&sweep] { return measure::attribution::SettingOf(sweep.first_rays()); });
     for (TestedForm& row : request.rows) row.judged = sweep.convention;
     request.further_draws = chosen.o.seeds.value_or(2);
     request.recoveries = request.both_ends = true;
@@ -137,7 +137,7 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     selection::check_changes(o, kind, path.stem().string());
     const auto only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
     if (kind == K::cases) return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); };
-    if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path, data, stop).solid.shape);
+    if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path, data, stop).primitive.shape);
     if (kind == K::edge_search)
         return [file = scene::sweep::EdgeSearchFile(path, data, selection::read_changes(o).set, stop)](Shapes forms) {
             return file.meets(forms);
@@ -180,15 +180,15 @@ void resume_stopped(const std::vector<std::unique_ptr<ExhaustiveRun>>& runs) {
 
 Exit run(SweepOptions o, const Common& common) {
     measure::metric::MetricSet made;
-    Divided divided;
+    RunDivision divided;
     const std::vector<std::string> both{"f32", "f64"};
-    ChosenOfSweep chosen{selection::cross(selection::select_forms(o.forms),
-                                          selection::select_formats(o.formats.empty() ? both : o.formats)),
-                         {},
-                         made,
-                         divided,
-                         o,
-                         common};
+    SweepSelection chosen{selection::cross(selection::select_forms(o.forms),
+                                           selection::select_formats(o.formats.empty() ? both : o.formats)),
+                          {},
+                          made,
+                          divided,
+                          o,
+                          common};
     if (!o.against.empty()) selection::compare_against(chosen.rows, o.against, common.quiet);
     // The plots of a sweep have the envelope, which is the error that the problem itself costs.
     if (!o.metrics.empty()) chosen.asked = selection::select_metrics(o.metrics, made);
@@ -265,13 +265,13 @@ void add_sweep(const shell::Command& program, const Common& common) {
                      "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64; f32 for every float)");
     command.add_list("--metric", o->metrics, "Metrics in addition to the default ones; globs");
     command.add("--seeds", o->seeds,
-                "Find the onsets of a family of rays on this many further draws too, for their spread (default: 2)",
+                "Find the onsets of a ray distribution on this many further draws too, for their spread (default: 2)",
                 shell::whole_from(0, 1000));
     command.add("--size", o->size,
                 "Size of the picture of a sweep's scene, WxH: so many rays a step (default: the scene's)");
     command.add("--steps", o->steps, "Steps of each axis: 40, or 40,20 (default: the file's)");
     command.add_set(o->set,
-                    "Change a number of the sweep's scene, family or search first: views=64, axis[0].to=100, "
+                    "Change a number of the sweep's scene, ray distribution or search first: views=64, axis[0].to=100, "
                     "march.hit_eps=1e-6");
     command.add("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
     command.add("--resume", o->resume, "Go on with a sweep over every float that was stopped");

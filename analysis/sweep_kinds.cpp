@@ -30,7 +30,7 @@ std::uint64_t percent(std::uint64_t part, std::uint64_t whole) {
 
 }  // namespace
 
-ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const ChosenOfSweep& chosen)
+ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelection& chosen)
     : sweep_(path, chosen.data()),
       path_(path),
       folder_(chosen.folder_of(sweep_.id)),
@@ -129,7 +129,7 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
     return unresolved;
 }
 
-void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
+void run_search(const std::filesystem::path& path, const SweepSelection& chosen) {
     scene::sweep::SearchFile search(path, selection::read_changes(chosen.o).set);
     search.title += chosen.o.in_title();
     measure::sweep::WorstRequest request{
@@ -137,11 +137,11 @@ void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen) 
         .rows = selection::fitting(chosen.rows, [&](Shapes forms) { return forms == search.shape; }),
         .metrics = {},
         .limit = {.stop = chosen.common.stop}};
-    Solid<double> any;  // labels do not depend on its numbers
+    Primitive<double> any;  // labels do not depend on its numbers
     any.shape = search.shape;
-    request.metrics =
-        chosen.made.for_forms(selection::measured({chosen.made.find(search.metric)}, request.rows),
-                              measure::evaluate::forms_of(request.rows), measure::blame::Setting{std::span(&any, 1)});
+    request.metrics = chosen.made.for_forms(selection::measured({chosen.made.find(search.metric)}, request.rows),
+                                            measure::evaluate::forms_of(request.rows),
+                                            measure::attribution::Setting{std::span(&any, 1)});
     const auto folder = chosen.folder_of(search.id);
     const auto owner = chosen.own(search.id, path);
     if (owner) probe(folder / "worst.csv");
@@ -159,7 +159,7 @@ void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen) 
     if (!chosen.common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
 }
 
-void run_edge_search(const std::filesystem::path& path, const ChosenOfSweep& chosen) {
+void run_edge_search(const std::filesystem::path& path, const SweepSelection& chosen) {
     scene::sweep::EdgeSearchFile search(path, chosen.data(), selection::read_changes(chosen.o).set, chosen.common.stop);
     search.title += chosen.o.in_title();
     measure::edges::EdgeRequest request{
@@ -167,7 +167,7 @@ void run_edge_search(const std::filesystem::path& path, const ChosenOfSweep& cho
         .rows = selection::fitting(chosen.rows, [&](Shapes forms) { return search.meets(forms); }),
         .limit = {.stop = chosen.common.stop}};
     for (const TestedForm& row : request.rows)
-        if (scene::rays::maker_of(*row.form) != nullptr)
+        if (scene::rays::generator_of(*row.form) != nullptr)
             throw InputError(std::string(row.form->info->name) + ": the rays of " + search.id +
                              " are not made by a camera; name the form without @ray-");
     const auto folder = chosen.folder_of(search.id);

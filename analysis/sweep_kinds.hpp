@@ -17,7 +17,7 @@
 
 namespace lostbits::analysis {
 
-struct SweepOptions : selection::SweepWords {
+struct SweepOptions : selection::SweepChangeOptions {
     std::vector<std::string> sweeps, forms{"*"};
     std::string out, shard;
     bool worst = false;
@@ -40,11 +40,11 @@ private:
     output::file::Estimate estimate_;
 };
 
-struct ChosenOfSweep {
+struct SweepSelection {
     std::vector<measure::evaluate::TestedForm> rows;
     std::vector<const measure::metric::Metric*> asked;  ///< metrics in addition to the default ones
     measure::metric::MetricSet& made;
-    Divided& divided;
+    RunDivision& divided;
     const SweepOptions& o;
     const Common& common;
 
@@ -72,14 +72,14 @@ struct ChosenOfSweep {
 };
 
 /// Runs a file with a `[search]`, or one with an `[edge_search]`.
-void run_search(const std::filesystem::path& path, const ChosenOfSweep& chosen);
-void run_edge_search(const std::filesystem::path& path, const ChosenOfSweep& chosen);
+void run_search(const std::filesystem::path& path, const SweepSelection& chosen);
+void run_edge_search(const std::filesystem::path& path, const SweepSelection& chosen);
 
 /// A sweep over every float, which can be stopped and resumed. Not movable: the request points into it.
 class ExhaustiveRun {
 public:
     /// Takes the rows whose forms can test the sweep, in f32. Throws InputError for a file that is not such a sweep.
-    ExhaustiveRun(const std::filesystem::path& path, const ChosenOfSweep& chosen);
+    ExhaustiveRun(const std::filesystem::path& path, const SweepSelection& chosen);
     ExhaustiveRun(const ExhaustiveRun&) = delete;
     ExhaustiveRun& operator=(const ExhaustiveRun&) = delete;
 
@@ -101,7 +101,7 @@ private:
     std::filesystem::path path_, folder_;
     output::shard::UnfinishedFile unfinished_;
     bool resumed_ = false;
-    const ChosenOfSweep& chosen_;
+    const SweepSelection& chosen_;
 };
 
 }  // namespace lostbits::analysis

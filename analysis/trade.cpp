@@ -5,13 +5,13 @@
 #include <memory>
 #include <optional>
 
-#include "analysis/selection/doors.hpp"
+#include "analysis/selection/external.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "measure/speed/trade.hpp"
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/speed/trade_files.hpp"
 
 namespace lostbits::analysis {
@@ -62,7 +62,7 @@ TradeRequest request_for(const std::string& shape_name, const std::vector<Tested
 }
 
 /// A request for the forms that fit a scene, on its own rays.
-TradeRequest request_for(const Scene& scene, const selection::ChosenRows& all) {
+TradeRequest request_for(const Scene& scene, const selection::SelectedRows& all) {
     const auto rows = selection::timed_on(scene, all);
     return {.shape = rows.front().form->shape,
             .scene = &scene,
@@ -78,7 +78,7 @@ Exit run(const TradeOptions& o, const Common& common) {
         throw InputError(
             fmt::format("-f {}: this format is emulated, so its time says nothing; name f32 or f64", emulated->name));
     auto rows = selection::cross(selection::select_forms(o.forms), formats);
-    selection::refuse_makers(rows, "trade");
+    selection::refuse_generators(rows, "trade");
     selection::refuse_contracted(rows, "trade");
     const auto data = selection::data_folder(common.data);
     std::optional<Scene> scene;
@@ -91,7 +91,7 @@ Exit run(const TradeOptions& o, const Common& common) {
     for (const char* name : {"lost_bits", "excess_bits"}) request.metrics.push_back(measure::metric::find_metric(name));
     const std::string name = scene ? scene->id : o.shape;
     const auto folder = std::filesystem::path(o.out) / name;
-    const auto owner = own_folder(folder, common, scene ? output::blame::shell_word(o.scene) : "");
+    const auto owner = own_folder(folder, common, scene ? output::attribution::shell_word(o.scene) : "");
     output::speed::TradeFiles files(request, folder);
     const selection::ThreadLimit limit(common.threads);
     if (scene && !common.quiet) selection::note_idle_settings(o.set, scene->id, rows);
@@ -112,12 +112,12 @@ Exit run(const TradeOptions& o, const Common& common) {
 void add_trade(const shell::Command& program, const Common& common) {
     auto command = program.add_command("trade", "Measured speed against measured accuracy, with the Pareto front");
     const auto o = std::make_shared<TradeOptions>();
-    const std::vector<std::string> solids(shape_names.begin(), shape_names.begin() + shape_rows.size());
+    const std::vector<std::string> primitives(shape_names.begin(), shape_names.begin() + shape_rows.size());
     const auto scene =
         command.add("SCENE", o->scene, "A scene whose rays are used: a file, or a name in data/scenes (default: none)");
     command
         .add("--shape", o->shape, "Without a scene: rays of known kinds at this shape (default: sphere)",
-             shell::one_of(solids))
+             shell::one_of(primitives))
         .excludes(scene);
     command.add("--size", o->size, "Its picture's size, WxH in pixels (default: the scene's)").needs(scene);
     command.add("--variant", o->variant, "One variant of a scene that has several").needs(scene);

@@ -107,7 +107,7 @@ void form(benchmark::State& state, const Kernel& kernel) {
     const auto ox = stored(set.ox), oy = stored(set.oy), oz = stored(set.oz), dx = stored(set.dx), dy = stored(set.dy),
                dz = stored(set.dz);
     const auto cast = [](double x) { return static_cast<S>(x); };
-    const Solid<S> sphere(
+    const Primitive<S> sphere(
         Sphere<S>{Vec<S>(cast(set.sphere.centre.x), cast(set.sphere.centre.y), cast(set.sphere.centre.z)),
                   cast(set.sphere.radius)});
     std::vector<S> t(ray_count), near(ray_count), far(ray_count);
@@ -122,7 +122,7 @@ void form(benchmark::State& state, const Kernel& kernel) {
 
 void self(benchmark::State& state, const intersect::table::Intersector& i) {
     const RaySet& set = near_rays();
-    const Solid<double> sphere(set.sphere);
+    const Primitive<double> sphere(set.sphere);
     for (auto _ : state) {
         for (std::size_t r = 0; r < ray_count; ++r)
             benchmark::DoNotOptimize(measure::answer::without_rounding(i, set[r], sphere));

@@ -70,9 +70,9 @@ struct RaysAtTriangle {
         }
     }
     [[nodiscard]] ProblemColumns<S> problems() const {
-        ProblemColumns<S> p{.size = ray_count, .ray = {}, .shape = Shape::triangle, .solid = {}};
+        ProblemColumns<S> p{.size = ray_count, .ray = {}, .shape = Shape::triangle, .primitive = {}};
         for (std::size_t k = 0; k < 6; ++k) p.ray[k] = columns[k];
-        for (std::size_t k = 0; k < 9; ++k) p.solid[k] = std::span(&numbers[k], 1);
+        for (std::size_t k = 0; k < 9; ++k) p.primitive[k] = std::span(&numbers[k], 1);
         return p;
     }
 };

@@ -14,15 +14,15 @@ using Boxes = void (*)(const F* ray, const F* const columns[6], F* t, std::size_
 /// n rays (columns: ox, oy, oz, dx, dy, dz) against one sphere (x, y, z, radius) or triangle (a, b, c). The answers are
 /// t, near, far, and hit as a byte 0 or 1.
 template <class F>
-using OneSolid = void (*)(const F* const rays[6], const F* solid, F* const answers[3], unsigned char* hit,
-                          std::size_t n);
+using OnePrimitive = void (*)(const F* const rays[6], const F* primitive, F* const answers[3], unsigned char* hit,
+                              std::size_t n);
 
 /// All loops in one format.
 template <class F>
 struct Loops {
     Boxes<F> signs, inclusive;
-    OneSolid<F> schoolbook, unified;
-    OneSolid<F> moller_trumbore, undivided, woop;
+    OnePrimitive<F> schoolbook, unified;
+    OnePrimitive<F> moller_trumbore, undivided, woop;
 };
 
 /// All loops for one register width.

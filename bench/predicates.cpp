@@ -29,9 +29,9 @@ void by_orientations(const std::vector<RayOfPoints>& rays, const std::array<Poin
 
 void by_do_intersect(const std::vector<RayOfPoints>& rays, const std::array<Point, 3>& triangle,
                      std::vector<unsigned char>& hit) {
-    const Kernel::Triangle_3 solid(point(triangle[0]), point(triangle[1]), point(triangle[2]));
+    const Kernel::Triangle_3 primitive(point(triangle[0]), point(triangle[1]), point(triangle[2]));
     for (std::size_t i = 0; i < rays.size(); ++i)
-        hit[i] = CGAL::do_intersect(Kernel::Ray_3(point(rays[i].from), point(rays[i].through)), solid);
+        hit[i] = CGAL::do_intersect(Kernel::Ray_3(point(rays[i].from), point(rays[i].through)), primitive);
 }
 
 }  // namespace bench

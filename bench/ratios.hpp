@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "measure/speed/timing.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace bench {
 

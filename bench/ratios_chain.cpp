@@ -39,7 +39,7 @@ scene::rays::RayGroup picture_of_rays() {
             group.rays.push({{0.25, 0.125, 4}, {at(x, 256), at(y, 128), -1}});
         }
     }
-    group.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, 1})};
+    group.primitives = {Primitive<double>(Sphere<double>{{0, 0, 0}, 1})};
     return group;
 }
 

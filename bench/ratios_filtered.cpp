@@ -6,8 +6,8 @@
 #include "measure/speed/timing_work.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "ratios.hpp"
-#include "shapes/box/family/family.hpp"
-#include "shapes/sphere/family/family.hpp"
+#include "shapes/box/distribution/distribution.hpp"
+#include "shapes/sphere/distribution/distribution.hpp"
 #include "two_words.hpp"
 
 namespace bench {
@@ -16,7 +16,7 @@ namespace {
 using namespace lostbits;
 using intersect::simd::Isa;
 using measure::speed::RayPool;
-using scene::sphere::SphereFamily;
+using scene::sphere::SphereDistribution;
 
 struct Rays {
     const char* name;
@@ -34,30 +34,32 @@ std::vector<Ray<double>> unit_rays(const scene::rays::RayGroup& group) {
 }
 
 /// Many rays of one view of a ray distribution: hits, and misses close to the sphere.
-RayPool view_of(SphereFamily hits) {
+RayPool view_of(SphereDistribution hits) {
     hits = scene::rays::of_one_view(hits);
-    SphereFamily misses = hits;
+    SphereDistribution misses = hits;
     misses.impact_from = 1.1;
     misses.impact_to = 1.5;
     const auto met = hits.draw().front();
-    const bool point = hits.projection == SphereFamily::Projection::point || hits.silhouette_gap != 0;
-    return {met.solids.front(), unit_rays(met), point ? unit_rays(met) : unit_rays(misses.draw().front())};
+    const bool point = hits.projection == SphereDistribution::Projection::point || hits.silhouette_gap != 0;
+    return {met.primitives.front(), unit_rays(met), point ? unit_rays(met) : unit_rays(misses.draw().front())};
 }
 
 std::vector<Rays> sphere_rays() {
-    return {{"easy", measure::speed::ray_pool(Shape::sphere), 0.5},
-            {"far-small", view_of({.distance = 4096, .impact_to = 0.9}), 0.5},
-            {"1e6 radii", view_of({.distance = 1e6, .impact_to = 0.9}), 0.5},
-            {"near-huge",
-             view_of({.projection = SphereFamily::Projection::point, .radius = 1e6, .height = 1, .impact_to = 0.9}), 1},
-            {"grazing", view_of({.distance = 4, .silhouette_gap = 0x1p-10}), 1}};
+    return {
+        {"easy", measure::speed::ray_pool(Shape::sphere), 0.5},
+        {"far-small", view_of({.distance = 4096, .impact_to = 0.9}), 0.5},
+        {"1e6 radii", view_of({.distance = 1e6, .impact_to = 0.9}), 0.5},
+        {"near-huge",
+         view_of({.projection = SphereDistribution::Projection::point, .radius = 1e6, .height = 1, .impact_to = 0.9}),
+         1},
+        {"grazing", view_of({.distance = 4, .silhouette_gap = 0x1p-10}), 1}};
 }
 
 std::vector<Rays> box_rays() {
-    using Aim = scene::box::BoxFamily::Aim;
-    const auto view = [](const scene::box::BoxFamily& family) {
-        const auto group = scene::rays::of_one_view(family).draw().front();
-        return RayPool{group.solids.front(), unit_rays(group), unit_rays(group)};
+    using Aim = scene::box::BoxDistribution::Aim;
+    const auto view = [](const scene::box::BoxDistribution& distribution) {
+        const auto group = scene::rays::of_one_view(distribution).draw().front();
+        return RayPool{group.primitives.front(), unit_rays(group), unit_rays(group)};
     };
     return {{"easy", measure::speed::ray_pool(Shape::box), 0.5},
             {"edge", view({.aim = Aim::edge, .gap = 0x1p-23}), 1},
@@ -101,14 +103,15 @@ void print_forms(const Rays& rays, Isa isa, const std::vector<std::string_view>&
         else if (row.f64) all.emplace_back(form, work_on(store, row.f64));
     }
     if constexpr (sizeof(S) == 8) {
-        by_hand::OneSolid<double> loop = nullptr;
+        by_hand::OnePrimitive<double> loop = nullptr;
         if (isa == Isa::w128) loop = two_words_w128();
 #if defined(LOSTBITS_BY_HAND)
         if (isa == Isa::w256) loop = two_words_w256();
         if (isa == Isa::w512) loop = two_words_w512();
 #endif
-        if (loop && rays.pool.solid.shape == Shape::sphere)
-            all.emplace_back("double-double", work_on(store, [loop](const auto& r, const Solid<S>& s, const auto& h) {
+        if (loop && rays.pool.primitive.shape == Shape::sphere)
+            all.emplace_back("double-double",
+                             work_on(store, [loop](const auto& r, const Primitive<S>& s, const auto& h) {
                                  const S* const in[] = {r.ox.data(), r.oy.data(), r.oz.data(),
                                                         r.dx.data(), r.dy.data(), r.dz.data()};
                                  S* const out[] = {h.t.data(), h.near.data(), h.far.data()};

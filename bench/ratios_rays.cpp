@@ -24,7 +24,7 @@ constexpr double bytes_a_ray = 9 * sizeof(S) + 1;
 #if defined(LOSTBITS_BY_HAND)
 /// The hand-written loop of a form, or null if there is none.
 template <class S>
-by_hand::OneSolid<S> loop_of(const by_hand::Loops<S>& loops, std::string_view form) {
+by_hand::OnePrimitive<S> loop_of(const by_hand::Loops<S>& loops, std::string_view form) {
     if (form == "sphere.schoolbook") return loops.schoolbook;
     if (form == "sphere.unified") return loops.unified;
     if (form == "triangle.moller_trumbore") return loops.moller_trumbore;
@@ -34,14 +34,14 @@ by_hand::OneSolid<S> loop_of(const by_hand::Loops<S>& loops, std::string_view fo
 
 template <class S>
 void add_by_hand(std::vector<Contestant>& all, const std::string& name,
-                 const std::shared_ptr<measure::speed::RayStore<S>>& store, by_hand::OneSolid<S> loop, bool warm) {
+                 const std::shared_ptr<measure::speed::RayStore<S>>& store, by_hand::OnePrimitive<S> loop, bool warm) {
     if (!loop) return;
-    const auto kernel = [loop](const intersect::table::RayBatch<S>& rays, const Solid<S>& solid,
+    const auto kernel = [loop](const intersect::table::RayBatch<S>& rays, const Primitive<S>& primitive,
                                const intersect::table::HitBatch<S>& hits) {
         const S* const in[] = {rays.ox.data(), rays.oy.data(), rays.oz.data(),
                                rays.dx.data(), rays.dy.data(), rays.dz.data()};
         S* const out[] = {hits.t.data(), hits.near.data(), hits.far.data()};
-        loop(in, solid.numbers.data(), out, hits.hit.data(), rays.size());
+        loop(in, primitive.numbers.data(), out, hits.hit.data(), rays.size());
     };
     all.push_back({name, "", bytes_a_ray<S>, {[store, kernel] { store->run(kernel); }, store->slice(), warm}});
 }

@@ -7,7 +7,7 @@
 #include "intersect/simd/packed.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "ratios.hpp"
-#include "scene/sweep/families.hpp"
+#include "scene/sweep/distributions.hpp"
 
 namespace bench {
 
@@ -32,12 +32,12 @@ struct ShapeSet {
     Shape shape;
     std::array<std::vector<double>, 6> wide;
     std::array<std::vector<float>, 6> narrow;
-    Solid<double> solid;
+    Primitive<double> primitive;
     std::array<float, most_stored> narrow_numbers{};
 
     ShapeSet(const scene::rays::RayGroup& group, std::optional<Placement<double>> placed)
-        : shape(group.solids.front().shape), solid(group.solids.front()) {
-        solid.placed = placed;
+        : shape(group.primitives.front().shape), primitive(group.primitives.front()) {
+        primitive.placed = placed;
         std::mt19937_64 engine(20261126);
         for (std::size_t i = 0; i < group.rays.size(); ++i) {
             Ray<double> ray = group.rays[i];
@@ -50,26 +50,27 @@ struct ShapeSet {
                 wide[static_cast<std::size_t>(k)].push_back(x * more);
             }
         }
-        for (std::size_t k = 0; k < solid.used().size(); ++k) narrow_numbers[k] = static_cast<float>(solid.numbers[k]);
+        for (std::size_t k = 0; k < primitive.used().size(); ++k)
+            narrow_numbers[k] = static_cast<float>(primitive.numbers[k]);
         for (std::size_t k = most_numbers; placed && k < most_stored; ++k)
             narrow_numbers[k] = static_cast<float>(placed->matrix[k - most_numbers]);
     }
     template <class S>
     [[nodiscard]] ProblemColumns<S> problems() const {
-        ProblemColumns<S> p{.size = narrow[0].size(), .ray = {}, .shape = shape, .solid = {}};
+        ProblemColumns<S> p{.size = narrow[0].size(), .ray = {}, .shape = shape, .primitive = {}};
         for (std::size_t k = 0; k < 6; ++k) {
             if constexpr (sizeof(S) == 4) p.ray[k] = narrow[k];
             else p.ray[k] = wide[k];
         }
-        for (std::size_t k = 0; k < solid.used().size(); ++k) {
-            if constexpr (sizeof(S) == 4) p.solid[k] = std::span(&narrow_numbers[k], 1);
-            else p.solid[k] = std::span(&solid.numbers[k], 1);
+        for (std::size_t k = 0; k < primitive.used().size(); ++k) {
+            if constexpr (sizeof(S) == 4) p.primitive[k] = std::span(&narrow_numbers[k], 1);
+            else p.primitive[k] = std::span(&primitive.numbers[k], 1);
         }
-        for (std::size_t k = most_numbers; solid.placed && k < most_stored; ++k) {
-            if constexpr (sizeof(S) == 4) p.solid[k] = std::span(&narrow_numbers[k], 1);
-            else p.solid[k] = std::span(&solid.placed->matrix[k - most_numbers], 1);
+        for (std::size_t k = most_numbers; primitive.placed && k < most_stored; ++k) {
+            if constexpr (sizeof(S) == 4) p.primitive[k] = std::span(&narrow_numbers[k], 1);
+            else p.primitive[k] = std::span(&primitive.placed->matrix[k - most_numbers], 1);
         }
-        if (solid.placed) p.matrix = {true, false, solid.placed->orientation};
+        if (primitive.placed) p.matrix = {true, false, primitive.placed->orientation};
         return p;
     }
 };
@@ -81,8 +82,8 @@ void print_truth_of_shapes() {
         ShapeSet own, placed;
     };
     std::vector<Pair> sets;
-    for (const auto& family : scene::sweep::families()) {
-        const auto hits = family.timed().hits;
+    for (const auto& distribution : scene::sweep::distributions()) {
+        const auto hits = distribution.timed().hits;
         sets.push_back({ShapeSet(hits, std::nullopt), ShapeSet(hits, turned())});
     }
     std::printf("%-12s %14s %14s %14s %14s %14s %14s   rays that hit, one primitive, packs of %s\n", "truth",

@@ -47,7 +47,7 @@ void print_map_of(const scene::file::Scene& scene, const char* view, const char*
     }
     malloc_trim(0);
     std::ofstream("/proc/self/clear_refs") << "5";  // forget the peak so far
-    const double before = status("VmRSS"), spheres = static_cast<double>(scene.solid_count());
+    const double before = status("VmRSS"), spheres = static_cast<double>(scene.primitive_count());
     const auto start = std::chrono::steady_clock::now();
     measure::evaluate::evaluate_rows(request, {});
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -48,8 +48,8 @@ struct TruthSet {
             else p.ray[k] = columns[k];
         }
         for (std::size_t k = 0; k < 4; ++k) {
-            if constexpr (sizeof(S) == 4) p.solid[k] = std::span(narrow_numbers + k, 1);
-            else p.solid[k] = std::span(numbers + k, 1);
+            if constexpr (sizeof(S) == 4) p.primitive[k] = std::span(narrow_numbers + k, 1);
+            else p.primitive[k] = std::span(numbers + k, 1);
         }
         return p;
     }
@@ -122,7 +122,7 @@ double by_mpfi(const TruthSet& set) {
     double sum = 0;
     for (std::size_t i = 0; i < ray_count; ++i) {
         const auto e = measure::truth::enclose<Interval>(lift_ray<Interval>(set.ray(i)),
-                                                         lift_solid<Interval>(Solid<double>(set.sphere)));
+                                                         lift_primitive<Interval>(Primitive<double>(set.sphere)));
         if (e.hit.is_yes()) sum += mpfr_get_d(e.t.lower(), MPFR_RNDN);
     }
     return sum;

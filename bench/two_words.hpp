@@ -5,8 +5,8 @@
 
 namespace bench {
 
-by_hand::OneSolid<double> two_words_w128();
-by_hand::OneSolid<double> two_words_w256();
-by_hand::OneSolid<double> two_words_w512();
+by_hand::OnePrimitive<double> two_words_w128();
+by_hand::OnePrimitive<double> two_words_w256();
+by_hand::OnePrimitive<double> two_words_w512();
 
 }  // namespace bench

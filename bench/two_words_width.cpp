@@ -12,11 +12,11 @@ using P = Pack<double, Width>;
 
 [[gnu::flatten]] void sphere_loop(const double* const rays[6], const double* sphere, double* const answers[3],
                                   unsigned char* hit, std::size_t n) {
-    const Sphere<P> solid{{P(sphere[0]), P(sphere[1]), P(sphere[2])}, P(sphere[3])};
+    const Sphere<P> primitive{{P(sphere[0]), P(sphere[1]), P(sphere[2])}, P(sphere[3])};
     for (std::size_t i = 0; i < n; i += P::lanes) {
         const auto at = [&](int column) { return P::load(rays[column] + i); };
         const Ray<P> ray{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};
-        const auto found = intersect::sphere::filtered::widely<number::wide::TwoWords<P>, P>(ray, solid);
+        const auto found = intersect::sphere::filtered::widely<number::wide::TwoWords<P>, P>(ray, primitive);
         for (int k = 0; k < 3; ++k) found.t.store(answers[k] + i);
         (found.proved && found.hit).store(reinterpret_cast<bool*>(hit + i));
     }
@@ -24,6 +24,6 @@ using P = Pack<double, Width>;
 
 }  // namespace
 
-by_hand::OneSolid<double> LOSTBITS_NAME_OF_WIDTH(two_words)() { return sphere_loop; }
+by_hand::OnePrimitive<double> LOSTBITS_NAME_OF_WIDTH(two_words)() { return sphere_loop; }
 
 }  // namespace bench

@@ -17,14 +17,14 @@ template <class K>
 typename K::Point_3 point(const double (&p)[3]) {
     return {p[0], p[1], p[2]};
 }
-template <class K, class Solid>
-bool meets(const Ray<double>& ray, const Solid& solid) {
+template <class K, class Primitive>
+bool meets(const Ray<double>& ray, const Primitive& primitive) {
     for (const double* const v : {ray.origin, ray.direction})  // the exact kernel throws on others
         if (!(std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]))) return false;
     const auto from = point<K>(ray.origin);
     const typename K::Vector_3 along(ray.direction[0], ray.direction[1], ray.direction[2]);
-    if (ray.end <= 1e300) return CGAL::do_intersect(typename K::Segment_3(from, from + along * ray.end), solid);
-    return CGAL::do_intersect(typename K::Ray_3(from, along), solid);
+    if (ray.end <= 1e300) return CGAL::do_intersect(typename K::Segment_3(from, from + along * ray.end), primitive);
+    return CGAL::do_intersect(typename K::Ray_3(from, along), primitive);
 }
 template <class K>
 bool sphere(const Ray<double>& ray, const Sphere<double>& s) {

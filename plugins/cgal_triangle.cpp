@@ -18,10 +18,10 @@ Answer<T> triangle(const Ray<T>& r, const Triangle<T>& s) {
     for (int k = 0; k < 3; ++k)  // the exact kernel throws on others
         if (!std::isfinite(r.origin[k]) || !std::isfinite(r.direction[k])) return miss;
     const auto point = [](const T(&p)[3]) { return Point(p[0], p[1], p[2]); };
-    const typename K::Triangle_3 solid(point(s.a), point(s.b), point(s.c));
+    const typename K::Triangle_3 primitive(point(s.a), point(s.b), point(s.c));
     const typename K::Ray_3 ray(point(r.origin), typename K::Vector_3(r.direction[0], r.direction[1], r.direction[2]));
-    if (ray.is_degenerate() || solid.is_degenerate()) return miss;  // its preconditions
-    const auto met = CGAL::intersection(ray, solid);
+    if (ray.is_degenerate() || primitive.is_degenerate()) return miss;  // its preconditions
+    const auto met = CGAL::intersection(ray, primitive);
     const Point* const p = met ? boost::get<Point>(&*met) : nullptr;
     if (p == nullptr) return miss;
     int k = std::fabs(r.direction[1]) > std::fabs(r.direction[0]) ? 1 : 0;

@@ -55,7 +55,7 @@ template <RTCSceneFlags flags>
 const char* packets(const lb_batch* b) {
     const auto *ray = static_cast<const float*>(b->rays), *ends = static_cast<const float*>(b->ends);
     for (std::size_t i = 0, n = 0; i < b->size; i += n) {
-        n = b->solid_stride == 0 ? std::min<std::size_t>(8, b->size - i) : 1;
+        n = b->primitive_stride == 0 ? std::min<std::size_t>(8, b->size - i) : 1;
         alignas(32) int asked[8] = {};
         RTCRayHit8 all{};
         for (std::size_t k = 0; k < n; ++k, ray += 6) {
@@ -65,8 +65,8 @@ const char* packets(const lb_batch* b) {
             all.ray.tfar[k] = ends ? ends[i + k] : INFINITY;
         }
         RTCIntersectContext context = fresh();
-        rtcIntersect8(asked, scene_of<flags>(static_cast<const float*>(b->solids) + i * b->solid_stride), &context,
-                      &all);
+        rtcIntersect8(asked, scene_of<flags>(static_cast<const float*>(b->primitives) + i * b->primitive_stride),
+                      &context, &all);
         for (std::size_t k = 0; k < n; ++k) {
             b->hit[i + k] = asked[k] != 0 && all.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID;
             static_cast<float*>(b->near_far)[2 * (i + k)] = all.ray.tfar[k];

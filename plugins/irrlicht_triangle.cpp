@@ -11,9 +11,9 @@ using Vector = irr::core::vector3df;
 Vector vec(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
 Points<float> triangle(const Ray<float>& ray, const Triangle<float>& s) {
-    const irr::core::triangle3df solid(vec(s.a), vec(s.b), vec(s.c));
+    const irr::core::triangle3df primitive(vec(s.a), vec(s.b), vec(s.c));
     Vector point;
-    if (!solid.getIntersectionWithLine(vec(ray.origin), vec(ray.direction), point)) return miss;
+    if (!primitive.getIntersectionWithLine(vec(ray.origin), vec(ray.direction), point)) return miss;
     const float at[3] = {point.X, point.Y, point.Z};
     return at;
 }

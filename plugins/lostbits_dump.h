@@ -40,7 +40,7 @@ typedef struct lostbits_dump_row {
 typedef struct lostbits_dump {
     lostbits_dump_row* rows;
     unsigned long long room, count;
-    int solid; /* count of numbers of a primitive */
+    int primitive; /* count of numbers of a primitive */
     const char* shape;
 } lostbits_dump;
 
@@ -76,7 +76,7 @@ static inline int lostbits_dump_begin_in(lostbits_dump* dump, lostbits_dump_row*
     dump->room = room;
     dump->count = 0;
     dump->shape = shape;
-    return lostbits_dump_columns(shape, &dump->solid) != NULL ? 0 : -1;
+    return lostbits_dump_columns(shape, &dump->primitive) != NULL ? 0 : -1;
 }
 
 /* Begins a dump and allocates memory for `room` rows, which `lostbits_dump_end` frees. Returns 0, or -1 if there is not
@@ -87,11 +87,11 @@ static inline int lostbits_dump_begin(lostbits_dump* dump, unsigned long long ro
 }
 
 /* Adds a ray. May be called from any thread. `id` is any number of the caller, such as a pixel or a depth; the tables
- * of `judge --rows` repeat it. `tmin` and `tmax` are the range of the ray (0 and infinity if it has none). `solid` has
- * the numbers of the primitive. t is ignored if `hit` is 0. */
+ * of `judge --rows` repeat it. `tmin` and `tmax` are the range of the ray (0 and infinity if it has none). `primitive`
+ * has the numbers of the primitive. t is ignored if `hit` is 0. */
 LOSTBITS_DUMP_ANYWHERE void lostbits_dump_add(lostbits_dump* dump, unsigned id, const LOSTBITS_DUMP_REAL* o,
                                               const LOSTBITS_DUMP_REAL* d, LOSTBITS_DUMP_REAL tmin,
-                                              LOSTBITS_DUMP_REAL tmax, const LOSTBITS_DUMP_REAL* solid, int hit,
+                                              LOSTBITS_DUMP_REAL tmax, const LOSTBITS_DUMP_REAL* primitive, int hit,
                                               LOSTBITS_DUMP_REAL t) {
 #if defined(__CUDA_ARCH__)
     const unsigned long long place = atomicAdd(&dump->count, 1ULL);
@@ -104,7 +104,7 @@ LOSTBITS_DUMP_ANYWHERE void lostbits_dump_add(lostbits_dump* dump, unsigned id, 
     for (int k = 0; k < 3; ++k) row->number[3 + k] = d[k];
     row->number[6] = tmin;
     row->number[7] = tmax;
-    for (int k = 0; k < dump->solid; ++k) row->number[8 + k] = solid[k];
+    for (int k = 0; k < dump->primitive; ++k) row->number[8 + k] = primitive[k];
     row->number[8 + LOSTBITS_DUMP_MOST] = hit ? t : 0;
     row->id = id;
     row->hit = hit ? 1 : 0;

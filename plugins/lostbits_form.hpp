@@ -34,46 +34,47 @@
 #include "intersect/simd/packed_batch.hpp"
 #include "number/width.hpp"
 
-namespace lostbits::intersect::doors {
+namespace lostbits::intersect::external {
 
 template <class Width, class... Form>
 void fill_own_rows(simd::RawRow* row) {
     ((*row++ = simd::raw_row<Form, Width>()), ...);
 }
 
-}  // namespace lostbits::intersect::doors
+}  // namespace lostbits::intersect::external
 
 #define LOSTBITS_FORMULAS(...)                                                                              \
-    namespace lostbits::intersect::doors {                                                                  \
+    namespace lostbits::intersect::external {                                                               \
     void LOSTBITS_NAME_OF_WIDTH(fill_own)(simd::RawRow * rows);                                             \
     void LOSTBITS_NAME_OF_WIDTH(fill_own)(simd::RawRow * rows) { fill_own_rows<Width, __VA_ARGS__>(rows); } \
     }
 
 #else
 
-#include "intersect/doors/build_words.hpp"
-#include "intersect/doors/formula_of.hpp"
+#include "intersect/external/build_words.hpp"
+#include "intersect/external/formula_of.hpp"
 #include "number/archetype.hpp"
 
-namespace lostbits::intersect::doors {
+namespace lostbits::intersect::external {
 
 // Null for register widths that are not linked.
 [[gnu::weak]] void fill_own_w128(simd::RawRow* rows);
 [[gnu::weak]] void fill_own_w256(simd::RawRow* rows);
 [[gnu::weak]] void fill_own_w512(simd::RawRow* rows);
 
-}  // namespace lostbits::intersect::doors
+}  // namespace lostbits::intersect::external
 
 /// Exports forms from the library. Use it once, outside of every namespace.
-#define LOSTBITS_FORMULAS(...)                                                                                         \
-    extern "C" [[gnu::visibility("default")]] const lostbits::intersect::doors::FormulaList* lostbits_formulas(        \
-        const lostbits::intersect::doors::FormulaWatch* watch) {                                                       \
-        namespace doors = lostbits::intersect::doors;                                                                  \
-        return doors::Formulas<__VA_ARGS__>::list(watch, doors::build_words,                                           \
-                                                  {doors::fill_own_w128, doors::fill_own_w256, doors::fill_own_w512}); \
-    }                                                                                                                  \
-    const lb_form* lostbits_forms(int abi, std::size_t* count) {                                                       \
-        return lostbits::intersect::doors::Formulas<__VA_ARGS__>::plain(abi, count);                                   \
+#define LOSTBITS_FORMULAS(...)                                                                                     \
+    extern "C" [[gnu::visibility("default")]] const lostbits::intersect::external::FormulaList* lostbits_formulas( \
+        const lostbits::intersect::external::FormulaWatch* watch) {                                                \
+        namespace external = lostbits::intersect::external;                                                        \
+        return external::Formulas<__VA_ARGS__>::list(                                                              \
+            watch, external::build_words,                                                                          \
+            {external::fill_own_w128, external::fill_own_w256, external::fill_own_w512});                          \
+    }                                                                                                              \
+    const lb_form* lostbits_forms(int abi, std::size_t* count) {                                                   \
+        return lostbits::intersect::external::Formulas<__VA_ARGS__>::plain(abi, count);                            \
     }
 
 #endif

@@ -70,15 +70,16 @@ enum {
 
 /* Numbers are `float` or `double`, as the form's format says, and always finite except for `ends`. */
 typedef struct lb_batch {
-    size_t size;         /* rays */
-    const void* rays;    /* size x 6: origin x y z, direction x y z */
-    const void* ends;    /* size: the t at which each ray ends, or infinity; NULL: no ray ends */
-    const void* solids;  /* numbers of the primitives. Sphere: centre x y z, radius. Box: lo x y z, hi x y z. Triangle:
-                            vertices a, b, c. Ellipsoid: centre x y z, radii x y z. Cylinder, capsule, tube: base or
-                            start x y z, top or end x y z, radius. Cone: the same, with radius of the base and radius of
-                            the top. Disc: centre x y z, normal x y z, radius, radius of the hole. Plane: point x y z,
-                            normal x y z. Torus: centre x y z, axis x y z, major and minor radius */
-    size_t solid_stride; /* count of numbers from the primitive of one ray to that of the next; 0: one for all rays */
+    size_t size;            /* rays */
+    const void* rays;       /* size x 6: origin x y z, direction x y z */
+    const void* ends;       /* size: the t at which each ray ends, or infinity; NULL: no ray ends */
+    const void* primitives; /* numbers of the primitives. Sphere: centre x y z, radius. Box: lo x y z, hi x y z.
+                           Triangle: vertices a, b, c. Ellipsoid: centre x y z, radii x y z. Cylinder, capsule, tube:
+                           base or start x y z, top or end x y z, radius. Cone: the same, with radius of the base and
+                           radius of the top. Disc: centre x y z, normal x y z, radius, radius of the hole. Plane: point
+                           x y z, normal x y z. Torus: centre x y z, axis x y z, major and minor radius */
+    size_t
+        primitive_stride; /* count of numbers from the primitive of one ray to that of the next; 0: one for all rays */
     void* near_far;     /* out, size x 2: t of entry and exit of the line. With LB_NEAR and LB_FIRST the first is t, and
                            the second is not read. With LB_HIT_ONLY, or if `hit` is 0, neither is read */
     unsigned char* hit; /* out, size: 1 or 0 */

@@ -145,14 +145,14 @@ Answer<T> answer_of(const Points<T>& a, const Ray<T>& ray, T) {
 
 /// Makes a primitive from the numbers of a batch. `ray` is the ray that it is tested with.
 template <class S>
-struct SolidOf;
+struct PrimitiveOf;
 template <class T>
-struct SolidOf<Sphere<T>> {
+struct PrimitiveOf<Sphere<T>> {
     static constexpr int shape = LB_SPHERE;
     static Sphere<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, n[3]}; }
 };
 template <class T>
-struct SolidOf<SphereAtOrigin<T>> {
+struct PrimitiveOf<SphereAtOrigin<T>> {
     static constexpr int shape = LB_SPHERE;
     static SphereAtOrigin<T> make(const T* n, Ray<T>& ray) {
         for (int k = 0; k < 3; ++k) ray.origin[k] -= n[k];
@@ -160,59 +160,59 @@ struct SolidOf<SphereAtOrigin<T>> {
     }
 };
 template <class T>
-struct SolidOf<Box<T>> {
+struct PrimitiveOf<Box<T>> {
     static constexpr int shape = LB_BOX;
     static Box<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}}; }
 };
 template <class T>
-struct SolidOf<Triangle<T>> {
+struct PrimitiveOf<Triangle<T>> {
     static constexpr int shape = LB_TRIANGLE;
     static Triangle<T> make(const T* n, Ray<T>&) {
         return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, {n[6], n[7], n[8]}};
     }
 };
 template <class T>
-struct SolidOf<Ellipsoid<T>> {
+struct PrimitiveOf<Ellipsoid<T>> {
     static constexpr int shape = LB_ELLIPSOID;
     static Ellipsoid<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}}; }
 };
 template <class T>
-struct SolidOf<Cylinder<T>> {
+struct PrimitiveOf<Cylinder<T>> {
     static constexpr int shape = LB_CYLINDER;
     static Cylinder<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6]}; }
 };
 template <class T>
-struct SolidOf<Capsule<T>> {
+struct PrimitiveOf<Capsule<T>> {
     static constexpr int shape = LB_CAPSULE;
     static Capsule<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6]}; }
 };
 template <class T>
-struct SolidOf<Tube<T>> {
+struct PrimitiveOf<Tube<T>> {
     static constexpr int shape = LB_TUBE;
     static Tube<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6]}; }
 };
 template <class T>
-struct SolidOf<Cone<T>> {
+struct PrimitiveOf<Cone<T>> {
     static constexpr int shape = LB_CONE;
     static Cone<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6], n[7]}; }
 };
 template <class T>
-struct SolidOf<Disc<T>> {
+struct PrimitiveOf<Disc<T>> {
     static constexpr int shape = LB_DISC;
     static Disc<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6], n[7]}; }
 };
 template <class T>
-struct SolidOf<Plane<T>> {
+struct PrimitiveOf<Plane<T>> {
     static constexpr int shape = LB_PLANE;
     static Plane<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}}; }
 };
 template <class T>
-struct SolidOf<Torus<T>> {
+struct PrimitiveOf<Torus<T>> {
     static constexpr int shape = LB_TORUS;
     static Torus<T> make(const T* n, Ray<T>&) { return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6], n[7]}; }
 };
 template <class T>
-struct SolidOf<CentreBox<T>> {
+struct PrimitiveOf<CentreBox<T>> {
     static constexpr int shape = LB_BOX;
     static CentreBox<T> make(const T* n, Ray<T>&) {
         CentreBox<T> box{};
@@ -247,19 +247,19 @@ T reach(const T* n, const Ray<T>& ray) {
 /// Calls a function for one ray, with the arguments that it takes. Sets `lengths` to the length of a segment.
 template <class R, class T, class S>
 R call(R (*function)(const Ray<T>&, const S&), Ray<T>& ray, const T* n, T&) {
-    const S solid = SolidOf<S>::make(n, ray);
-    return function(ray, solid);
+    const S primitive = PrimitiveOf<S>::make(n, ray);
+    return function(ray, primitive);
 }
 template <class R, class T, class S>
 R call(R (*function)(const Segment<T>&, const S&), Ray<T>& ray, const T* n, T& lengths) {
-    lengths = reach<SolidOf<S>::shape>(n, ray);
-    const S solid = SolidOf<S>::make(n, ray);
+    lengths = reach<PrimitiveOf<S>::shape>(n, ray);
+    const S primitive = PrimitiveOf<S>::make(n, ray);
     Segment<T> segment{};
     for (int k = 0; k < 3; ++k) {
         segment.from[k] = ray.origin[k];
         segment.to[k] = ray.origin[k] + lengths * ray.direction[k];
     }
-    return function(segment, solid);
+    return function(segment, primitive);
 }
 
 template <class Function>
@@ -268,9 +268,9 @@ template <class R, template <class> class A, class T, class S>
 struct Traits<R (*)(const A<T>&, const S&)> {
     using Number = T;
     static_assert(!(std::is_same_v<A<T>, Segment<T>> &&
-                    (SolidOf<S>::shape == LB_TRIANGLE || SolidOf<S>::shape == LB_PLANE)),
+                    (PrimitiveOf<S>::shape == LB_TRIANGLE || PrimitiveOf<S>::shape == LB_PLANE)),
                   "a triangle or a plane gives a segment no end behind it: take a Ray instead of a Segment");
-    static constexpr int shape = SolidOf<S>::shape;
+    static constexpr int shape = PrimitiveOf<S>::shape;
     static constexpr bool hit_only = std::is_same_v<R, bool>;
     static constexpr bool of_segments = std::is_same_v<A<T>, Segment<T>>;
 };
@@ -282,16 +282,16 @@ const char* run(const lb_batch* batch) {
     const T* ray = static_cast<const T*>(batch->rays);
     const T* const starts = static_cast<const T*>(batch->starts);
     const T* const ends = static_cast<const T*>(batch->ends);
-    const T* solid = static_cast<const T*>(batch->solids);
+    const T* primitive = static_cast<const T*>(batch->primitives);
     T* const near_far = static_cast<T*>(batch->near_far);
     try {
-        for (std::size_t i = 0; i < batch->size; ++i, ray += 6, solid += batch->solid_stride) {
+        for (std::size_t i = 0; i < batch->size; ++i, ray += 6, primitive += batch->primitive_stride) {
             Ray<T> one{{ray[0], ray[1], ray[2]},
                        {ray[3], ray[4], ray[5]},
                        ends ? ends[i] : static_cast<T>(__builtin_huge_val()),
                        starts ? starts[i] : T(0)};
             T lengths = 1;
-            const auto told = call(function, one, solid, lengths);
+            const auto told = call(function, one, primitive, lengths);
             if constexpr (Of::hit_only) {
                 batch->hit[i] = told ? 1 : 0;
             } else {

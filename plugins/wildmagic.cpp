@@ -32,8 +32,8 @@ Wm5::Box3<T> box_of(const Box<T>& b) {
 template <class T>
 Answer<T> box(const Ray<T>& r, const Box<T>& b) {
     const Wm5::Ray3<T> ray(vec(r.origin), vec(r.direction));
-    const Wm5::Box3<T> solid = box_of(b);
-    Wm5::IntrRay3Box3<T> met(ray, solid);
+    const Wm5::Box3<T> primitive = box_of(b);
+    Wm5::IntrRay3Box3<T> met(ray, primitive);
     return met.Find() ? Answer<T>((met.GetPoint(0) - ray.Origin).Dot(ray.Direction)) : miss;
 }
 

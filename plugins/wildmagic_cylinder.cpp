@@ -14,10 +14,10 @@ Answer<T> cylinder(const Ray<T>& r, const Cylinder<T>& c) {
     Wm5::Vector3<T> axis = top - base;
     const T height = axis.Normalize();
     if (!(height > 0) || !(axis.SquaredLength() < 2)) return miss;
-    const Wm5::Cylinder3<T> solid(Wm5::Line3<T>((base + top) * T(0.5), axis), c.radius, height);
+    const Wm5::Cylinder3<T> primitive(Wm5::Line3<T>((base + top) * T(0.5), axis), c.radius, height);
     T t[2] = {};
     const Wm5::Vector3<T> direction(r.direction[0], r.direction[1], r.direction[2]);
-    const int met = Wm5::IntrLine3Cylinder3<T>::Find(origin, direction, solid, t);
+    const int met = Wm5::IntrLine3Cylinder3<T>::Find(origin, direction, primitive, t);
     return met == 0 ? Answer<T>(miss) : Answer<T>(t[0], t[met - 1]);
 }
 

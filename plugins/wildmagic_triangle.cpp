@@ -12,8 +12,8 @@ Wm5::Vector3<T> vec(const T (&v)[3]) {
 template <class T>
 Answer<T> triangle(const Ray<T>& r, const Triangle<T>& s) {
     const Wm5::Ray3<T> ray(vec(r.origin), vec(r.direction));
-    const Wm5::Triangle3<T> solid(vec(s.a), vec(s.b), vec(s.c));
-    Wm5::IntrRay3Triangle3<T> met(ray, solid);
+    const Wm5::Triangle3<T> primitive(vec(s.a), vec(s.b), vec(s.c));
+    Wm5::IntrRay3Triangle3<T> met(ray, primitive);
     return met.Find() ? Answer<T>(met.GetRayParameter()) : miss;
 }
 

@@ -24,8 +24,8 @@ double number_at(const ArrayColumn& column, std::size_t i, const Format& format)
 /// error in a ray is an InputError that begins with `name` and the index of the ray, from 0.
 class ArrayDump final : public scene::dump::Dump {
 public:
-    /// Reads format, solid, open and stop of `options`. Without a format, answers have that of t or, without t, that of
-    /// the widest column.
+    /// Reads format, primitive, open and stop of `options`. Without a format, answers have that of t or, without t,
+    /// that of the widest column.
     ArrayDump(const std::string& name, std::vector<ArrayColumn> columns, std::size_t count,
               const scene::dump::DumpOptions& options);
 

@@ -4,14 +4,14 @@
 
 namespace lostbits::analysis::library {
 
-using intersect::doors::ForeignForm;
+using intersect::external::ForeignForm;
 using intersect::table::WrittenFormula;
 
 namespace {
 
 /// A form that runs a function of the caller in this process.
 ForeignForm foreign_of(const lb_form& given) {
-    ForeignForm made{intersect::doors::contract_of(given, "form"), "form", {}};
+    ForeignForm made{intersect::external::contract_of(given, "form"), "form", {}};
     const auto run = given.run;
     void* const own = given.own;
     made.answer = [run, own, name = made.contract.name](const lb_batch& asked) {
@@ -77,7 +77,7 @@ int lostbits_form_make(const lb_form* forms, size_t count, lostbits_form** form,
         require(form, "form");
         if (count != 1 && count != 2) throw InputError("count must be 1, or 2 to give a form for each of two formats");
         auto made = std::make_unique<lostbits_form>();
-        made->asked = std::make_unique<intersect::doors::ForeignRow>(foreign_of(forms[0]));
+        made->asked = std::make_unique<intersect::external::ForeignRow>(foreign_of(forms[0]));
         if (count == 2) made->asked->add(foreign_of(forms[1]));
         renew(*made);
         *form = made.release();

@@ -23,14 +23,14 @@
 
 #include "analysis/library/lostbits.h"
 #include "analysis/selection/select.hpp"
-#include "intersect/doors/foreign_batch.hpp"
+#include "intersect/external/foreign_batch.hpp"
 #include "intersect/process/floating_point.hpp"
 #include "intersect/table/written_formula.hpp"
 #include "measure/culling/culling.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "output/table/table.hpp"
 #include "scene/file/scene.hpp"
-#include "scene/rays/solid_list.hpp"
+#include "scene/rays/primitive_list.hpp"
 #include "scene/toml/file_names.hpp"
 
 namespace lostbits::analysis::library {
@@ -77,8 +77,8 @@ private:
 };
 
 /// Primitives, and the triangles of meshes after them; `mesh` may be null.
-scene::rays::SolidList<double> solid_list(std::vector<Solid<double>> solids,
-                                          std::shared_ptr<const scene::rays::MeshColumns> mesh);
+scene::rays::PrimitiveList<double> primitive_list(std::vector<Primitive<double>> primitives,
+                                                  std::shared_ptr<const scene::rays::MeshColumns> mesh);
 
 /// The primitives of a scene in the numbers of a format, and the index that finds those that a ray can meet.
 class StoredScene {
@@ -87,7 +87,7 @@ public:
     /// Made on first use. Several threads may ask at once.
     [[nodiscard]] const measure::culling::Culler& culler() const;
 
-    std::vector<Solid<double>> beside_mesh;
+    std::vector<Primitive<double>> beside_mesh;
     std::shared_ptr<const scene::rays::MeshColumns> mesh;  ///< its triangles come after the others; null: no mesh
 
 private:
@@ -130,7 +130,7 @@ struct lostbits_scene {
 };
 
 struct lostbits_form {
-    std::unique_ptr<lostbits::intersect::doors::ForeignRow> asked = {};
+    std::unique_ptr<lostbits::intersect::external::ForeignRow> asked = {};
     std::array<std::shared_ptr<const lostbits::intersect::table::WrittenFormula>, 2> formulas = {};  ///< f32, f64
     std::optional<lostbits::intersect::table::WrittenForm> written = {};
     lostbits::intersect::table::Intersector row{};    ///< the function in its formats, the written operations elsewhere

@@ -83,19 +83,19 @@ LOSTBITS_API int lostbits_scene_open(const char* name, const lostbits_where* whe
 /* Makes a scene from the text of such a file (docs/files.md). */
 LOSTBITS_API int lostbits_scene_text(const char* text, const lostbits_where* where, lostbits_scene** scene,
                                      lostbits_error* error);
-/* Adds `count` primitives of one shape ("sphere", "box", ...). Each has its numbers in the order of lb_batch.solids.
- * The first call of this function or of lostbits_scene_mesh removes the primitives that the scene was read with.
- * `object` and `solid` in results count the primitives from 0 in the order in which they were added; the triangles of a
- * mesh come last. The numbers are ideal: if the scene's inputs are shared, they are rounded once to binary32, as those
- * of a file are. */
-LOSTBITS_API int lostbits_scene_solids(lostbits_scene* scene, const char* shape, const double* numbers, size_t count,
-                                       lostbits_error* error);
+/* Adds `count` primitives of one shape ("sphere", "box", ...). Each has its numbers in the order of
+ * lb_batch.primitives. The first call of this function or of lostbits_scene_mesh removes the primitives that the scene
+ * was read with. `object` and `primitive` in results count the primitives from 0 in the order in which they were added;
+ * the triangles of a mesh come last. The numbers are ideal: if the scene's inputs are shared, they are rounded once to
+ * binary32, as those of a file are. */
+LOSTBITS_API int lostbits_scene_primitives(lostbits_scene* scene, const char* shape, const double* numbers,
+                                           size_t count, lostbits_error* error);
 /* Sets the mesh of a scene: vertex_count x 3 coordinates, and face_count x 3 indices of vertices, from 0. Another call
  * replaces the mesh. */
 LOSTBITS_API int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t vertex_count,
                                      const uint32_t* faces, size_t face_count, lostbits_error* error);
 /* Places all primitives and the mesh that a scene has now by one matrix: twelve numbers, three rows of four. It maps
- * object space to world space or, if `inverse` is not 0, world space to object space (docs/spaces.md). It replaces
+ * object space to world space or, if `inverse` is not 0, world space to object space (docs/transforms.md). It replaces
  * earlier matrices. The matrix is ideal too. The numbers of the primitives stay as they are; none is multiplied by the
  * matrix. */
 LOSTBITS_API int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int inverse,
@@ -181,9 +181,9 @@ typedef struct lostbits_rays {
     lostbits_array tmin, tmax;        /* count: the range of t of each ray, both ends included */
     const char* open_ends;            /* ends of the range that are excluded: "tmin", "tmax", "both"; NULL: none */
     const char* shape;                /* of the primitives; NULL if `scene` has them */
-    lostbits_array solids;            /* solid_count x numbers of a primitive, in the order of lb_batch.solids */
-    size_t solid_count;
-    int paired;                      /* not 0: ray i is tested with primitive i alone; solid_count is then count */
+    lostbits_array primitives; /* primitive_count x numbers of a primitive, in the order of lb_batch.primitives */
+    size_t primitive_count;
+    int paired;                      /* not 0: ray i is tested with primitive i alone; primitive_count is then count */
     const lostbits_scene* scene;     /* the scene whose primitives the rays are tested with; or NULL */
     lostbits_array t, hit;           /* count: answers to judge; a t that is NaN or infinite is a miss */
     const char* format;              /* format in which the answers were computed; NULL: from the type of t */
@@ -204,13 +204,13 @@ LOSTBITS_API int lostbits_judge(const lostbits_rays* rays, const lostbits_choice
  * (NaN for a miss). */
 LOSTBITS_API int lostbits_answers(const lostbits_rays* rays, const lostbits_choice* choice, const lostbits_run* run,
                                   lostbits_result** result, lostbits_error* error);
-/* The certified truth of each ray: a table `truth` with decision (0 miss, 1 hit, 2 unresolved), solid (index of the
+/* The certified truth of each ray: a table `truth` with decision (0 miss, 1 hit, 2 unresolved), primitive (index of the
  * primitive, from 0), and t = t_hi + t_lo with a relative error of at most 2^-72. */
 LOSTBITS_API int lostbits_truth(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result,
                                 lostbits_error* error);
 /* Every crossing of each ray with triangles, in its range. The triangles are those of `rays->scene`, which has no other
  * primitives, or an array that all rays share. They are closed and met from both sides, and t >= 0 counts. Table
- * `crossings`: ray and place (from 0, in the exact order of t; crossings at the same t have the same place), solid
+ * `crossings`: ray and place (from 0, in the exact order of t; crossings at the same t have the same place), primitive
  * (index of the triangle), t = t_hi + t_lo with a relative error of at most 2^-72, front (the ray meets the side on
  * which the corners run counter-clockwise), at_rim (it passes through an edge or a vertex). Table `rays`: resolved, for
  * each ray; 0 if no precision decided, and crossings may be missing. */
@@ -241,24 +241,25 @@ LOSTBITS_API int lostbits_study(const char* study, const lostbits_scene* scene, 
                                 const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
                                 lostbits_error* error);
 
-typedef struct lostbits_wish {
+typedef struct lostbits_requirement {
     double bits;      /* least number of correct bits of t, 0 to 53 */
     double tolerance; /* largest error of the hit point along the ray, in the scene's unit of length; below 0: any */
     double wrong;     /* largest share of the rays with a wrong decision, 0 to 1 */
     const char* at;   /* share of the hits that must keep `bits` and `tolerance`: "p99", "max" (all); NULL: p99 */
-} lostbits_wish;
+} lostbits_requirement;
 
 /* Finds the fastest form and format that meets the requirement. Tables: `choose`, and `room`, the margin in which the
  * chosen one still meets it; text 0 is the answer in words. Returns LOSTBITS_NO, with a result, if nothing meets it. */
-LOSTBITS_API int lostbits_choose(const lostbits_scene* scene, const lostbits_wish* wish, const lostbits_choice* choice,
-                                 const lostbits_run* run, lostbits_result** result, lostbits_error* error);
+LOSTBITS_API int lostbits_choose(const lostbits_scene* scene, const lostbits_requirement* requirement,
+                                 const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
+                                 lostbits_error* error);
 
 /* Finds what to change in the one form and format that `choice` names so that it meets the requirement on every pixel
  * (docs/mend.md): operations to do in double or, with `two_words`, in two numbers of the format, and other ways to
  * write the formula. The operations of the form must be known. Tables: `mend` and `minimal`, as the files of `lostbits
  * mend`. Text 0 is the answer in words; text 1 is the form to take, as C++, if one meets the requirement. Returns
  * LOSTBITS_NO, with a result, if nothing does. Set `tolerance` below 0; `at` NULL is "max". */
-LOSTBITS_API int lostbits_mend(const lostbits_scene* scene, const lostbits_wish* wish, int two_words,
+LOSTBITS_API int lostbits_mend(const lostbits_scene* scene, const lostbits_requirement* requirement, int two_words,
                                const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
                                lostbits_error* error);
 

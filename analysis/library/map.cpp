@@ -1,9 +1,9 @@
 // Maps of a scene.
 #include "analysis/library/handles.hpp"
-#include "measure/blame/culprits.hpp"
+#include "measure/attribution/culprits.hpp"
 #include "measure/contract/suspect.hpp"
 #include "measure/evaluate/culprit_order.hpp"
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/map/map_tables.hpp"
 
 namespace lostbits::analysis::library {
@@ -23,7 +23,7 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Choosing& c
         .scene = &scene, .rows = chosen.rows, .metrics = {}, .limit = {.stop = running.stop()}};
     request.metrics =
         chosen.made.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
-                              [&scene] { return measure::blame::SettingOf(scene); });
+                              [&scene] { return measure::attribution::SettingOf(scene); });
     request.metrics = measure::evaluate::order_culprits(request, chosen.made);
     request.progress = running.advancing(scene.pixels() * request.rows.size());
 
@@ -41,7 +41,7 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Choosing& c
     auto csv = table.writer();
     const auto name_of = [&](const measure::evaluate::WorstRay& ray) {
         return given.named.empty() ? std::string()
-                                   : output::blame::name_of_pixel(given.named, static_cast<int>(ray.x), ray.y);
+                                   : output::attribution::name_of_pixel(given.named, static_cast<int>(ray.x), ray.y);
     };
     for (std::size_t r = 0; r < request.rows.size(); ++r)
         summary.add_row(csv, {request.rows[r], &summaries[r], name_of});

@@ -2,14 +2,14 @@
 #include "scene/rays/rays.hpp"
 #include "analysis/library/array_dump.hpp"
 #include "analysis/library/handles.hpp"
-#include "analysis/selection/judge_words.hpp"
+#include "analysis/selection/judge_options.hpp"
 #include "intersect/conventions.hpp"
 #include "intersect/process/parallel.hpp"
 #include "measure/answer/answers.hpp"
-#include "measure/blame/culprits.hpp"
+#include "measure/attribution/culprits.hpp"
 #include "measure/crossing/mesh_crossings.hpp"
 #include "measure/judge/judge.hpp"
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/map/map_tables.hpp"
 #include "scene/rays/stored_mesh.hpp"
 #include "scene/toml/counted.hpp"
@@ -30,11 +30,14 @@ constexpr const char* whose = "rays";
 struct GivenRays {
     std::unique_ptr<ArrayDump> dump;
     /// Empty without a mesh: each ray has its own primitive.
-    std::vector<Solid<double>> solids = {};
-    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< its triangles come after `solids`; null: no mesh
-    std::shared_ptr<const StoredScene> stored = {};             ///< if they come from a scene
-    Shape shape{};                                              ///< of the first primitive
-    [[nodiscard]] std::vector<Solid<double>> examples() const { return scene::rays::examples_of(solids, mesh.get()); }
+    std::vector<Primitive<double>> primitives = {};
+    /// Its triangles come after `primitives`; null: no mesh.
+    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};
+    std::shared_ptr<const StoredScene> stored = {};  ///< if they come from a scene
+    Shape shape{};                                   ///< of the first primitive
+    [[nodiscard]] std::vector<Primitive<double>> examples() const {
+        return scene::rays::examples_of(primitives, mesh.get());
+    }
 };
 
 void put_columns(std::vector<ArrayColumn>& into, const lostbits_array& array, std::span<const std::string> names) {
@@ -54,23 +57,23 @@ void put_columns(std::vector<ArrayColumn>& into, const lostbits_array& array, st
 }
 
 /// The primitives of an array that all rays share, in its order.
-std::vector<Solid<double>> shared_solids_of(const lostbits_rays& rays, Shape shape, const Format& format) {
+std::vector<Primitive<double>> shared_primitives_of(const lostbits_rays& rays, Shape shape, const Format& format) {
     std::vector<ArrayColumn> columns;
-    put_columns(columns, rays.solids, column_names(shape));
-    std::vector<Solid<double>> solids;
-    for (std::size_t i = 0; i < rays.solid_count; ++i) {
-        Solid<double> solid(shape);
-        for (std::size_t k = 0; k < columns.size(); ++k) solid.numbers[k] = number_at(columns[k], i, format);
-        const auto broken = broken_limit(solid);
-        for (const double x : solid.used())
+    put_columns(columns, rays.primitives, column_names(shape));
+    std::vector<Primitive<double>> primitives;
+    for (std::size_t i = 0; i < rays.primitive_count; ++i) {
+        Primitive<double> primitive(shape);
+        for (std::size_t k = 0; k < columns.size(); ++k) primitive.numbers[k] = number_at(columns[k], i, format);
+        const auto broken = broken_limit(primitive);
+        for (const double x : primitive.used())
             if (!std::isfinite(x))
                 throw InputError("primitive " + std::to_string(i) + " has a number that is not finite");
         if (broken)
             throw InputError("primitive " + std::to_string(i) + ": " + std::string(broken->key->name) + " " +
                              limit_words(shape, *broken->key));
-        solids.push_back(solid);
+        primitives.push_back(primitive);
     }
-    return solids;
+    return primitives;
 }
 
 OpenEnds open_ends_of(const std::string& word) {
@@ -99,7 +102,7 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     for (const auto* const array : {&rays.tmin, &rays.tmax, &rays.t, &rays.hit, &rays.by})
         require_reach(*array, rays.count, 1, whose);
     require_reach(rays.matrix, rays.count, scene::dump::matrix_columns.size(), whose);
-    require_reach(rays.solids, rays.solid_count, most_numbers, "solids");
+    require_reach(rays.primitives, rays.primitive_count, most_numbers, "primitives");
     std::vector<ArrayColumn> columns;
     put_columns(columns, rays.origin, std::array<std::string, 3>{"ox", "oy", "oz"});
     put_columns(columns, rays.direction, std::array<std::string, 3>{"dx", "dy", "dz"});
@@ -119,27 +122,28 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
         made.shape = rays.scene->scene.shapes().front();
     } else {
         const auto shape = shape_named(rays.shape ? rays.shape : "");
-        if (!shape || !is_solid(*shape) || rays.solids.data == nullptr)
+        if (!shape || !is_primitive(*shape) || rays.primitives.data == nullptr)
             throw InputError(
                 "rays: there are no primitives; give their shape (\"sphere\", \"box\", ...) and their numbers, or a "
                 "scene");
         made.shape = *shape;
-        if (rays.paired != 0 && rays.solid_count != rays.count)
+        if (rays.paired != 0 && rays.primitive_count != rays.count)
             throw InputError("there are " + scene::toml::counted(rays.count, "ray") + " and " +
-                             scene::toml::counted(rays.solid_count, "primitive") +
+                             scene::toml::counted(rays.primitive_count, "primitive") +
                              "; pairs need the same number of both");
-        if (rays.paired == 0 && rays.solid_count == 0) throw InputError("there are no primitives; give at least one");
-        if (rays.paired != 0) put_columns(columns, rays.solids, column_names(*shape));
+        if (rays.paired == 0 && rays.primitive_count == 0)
+            throw InputError("there are no primitives; give at least one");
+        if (rays.paired != 0) put_columns(columns, rays.primitives, column_names(*shape));
     }
-    if (rays.paired == 0 || rays.scene != nullptr) options.solid = made.shape;
+    if (rays.paired == 0 || rays.scene != nullptr) options.primitive = made.shape;
     made.dump = std::make_unique<ArrayDump>(whose, std::move(columns), rays.count, options);
     const Format& format = made.dump->format();
     if (rays.scene != nullptr) {
         made.stored = rays.scene->stored->in(rays.scene->scene, format.parameters);
-        made.solids = made.stored->beside_mesh;
+        made.primitives = made.stored->beside_mesh;
         made.mesh = made.stored->mesh;
     } else if (rays.paired == 0) {
-        made.solids = shared_solids_of(rays, made.shape, format);
+        made.primitives = shared_primitives_of(rays, made.shape, format);
     }
     selection::put_under_matrices(*made.dump, made.examples());
     return made;
@@ -157,7 +161,7 @@ intersect::Info contract_of_arrays(const lostbits_rays& rays, Shape shape) {
     if (rays.facing != 0) words.shape = static_cast<int>(shape);
     words.flags = static_cast<unsigned>(rays.inside) | static_cast<unsigned>(rays.facing);
     words.run = [](const lb_batch*) -> const char* { return nullptr; };
-    const auto contract = intersect::doors::contract_of(words, whose);
+    const auto contract = intersect::external::contract_of(words, whose);
     if (rays.scene == nullptr) intersect::require_origin(contract.at_origin, contract.inside, shape, whose);
     intersect::Info info{};
     info.direction = contract.direction;
@@ -175,7 +179,8 @@ selection::Meets meets_of(const GivenRays& all) {
 
 std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& chosen, CallRun& running) {
     GivenRays all = given(rays, running);
-    measure::judge::JudgeRequest request{.solids = all.solids, .mesh = all.mesh, .limit = {.stop = running.stop()}};
+    measure::judge::JudgeRequest request{
+        .primitives = all.primitives, .mesh = all.mesh, .limit = {.stop = running.stop()}};
     if (rays.by.data != nullptr) request.by = 0;
     intersect::Info contract = contract_of_arrays(rays, all.shape);
     if (all.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
@@ -193,20 +198,20 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
     request.metrics = selection::measured(asked, request.rows);
     if (!chosen.rows.empty()) {
         RayGroup group;
-        group.solids = all.examples();
-        if (group.solids.empty()) group.solids.emplace_back(all.shape);
-        if (all.dump->layout().has_matrix()) group.solids.front().placed = selection::any_matrix();
+        group.primitives = all.examples();
+        if (group.primitives.empty()) group.primitives.emplace_back(all.shape);
+        if (all.dump->layout().has_matrix()) group.primitives.front().placed = selection::any_matrix();
         request.metrics = chosen.made.for_forms(request.metrics, measure::evaluate::forms_of(chosen.rows),
-                                                [&group] { return measure::blame::SettingOf(group); });
+                                                [&group] { return measure::attribution::SettingOf(group); });
     }
     const auto advance = running.advancing(rays.count);
     request.progress = [&advance](std::uint64_t done, std::uint64_t) { advance(done); };
 
     auto result = std::make_unique<lostbits_result>();
     std::vector<Shape> shapes;
-    const std::vector<Solid<double>> examples = all.examples();
+    const std::vector<Primitive<double>> examples = all.examples();
     for (const ShapeRow& row : shape_rows) {
-        const auto of = [&row](const Solid<double>& solid) { return solid.shape == row.shape; };
+        const auto of = [&row](const Primitive<double>& primitive) { return primitive.shape == row.shape; };
         if (examples.empty() ? row.shape == all.shape : std::ranges::any_of(examples, of)) shapes.push_back(row.shape);
     }
     const auto summary =
@@ -225,15 +230,16 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
         });
     auto csv = table.writer();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        for (const auto& row : output::map::summary_rows(
-                 r, request.rows[r], found.summaries[r], found.groups,
-                 [](const measure::evaluate::WorstRay& ray) { return output::blame::name_of_ray(ray.given.get()); }))
+        for (const auto& row : output::map::summary_rows(r, request.rows[r], found.summaries[r], found.groups,
+                                                         [](const measure::evaluate::WorstRay& ray) {
+                                                             return output::attribution::name_of_ray(ray.given.get());
+                                                         }))
             summary.add_row(csv, row);
     }
     if (const auto file = request.file_place())
         result->texts = selection::suspicions_of({request.rows[*file]}, [&](const TestedForm&) {
             const auto& summary_of_file = found.summaries[*file];
-            const std::string words = measure::contract::suspicion(found.first, measure::contract::Whose::file,
+            const std::string words = measure::contract::suspicion(found.first, measure::contract::AnswerSource::file,
                                                                    found.misses_beside_first(summary_of_file));
             const bool has_all = found.first_are_all(summary_of_file);
             return measure::contract::on_rays_of(whose, has_all ? found.rays : found.first.size(), found.rays,
@@ -251,14 +257,14 @@ void by_piece(GivenRays& all, CallRun& running, std::size_t count, std::size_t m
     const auto advance = running.advancing(count);
     std::optional<measure::culling::Culler> made;
     const measure::culling::Culler* of_all = nullptr;
-    if (all.mesh || all.solids.size() >= many)
-        of_all = all.stored ? &all.stored->culler() : &made.emplace(solid_list(all.solids, all.mesh));
+    if (all.mesh || all.primitives.size() >= many)
+        of_all = all.stored ? &all.stored->culler() : &made.emplace(primitive_list(all.primitives, all.mesh));
     intersect::process::in_parallel(std::size_t{0}, (count + piece - 1) / piece, [&](std::size_t p) {
         const std::size_t first = p * piece, n = std::min(piece, count - first);
         scene::dump::Chunk chunk = all.dump->decode({.first = first, .count = n, .bytes = {}});
         RayGroup group;
-        group.paired = !chunk.solids.empty();
-        group.solids = group.paired ? std::move(chunk.solids) : all.solids;
+        group.paired = !chunk.primitives.empty();
+        group.primitives = group.paired ? std::move(chunk.primitives) : all.primitives;
         group.mesh = group.paired ? nullptr : all.mesh;
         group.rays = std::move(chunk.rays);
         group.rays.width = static_cast<int>(n);
@@ -310,12 +316,12 @@ std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallRu
     ResultTable& table = result->tables.emplace_back(
         "truth",
         std::vector<output::file::Column>{{"decision", "integer", "", "0 miss, 1 hit, 2 unresolved"},
-                                          {"solid", "integer", "", "index of the primitive that is hit, from 0"},
+                                          {"primitive", "integer", "", "index of the primitive that is hit, from 0"},
                                           {"t_hi", "number", "t", "t*, rounded to the nearest binary64"},
                                           {"t_lo", "number", "t", "t* - t_hi, to 2^-72 of t*"}});
     for (ResultColumn& column : table.columns) column.numbers.assign(rays.count, measure::truth::missing);
     const bool unit = contract.direction == intersect::Direction::unit;
-    by_piece(all, running, rays.count, measure::culling::least_solids,
+    by_piece(all, running, rays.count, measure::culling::least_primitives,
              [&](std::size_t first, RayGroup group, auto* culler) {
                  const bool paired = group.paired;
                  const measure::truth::Band band(std::move(group), {.stop = running.stop()}, culler);
@@ -333,25 +339,25 @@ std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallRu
 
 std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallRun& running) {
     GivenRays all = given(rays, running);
-    const auto is_triangle = [](const Solid<double>& solid) { return solid.shape == scene::triangle::Mesh::shape; };
+    const auto is_triangle = [](const auto& one) { return one.shape == scene::triangle::Mesh::shape; };
     if (rays.paired != 0 || !std::ranges::all_of(all.examples(), is_triangle))
         throw InputError("rays: crossings are found of triangles that all rays share; give a mesh, or triangles");
     std::vector<measure::crossing::MeshCrossings> found(rays.count);
-    by_piece(
-        all, running, rays.count, measure::culling::least_solids, [&](std::size_t first, RayGroup group, auto* culler) {
-            const auto solids = scene::rays::solid_list_of(group);
-            for (std::size_t i = 0; i < group.rays.size(); ++i)
-                found[first + i] =
-                    measure::crossing::crossings_of(group.rays[i], {solids, culler ? culler->for_truth() : nullptr},
-                                                    group.rays.range(i), {.stop = running.stop()});
-        });
+    by_piece(all, running, rays.count, measure::culling::least_primitives,
+             [&](std::size_t first, RayGroup group, auto* culler) {
+                 const auto primitives = scene::rays::primitive_list_of(group);
+                 for (std::size_t i = 0; i < group.rays.size(); ++i)
+                     found[first + i] = measure::crossing::crossings_of(
+                         group.rays[i], {primitives, culler ? culler->for_truth() : nullptr}, group.rays.range(i),
+                         {.stop = running.stop()});
+             });
     auto result = std::make_unique<lostbits_result>();
     ResultTable& table = result->tables.emplace_back(
         "crossings",
         std::vector<output::file::Column>{
             {"ray", "integer", "", "the ray, from 0"},
             {"place", "integer", "", "in the order of t, from 0; crossings at the same t have the same place"},
-            {"solid", "integer", "", "the triangle, from 0"},
+            {"primitive", "integer", "", "the triangle, from 0"},
             {"t_hi", "number", "t", "t*, to the nearest number of binary64"},
             {"t_lo", "number", "t", "what is left of t*, to 2^-72 of t*"},
             {"front", "boolean", "", "the ray meets the side on which the corners run counter-clockwise"},

@@ -35,7 +35,7 @@ std::string data_of(const lostbits_where& where) {
 }
 
 /// Removes the primitives that the scene was read with, once. Call it before primitives are added.
-void make_room(lostbits_scene& scene) {
+void remove_primitives(lostbits_scene& scene) {
     scene.stored->forget();
     if (scene.has_own) return;
     scene.has_own = true;
@@ -50,25 +50,26 @@ Shape shape_of_word(const char* word) {
     const auto shape = shape_named(word);
     std::string names;
     for (const ShapeRow& row : shape_rows) names += (names.empty() ? "" : ", ") + std::string(row.name);
-    if (!shape || !is_solid(*shape)) throw InputError("shape \"" + std::string(word) + "\" is not one of " + names);
+    if (!shape || !is_primitive(*shape)) throw InputError("shape \"" + std::string(word) + "\" is not one of " + names);
     return *shape;
 }
 
 /// A primitive from its numbers. Throws InputError, as for a file, if the ideal or the stored numbers break a limit.
-Solid<Real> solid_of(Shape shape, const double* numbers, const Scene& scene, const std::string& place) {
-    Solid<double> solid(shape);
-    std::copy_n(numbers, solid.used().size(), solid.used().begin());
-    for (std::size_t k = 0; k < solid.used().size(); ++k) {
-        if (!std::isfinite(solid.numbers[k]))
-            throw InputError(place + ": " + number_names(shape)[k] + " is " + std::to_string(solid.numbers[k]) +
+Primitive<Real> primitive_of(Shape shape, const double* numbers, const Scene& scene, const std::string& place) {
+    Primitive<double> primitive(shape);
+    std::copy_n(numbers, primitive.used().size(), primitive.used().begin());
+    for (std::size_t k = 0; k < primitive.used().size(); ++k) {
+        if (!std::isfinite(primitive.numbers[k]))
+            throw InputError(place + ": " + number_names(shape)[k] + " is " + std::to_string(primitive.numbers[k]) +
                              ", which is not a finite number");
     }
     const bool shared = scene.inputs == scene::file::Inputs::shared;
-    for (const Solid<double>& held : {solid, shared ? scene::rays::round_solid(solid, binary32) : solid}) {
+    for (const Primitive<double>& held :
+         {primitive, shared ? scene::rays::round_primitive(primitive, binary32) : primitive}) {
         if (const auto broken = broken_limit(held))
             throw InputError(place + ": " + std::string(broken->key->name) + " " + limit_words(shape, *broken->key));
     }
-    return transformed(solid, [](double x) { return Real(x); });
+    return transformed(primitive, [](double x) { return Real(x); });
 }
 
 void add_rays(const Scene& scene, lostbits_result& result) {
@@ -100,12 +101,13 @@ void add_matrix(const std::optional<Placement<double>>& placed, std::span<Result
     columns[numbers].numbers.push_back(!placed ? measure::truth::missing : placed->is_inverse ? 1 : 0);
 }
 
-void add_solids(const Scene& scene, lostbits_result& result) {
-    const std::vector<Solid<double>> solids = scene::rays::stored_solids(scene, binary64);
+void add_primitives(const Scene& scene, lostbits_result& result) {
+    const std::vector<Primitive<double>> primitives = scene::rays::stored_primitives(scene, binary64);
     for (const Shape shape : scene.shapes()) {
         std::vector<output::file::Column> columns;
-        const bool placed = std::ranges::any_of(
-            solids, [shape](const Solid<double>& solid) { return solid.shape == shape && solid.placed; });
+        const bool placed = std::ranges::any_of(primitives, [shape](const Primitive<double>& primitive) {
+            return primitive.shape == shape && primitive.placed;
+        });
         for (const std::string& name : number_names(shape))
             columns.push_back({name, "number", "", "number of the primitive, as stored"});
         const std::size_t numbers = columns.size();
@@ -115,12 +117,12 @@ void add_solids(const Scene& scene, lostbits_result& result) {
         if (placed) columns.push_back({"inverse", "boolean", "", "1 if the matrix maps world space to object space"});
         columns.push_back({"number", "integer", "", "index of the primitive in the scene, from 0"});
         ResultTable& table = result.tables.emplace_back(std::string(name_of(shape)), columns);
-        for (std::size_t i = 0; i < solids.size(); ++i) {
-            const Solid<double>& solid = solids[i];
-            if (solid.shape != shape) continue;
+        for (std::size_t i = 0; i < primitives.size(); ++i) {
+            const Primitive<double>& primitive = primitives[i];
+            if (primitive.shape != shape) continue;
             table.columns.back().numbers.push_back(static_cast<double>(i));
-            for (std::size_t k = 0; k < numbers; ++k) table.columns[k].numbers.push_back(solid.numbers[k]);
-            if (placed) add_matrix(solid.placed, std::span(table.columns).subspan(numbers));
+            for (std::size_t k = 0; k < numbers; ++k) table.columns[k].numbers.push_back(primitive.numbers[k]);
+            if (placed) add_matrix(primitive.placed, std::span(table.columns).subspan(numbers));
         }
     }
 }
@@ -169,21 +171,21 @@ int lostbits_scene_text(const char* text, const lostbits_where* where, lostbits_
     });
 }
 
-int lostbits_scene_solids(lostbits_scene* scene, const char* shape, const double* numbers, size_t count,
-                          lostbits_error* error) {
+int lostbits_scene_primitives(lostbits_scene* scene, const char* shape, const double* numbers, size_t count,
+                              lostbits_error* error) {
     return guarded(error, [&] {
         require(scene, "scene");
         const Shape of = shape_of_word(shape);
         if (count == 0) throw InputError("there are no primitives; give at least one");
         require(numbers, "numbers");
         const std::span<const double> all = array_of(numbers, count, "numbers", row_of(of).numbers);
-        std::vector<Solid<Real>> solids;
+        std::vector<Primitive<Real>> primitives;
         for (std::size_t i = 0; i < count; ++i)
-            solids.push_back(solid_of(of, &all[i * row_of(of).numbers], scene->scene,
-                                      std::string(row_of(of).name) + " " + std::to_string(i)));
-        make_room(*scene);
+            primitives.push_back(primitive_of(of, &all[i * row_of(of).numbers], scene->scene,
+                                              std::string(row_of(of).name) + " " + std::to_string(i)));
+        remove_primitives(*scene);
         auto& listed = scene->scene.listed;
-        listed.insert(listed.end(), solids.begin(), solids.end());
+        listed.insert(listed.end(), primitives.begin(), primitives.end());
         return Exit::done;
     });
 }
@@ -215,7 +217,7 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
         }
         scene::triangle::tidy(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
         if (mesh.faces.empty()) throw InputError("the mesh has no face with an area; give at least one");
-        make_room(*scene);
+        remove_primitives(*scene);
         scene->scene.mesh = std::make_shared<const scene::triangle::Mesh>(std::move(mesh));
         return Exit::done;
     });
@@ -239,7 +241,8 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
         }
         const Placement<double> placed = placement_of(numbers, inverse != 0);
         if (!placed.is_proper()) throw InputError("transform: the matrix " + std::string(singular_words));
-        for (Solid<Real>& solid : of.listed) solid.placed = transformed(placed, [](double x) { return Real(x); });
+        for (Primitive<Real>& primitive : of.listed)
+            primitive.placed = transformed(placed, [](double x) { return Real(x); });
         if (of.mesh) of.mesh_placed = placed;
         scene->named.clear();
         return Exit::done;
@@ -252,7 +255,7 @@ int lostbits_scene_rays(const lostbits_scene* scene, lostbits_result** result, l
         require(result, "result");
         auto found = std::make_unique<lostbits_result>();
         add_rays(scene->scene, *found);
-        add_solids(scene->scene, *found);
+        add_primitives(scene->scene, *found);
         return hand_over(std::move(found), result);
     });
 }

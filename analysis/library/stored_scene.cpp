@@ -6,18 +6,18 @@ namespace lostbits::analysis::library {
 
 using scene::file::Scene;
 
-scene::rays::SolidList<double> solid_list(std::vector<Solid<double>> solids,
-                                          std::shared_ptr<const scene::rays::MeshColumns> mesh) {
+scene::rays::PrimitiveList<double> primitive_list(std::vector<Primitive<double>> primitives,
+                                                  std::shared_ptr<const scene::rays::MeshColumns> mesh) {
     scene::rays::RayGroup group;
-    group.solids = std::move(solids), group.mesh = std::move(mesh);
-    return scene::rays::solid_list_of(group);
+    group.primitives = std::move(primitives), group.mesh = std::move(mesh);
+    return scene::rays::primitive_list_of(group);
 }
 
 StoredScene::StoredScene(const Scene& scene, const FloatFormat& format)
     : beside_mesh(scene::rays::stored_beside_mesh(scene, format)), mesh(scene::rays::stored_mesh(scene, format)) {}
 
 const measure::culling::Culler& StoredScene::culler() const {
-    std::call_once(made_, [this] { culler_.emplace(solid_list(beside_mesh, mesh)); });
+    std::call_once(made_, [this] { culler_.emplace(primitive_list(beside_mesh, mesh)); });
     return *culler_;
 }
 

@@ -4,13 +4,13 @@
 #include "analysis/library/handles.hpp"
 #include "analysis/selection/scenes.hpp"
 #include "analysis/study/studies.hpp"
-#include "measure/blame/culprits.hpp"
+#include "measure/attribution/culprits.hpp"
 #include "measure/choice/candidates.hpp"
-#include "measure/mend/mend.hpp"
+#include "measure/repair/mend.hpp"
 #include "measure/sweep/sweep.hpp"
-#include "output/blame/explain_text.hpp"
+#include "output/attribution/explain_text.hpp"
 #include "output/choice/choice_files.hpp"
-#include "output/mend/mend_files.hpp"
+#include "output/repair/mend_files.hpp"
 #include "output/sweep/sweep_files.hpp"
 #include "scene/rays/made_rows.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -36,7 +36,7 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
         .sweep = sweep, .rows = chosen.rows, .metrics = {}, .limit = {.stop = running.stop()}};
     request.metrics =
         chosen.made.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
-                              [&sweep] { return measure::blame::SettingOf(sweep.first_rays()); });
+                              [&sweep] { return measure::attribution::SettingOf(sweep.first_rays()); });
     for (TestedForm& row : request.rows) row.judged = sweep.convention;
     request.further_draws = 2;
     request.recoveries = request.both_ends = true;
@@ -66,13 +66,15 @@ const TestedForm& the_one_row(const Choosing& chosen, const std::string& what) {
 std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene, int x, int y, Choosing& chosen) {
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     const TestedForm& row = the_one_row(chosen, "explain looks at one ray in one form and format");
-    const auto* const maker = scene::rays::maker_of(*row.form);
-    const scene::file::Scene made = maker ? with_rays(scene, *maker) : scene;
+    const auto* const generator = scene::rays::generator_of(*row.form);
+    const scene::file::Scene made = generator ? with_rays(scene, *generator) : scene;
     const measure::answer::OneRay ray(made, x, y);
-    const auto found = measure::blame::explain(*row.form, row.format, ray, {}, measure::blame::PixelOf{&made, x, y});
-    const auto march = output::blame::end_of_march(*row.form, row.format, ray);
+    const auto found =
+        measure::attribution::explain(*row.form, row.format, ray, {}, measure::attribution::PixelOf{&made, x, y});
+    const auto march = output::attribution::end_of_march(*row.form, row.format, ray);
     auto result = std::make_unique<lostbits_result>();
-    result->texts = {output::blame::explain_text(found, false, march), output::blame::explain_json(found, march)};
+    result->texts = {output::attribution::explain_text(found, false, march),
+                     output::attribution::explain_json(found, march)};
     return result;
 }
 
@@ -88,11 +90,11 @@ std::unique_ptr<lostbits_result> study_of(const scene::file::Scene& scene, const
     if (given.formats.count == 0) given.formats = {&study::usual_format, 1};
     Choosing chosen(&given);
     std::erase_if(chosen.rows, [](const TestedForm& row) { return !Words::takes(*row.form); });
-    selection::refuse_makers(chosen.rows, Words::name);
+    selection::refuse_generators(chosen.rows, Words::name);
     selection::refuse_made_rays({scene}, Words::name);
     Words::require(scene);
     chosen.keep_those_for("scene " + scene.id,
-                          [&scene](Shapes of) { return selection::are_solids(of) && scene.meets(of); });
+                          [&scene](Shapes of) { return selection::are_primitives(of) && scene.meets(of); });
     auto study = Words::on(scene, chosen.rows, study::study_words(Words::options(), options), running.stop());
     study.progress = running.advancing(scene.pixels() * study.rows.size());
     const auto summaries = measure::study::run_study(study);
@@ -101,47 +103,51 @@ std::unique_ptr<lostbits_result> study_of(const scene::file::Scene& scene, const
     return result;
 }
 
-measure::choice::Wish wish_of(const lostbits_wish& wish, const char* usual) {
-    if (!(wish.bits >= 0 && wish.bits <= 53)) throw InputError("bits must be from 0 to 53");
-    if (!(wish.wrong >= 0 && wish.wrong <= 1)) throw InputError("wrong is a share of the rays and must be from 0 to 1");
-    if (std::isnan(wish.tolerance))
+measure::choice::Requirement requirement_of(const lostbits_requirement& requirement, const char* usual) {
+    if (!(requirement.bits >= 0 && requirement.bits <= 53)) throw InputError("bits must be from 0 to 53");
+    if (!(requirement.wrong >= 0 && requirement.wrong <= 1))
+        throw InputError("wrong is a share of the rays and must be from 0 to 1");
+    if (std::isnan(requirement.tolerance))
         throw InputError("tolerance is not a number; give a length, or a number below 0 for any");
-    measure::choice::Wish asked{
-        .bits = wish.bits, .wrong = wish.wrong, .quantile = measure::choice::quantile_named(wish.at ? wish.at : usual)};
-    if (wish.tolerance >= 0) asked.tolerance = wish.tolerance;
+    measure::choice::Requirement asked{
+        .bits = requirement.bits,
+        .wrong = requirement.wrong,
+        .quantile = measure::choice::quantile_named(requirement.at ? requirement.at : usual)};
+    if (requirement.tolerance >= 0) asked.tolerance = requirement.tolerance;
     return asked;
 }
 
 /// Fills the result. True if anything meets the requirement.
-bool mend_into(lostbits_result& result, const scene::file::Scene& scene, const measure::choice::Wish& wish,
-               bool two_words, Choosing& chosen, CallRun& running) {
-    if (wish.has_tolerance()) throw InputError("mend repairs a form to keep bits of t; give no tolerance");
+bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
+               const measure::choice::Requirement& requirement, bool two_words, Choosing& chosen, CallRun& running) {
+    if (requirement.has_tolerance()) throw InputError("mend repairs a form to keep bits of t; give no tolerance");
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     if (scene.is_placed())
         throw InputError("the primitives of scene " + scene.id +
                          " are placed by matrices; only the command `lostbits mend` takes those");
     const TestedForm& row = the_one_row(chosen, "mend repairs one form in one format");
     if (selection::is_emulated(row.format)) throw InputError("mend works in f32 and f64 only; name one of them");
-    selection::refuse_makers({row.form}, "mend");
+    selection::refuse_generators({row.form}, "mend");
     selection::refuse_made_rays({scene}, "mend");
-    measure::mend::MendRequest request{.scene = &scene, .row = row, .wish = wish, .two_words = two_words};
+    measure::repair::MendRequest request{
+        .scene = &scene, .row = row, .requirement = requirement, .two_words = two_words};
     request.limit.stop = running.stop();
     request.progress = running.advancing(0);
-    const auto mended = measure::mend::mend(request);
-    const output::mend::MendResult found = output::mend::result_of(request, mended);
-    result.add_table("mend", output::mend::form_table(), output::mend::rows_of(found));
-    result.add_table("minimal", output::mend::minimal_table(), output::mend::minimal_rows(found));
-    result.texts.push_back(output::mend::in_words(found));
-    const bool is_better = output::mend::best_of(output::mend::proposals_of(found), wish) != nullptr;
-    if (is_better) result.texts.push_back(output::mend::emitted(found, "mended.hpp", "lostbits_mend"));
+    const auto mended = measure::repair::mend(request);
+    const output::repair::MendResult found = output::repair::result_of(request, mended);
+    result.add_table("mend", output::repair::form_table(), output::repair::rows_of(found));
+    result.add_table("minimal", output::repair::minimal_table(), output::repair::minimal_rows(found));
+    result.texts.push_back(output::repair::in_words(found));
+    const bool is_better = output::repair::best_of(output::repair::proposals_of(found), requirement) != nullptr;
+    if (is_better) result.texts.push_back(output::repair::emitted(found, "mended.hpp", "lostbits_mend"));
     return mended.set || is_better;
 }
 
 /// Fills the result. True if anything meets the requirement.
-bool choose_into(lostbits_result& result, const scene::file::Scene& scene, const measure::choice::Wish& wish,
-                 Choosing& chosen, CallRun& running) {
+bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
+                 const measure::choice::Requirement& requirement, Choosing& chosen, CallRun& running) {
     measure::choice::ChoiceRequest request;
-    request.wish = wish;
+    request.requirement = requirement;
     request.limit.stop = request.plan.stop = running.stop();
     request.scene = &scene;
     request.rows = selection::timed_on(scene.id, {chosen.rows, chosen.forms, true},
@@ -154,33 +160,33 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene, const
     measure::choice::TimedRays timed;
     const auto all = measure_candidates(request, timed);
     request.progress = [](std::uint64_t) {};
-    output::choice::Chosen found{request, all, timed, cheapest(all, request.wish)};
-    if (found.meets) found.rooms = rooms_of(request, all[*found.meets].row);
-    else found.obstacle = find_obstacle(request, all[*nearest(all, request.wish)].row);
+    output::choice::ChoiceResult found{request, all, timed, cheapest(all, request.requirement)};
+    if (found.meets) found.margins = margins_of(request, all[*found.meets].row);
+    else found.obstacle = find_obstacle(request, all[*nearest(all, request.requirement)].row);
     result.add_table("choose", output::choice::candidate_table(), output::choice::candidate_rows(found));
-    result.add_table("room", output::choice::room_table(), found.rooms);
+    result.add_table("room", output::choice::margin_table(), found.margins);
     result.texts.push_back(output::choice::in_words(found));
     return found.meets.has_value();
 }
 
 /// The arguments of a call with a requirement.
-struct Asked {
+struct RequirementArguments {
     const lostbits_scene* scene;
-    const lostbits_wish* wish;
+    const lostbits_requirement* requirement;
     const lostbits_choice* choice;
     const lostbits_run* run;
 };
 /// Calls `find`, which fills a new result and returns true if the answer is yes. `usual` is the requirement's `at` if
 /// none is given.
 template <class Find>
-Exit answer_to(const Asked& asked, const char* usual, lostbits_result** result, const Find& find) {
+Exit answer_to(const RequirementArguments& asked, const char* usual, lostbits_result** result, const Find& find) {
     require(asked.scene, "scene");
-    require(asked.wish, "wish");
+    require(asked.requirement, "requirement");
     require(result, "result");
     Choosing chosen(asked.choice);
     CallRun running(asked.run);
     auto found = std::make_unique<lostbits_result>();
-    const bool meets = find(*found, asked.scene->scene, wish_of(*asked.wish, usual), chosen, running);
+    const bool meets = find(*found, asked.scene->scene, requirement_of(*asked.requirement, usual), chosen, running);
     return hand_over(std::move(found), result, meets ? Exit::done : Exit::answer_is_no);
 }
 
@@ -233,15 +239,16 @@ int lostbits_study(const char* study, const lostbits_scene* scene, const lostbit
     });
 }
 
-int lostbits_choose(const lostbits_scene* scene, const lostbits_wish* wish, const lostbits_choice* choice,
+int lostbits_choose(const lostbits_scene* scene, const lostbits_requirement* requirement, const lostbits_choice* choice,
                     const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
-    return guarded(error, [&] { return answer_to({scene, wish, choice, run}, "p99", result, choose_into); });
+    return guarded(error, [&] { return answer_to({scene, requirement, choice, run}, "p99", result, choose_into); });
 }
 
-int lostbits_mend(const lostbits_scene* scene, const lostbits_wish* wish, int two_words, const lostbits_choice* choice,
-                  const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
+int lostbits_mend(const lostbits_scene* scene, const lostbits_requirement* requirement, int two_words,
+                  const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
+                  lostbits_error* error) {
     return guarded(error, [&] {
-        return answer_to({scene, wish, choice, run}, "max", result,
+        return answer_to({scene, requirement, choice, run}, "max", result,
                          [&](auto& found, const auto& on, const auto& asked, Choosing& chosen, CallRun& running) {
                              return mend_into(found, on, asked, two_words != 0, chosen, running);
                          });

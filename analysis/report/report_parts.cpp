@@ -173,7 +173,7 @@ std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& na
                                               const std::filesystem::path& data, StopToken stop) {
     auto scenes = selection::load_scenes({names, size, "", {}, stop}, data);
     for (const auto& scene : scenes) {
-        measure::offset::require_few_solids(scene);
+        measure::offset::require_few_primitives(scene);
     }
     return scenes;
 }
@@ -185,7 +185,7 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
     const auto& usual = offset::usual_forms();
     const auto forms = selection::select_forms({usual.begin(), usual.end()});
     auto all = selection::cross(forms, selection::select_formats({std::string(offset::usual_format)}));
-    const selection::Meets meets = [&scene](Shapes of) { return selection::are_solids(of) && scene.meets(of); };
+    const selection::Meets meets = [&scene](Shapes of) { return selection::are_primitives(of) && scene.meets(of); };
     const auto rows = selection::rows_meeting({all, {}, true}, scene.id, meets);
     if (rows.empty()) return std::nullopt;
     study.rows = {{rows.front(), offset::HitPoint::computed}};

@@ -43,12 +43,12 @@ output::page::SweepPart sweep_part(const SweepWork& work, StopToken stop);
 /// A scene, a requirement, and the rows that can be timed on the scene.
 struct ChoiceWork {
     scene::file::Scene scene;
-    measure::choice::Wish wish;
+    measure::choice::Requirement requirement;
     std::vector<measure::evaluate::TestedForm> rows;
 };
 /// Parses `SCENE:BITS` or `SCENE:BITS:AT` of the command line. An empty `size` is the scene's. Throws InputError, which
 /// says what to write, for other words.
-ChoiceWork choice_of(const std::string& word, const std::string& size, const selection::ChosenRows& rows,
+ChoiceWork choice_of(const std::string& word, const std::string& size, const selection::SelectedRows& rows,
                      const std::filesystem::path& data, StopToken stop);
 /// Chooses with short measurements, as `lostbits choose --quick` does.
 output::page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop);
@@ -56,7 +56,7 @@ output::page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop);
 /// A scene, a form to repair and a requirement.
 struct MendWork {
     scene::file::Scene scene;
-    measure::choice::Wish wish;
+    measure::choice::Requirement requirement;
     measure::evaluate::TestedForm row;
 };
 /// Parses `SCENE:FORM:BITS` or `SCENE:FORM:BITS:AT`, for binary32. Without AT every hit must keep the bits. Else as
@@ -64,7 +64,7 @@ struct MendWork {
 MendWork mend_of(const std::string& word, const std::string& size, const std::filesystem::path& data, StopToken stop);
 /// Repairs the form without measuring times, as `lostbits mend` does without --price.
 output::page::MendPart mend_part(const MendWork& work, StopToken stop);
-output::page::MendPart mend_part(const output::mend::MendResult& result);
+output::page::MendPart mend_part(const output::repair::MendResult& result);
 
 /// Loads the scenes of these names. Throws NothingSelected for a scene on which offsets cannot be measured.
 std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& names, const std::string& size,

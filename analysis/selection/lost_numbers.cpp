@@ -40,12 +40,12 @@ std::string place_of(const scene::sweep::SweepFile& sweep, const std::vector<dou
 
 bool marches_in(const Format& format, const std::vector<TestedForm>& rows) {
     return std::ranges::any_of(
-        rows, [&](const TestedForm& row) { return !is_solid(row.form->shape) && row.format == format; });
+        rows, [&](const TestedForm& row) { return !is_primitive(row.form->shape) && row.format == format; });
 }
 
 void add_group(const RayGroup& group, bool marches, const LostLengths::Where& where, LostLengths& lost) {
     lost.add_point(group.rays[0].origin, "a coordinate of the eye", where);
-    for (const Solid<double>& solid : group.solids) lost.add(solid, where);
+    for (const Primitive<double>& primitive : group.primitives) lost.add(primitive, where);
     if (!marches || !group.march) return;
     std::size_t i = 0;
     transformed(*group.march, [&](double x) {
@@ -96,8 +96,9 @@ void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<Tes
             const std::vector<RayGroup> before = file.rays_before(i, format.parameters),
                                         after = file.rays(i, format.parameters);
             for (std::size_t g = 0; g < after.size(); ++g) {
-                for (std::size_t s = 0; s < after[g].solids.size(); ++s)
-                    lost.add(before[g].solids[s], after[g].solids[s], [&] { return "case \"" + file.name(i) + "\""; });
+                for (std::size_t s = 0; s < after[g].primitives.size(); ++s)
+                    lost.add(before[g].primitives[s], after[g].primitives[s],
+                             [&] { return "case \"" + file.name(i) + "\""; });
             }
         }
         say(file.id, format, lost.lines());
@@ -106,7 +107,7 @@ void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<Tes
 
 void note_idle_settings(const std::vector<std::string>& set, const std::string& id,
                         const std::vector<TestedForm>& rows) {
-    if (std::ranges::any_of(rows, [](const TestedForm& row) { return !is_solid(row.form->shape); })) return;
+    if (std::ranges::any_of(rows, [](const TestedForm& row) { return !is_primitive(row.form->shape); })) return;
     for (const std::string& assignment : set) {
         if (assignment.starts_with("march."))
             fmt::print(stderr,

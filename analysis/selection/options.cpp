@@ -15,7 +15,7 @@
 
 #include "analysis/selection/select.hpp"
 #include "number/error.hpp"
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 
 namespace lostbits::analysis::selection {
 
@@ -39,7 +39,7 @@ std::string words_of(const shell::Option& option) {
         option.short_names().empty() ? "--" + option.long_names().front() : "-" + option.short_names().front();
     if (!option.takes_value()) return " " + name;
     std::string text;
-    for (const std::string& value : option.words()) text += " " + name + " " + output::blame::shell_word(value);
+    for (const std::string& value : option.words()) text += " " + name + " " + output::attribution::shell_word(value);
     return text;
 }
 
@@ -48,7 +48,8 @@ void add_words(const shell::Command& command, Typed& words) {
     for (const shell::Option& option : command.options()) {
         if (option.words().empty() || !of_result(option)) continue;
         if (option.is_argument()) {
-            for (const std::string& value : option.words()) words.subjects += " " + output::blame::shell_word(value);
+            for (const std::string& value : option.words())
+                words.subjects += " " + output::attribution::shell_word(value);
         } else words.after += words_of(option);
     }
 }

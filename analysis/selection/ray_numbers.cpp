@@ -38,14 +38,14 @@ std::optional<Real> number_of(const std::string& text, const std::string& option
 
 }  // namespace
 
-std::vector<Shape> SolidWords::shapes() const {
+std::vector<Shape> PrimitiveOptions::shapes() const {
     std::vector<Shape> given;
     for (const ShapeRow& row : shape_rows)
         if (!of(row.shape).empty()) given.push_back(row.shape);
     return given;
 }
 
-std::vector<std::pair<Shape, std::string>> SolidWords::given() const {
+std::vector<std::pair<Shape, std::string>> PrimitiveOptions::given() const {
     std::vector<std::pair<Shape, std::string>> all;
     std::array<std::size_t, shape_rows.size()> taken{};
     for (const std::size_t place : order_()) {
@@ -55,7 +55,7 @@ std::vector<std::pair<Shape, std::string>> SolidWords::given() const {
     return all;
 }
 
-std::string solid_options(bool numbers, const char* between) {
+std::string primitive_options(bool numbers, const char* between) {
     std::string options;
     for (const ShapeRow& row : shape_rows) {
         options += fmt::format("{}--{}", options.empty() ? "" : between, row.name);
@@ -111,20 +111,20 @@ Placement<double> placement_in(const std::string& text, const char* option, cons
 
 }  // namespace
 
-Solid<double> solid_in_words(Shape shape, const std::string& words, const std::optional<Format>& as) {
+Primitive<double> primitive_in_words(Shape shape, const std::string& words, const std::optional<Format>& as) {
     const std::size_t at = std::min(words.find('@'), words.size());
     const std::string text = words.substr(0, at), option = "--" + std::string(name_of(shape));
-    Solid<double> solid(shape);
+    Primitive<double> primitive(shape);
     const std::string what =
         fmt::format("{}; write its {}: {}, {} numbers with commas between them", with_article(shape), key_words(shape),
-                    option_words(shape), solid.used().size());
-    const auto x = numbers_of(text, {option.c_str(), what.c_str(), solid.used().size()}, as);
-    std::ranges::transform(x, solid.numbers.begin(), stored_number);
-    if (at < words.size()) solid.placed = placement_in(words.substr(at + 1), option.c_str(), as);
-    if (const auto broken = broken_limit(solid))
+                    option_words(shape), primitive.used().size());
+    const auto x = numbers_of(text, {option.c_str(), what.c_str(), primitive.used().size()}, as);
+    std::ranges::transform(x, primitive.numbers.begin(), stored_number);
+    if (at < words.size()) primitive.placed = placement_in(words.substr(at + 1), option.c_str(), as);
+    if (const auto broken = broken_limit(primitive))
         throw InputError(
             fmt::format("{} {}: {} {}", option, text, broken->key->name, limit_words(shape, *broken->key)));
-    return solid;
+    return primitive;
 }
 
 std::pair<int, int> parse_size(const std::string& text) {

@@ -12,7 +12,7 @@
 #include "analysis/shell/command_line.hpp"
 #include "number/format.hpp"
 #include "number/real.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::analysis::selection {
 
@@ -24,7 +24,7 @@ struct WantedNumbers {
 };
 
 /// The values of `--sphere`, `--box` and so on, one option per shape.
-class SolidWords {
+class PrimitiveOptions {
 public:
     [[nodiscard]] std::vector<std::string>& of(Shape shape) { return texts_[static_cast<std::size_t>(shape)]; }
     [[nodiscard]] const std::vector<std::string>& of(Shape shape) const {
@@ -44,7 +44,7 @@ private:
 };
 
 /// `--sphere CX,CY,CZ,R or --box LOX,…` with `numbers`, `--sphere or --box` without.
-std::string solid_options(bool numbers, const char* between = " or ");
+std::string primitive_options(bool numbers, const char* between = " or ");
 
 /// The numbers between the commas of a ray or a primitive, exact or, with `as`, rounded to that format. Throws
 /// InputError, which names the option, for a part that is not a number or is out of the range of `as` (without it, of
@@ -57,7 +57,7 @@ double stored_number(const Real& x);
 /// A primitive from its numbers, `CX,CY,CZ,R`. After them may stand `@` and the twelve numbers of a matrix, row by row,
 /// or `@/` and those of a stored inverse. All are read by `numbers_of`. Throws InputError, which names the option of
 /// the shape.
-Solid<double> solid_in_words(Shape shape, const std::string& words, const std::optional<Format>& as);
+Primitive<double> primitive_in_words(Shape shape, const std::string& words, const std::optional<Format>& as);
 
 /// Parses `WxH`, in pixels. Throws InputError for other texts.
 std::pair<int, int> parse_size(const std::string& text);

@@ -10,7 +10,7 @@
 #include "analysis/selection/select.hpp"
 #include "intersect/process/own_state.hpp"
 #include "number/error.hpp"
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "scene/rays/stored_mesh.hpp"
 #include "scene/toml/counted.hpp"
 #include "scene/toml/file_names.hpp"
@@ -52,7 +52,7 @@ std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem:
 }
 
 std::string name_of_scene(const Scene& scene, const std::filesystem::path& data) {
-    using output::blame::shell_word;
+    using output::attribution::shell_word;
     if (scene.path.parent_path() == data / "scenes") return shell_word(scene.id);
     const std::string stem = scene.path.stem().string();
     const std::string variant = scene.id == stem ? "" : " --variant " + shell_word(scene.id.substr(stem.size() + 1));
@@ -60,7 +60,7 @@ std::string name_of_scene(const Scene& scene, const std::filesystem::path& data)
 }
 
 std::string name_of_sweep(const std::filesystem::path& path, const std::filesystem::path& data) {
-    return output::blame::shell_word(sweep_in_claims(path, data));
+    return output::attribution::shell_word(sweep_in_claims(path, data));
 }
 
 std::string scene_in_claims(const Scene& scene, const std::filesystem::path& data) {
@@ -109,22 +109,22 @@ scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesyst
                                  choice.names.front(), scenes.size(), names));
 }
 
-std::vector<measure::evaluate::TestedForm> timed_on(const scene::file::Scene& scene, const ChosenRows& chosen) {
+std::vector<measure::evaluate::TestedForm> timed_on(const scene::file::Scene& scene, const SelectedRows& chosen) {
     return timed_on(scene.id, chosen, [&scene](Shapes forms) { return scene.meets(forms); });
 }
 
-std::vector<measure::evaluate::TestedForm> timed_on(const std::string& id, const ChosenRows& chosen,
+std::vector<measure::evaluate::TestedForm> timed_on(const std::string& id, const SelectedRows& chosen,
                                                     const Meets& meets) {
     // A march tests all primitives at once, and its time depends on its steps, so a time per ray and primitive says
     // nothing.
-    const Meets can = [&meets](Shapes forms) { return are_solids(forms) && meets(forms); };
+    const Meets can = [&meets](Shapes forms) { return are_primitives(forms) && meets(forms); };
     auto timed = rows_meeting(chosen, id, can);
     if (!timed.empty()) return timed;
     throw NothingSelected("none of the selected forms is for the primitives of " + id +
                           words_to_meet(chosen.rows, can));
 }
 
-bool are_files(const RayFileWords& o, const std::vector<std::string>& subjects) {
+bool are_files(const RayFileOptions& o, const std::vector<std::string>& subjects) {
     if (o.container != "auto" || !o.columns.empty()) return true;
     const auto is_file = [](const std::string& name) {
         std::string ending = std::filesystem::path(name).extension().string();
@@ -135,12 +135,12 @@ bool are_files(const RayFileWords& o, const std::vector<std::string>& subjects) 
     return std::ranges::all_of(subjects, is_file);
 }
 
-void refuse_others(const RayFileWords& o, const std::vector<std::string>& subjects,
+void refuse_others(const RayFileOptions& o, const std::vector<std::string>& subjects,
                    const std::vector<std::pair<const char*, bool>>& of_scenes, const char* command) {
     std::vector<std::pair<std::string, bool>> of_files{{"--file-format", !o.format.empty()}, {"--skip", o.skip != 0}};
     for (const RayFileOption& option : ray_file_options()) of_files.emplace_back(option.name, option.is_given(o));
     for (const ShapeRow& row : shape_rows)
-        of_files.emplace_back(fmt::format("--{}", row.name), !o.solids.of(row.shape).empty());
+        of_files.emplace_back(fmt::format("--{}", row.name), !o.primitives.of(row.shape).empty());
     const auto refuse = [](const auto& options, const std::string& why) {
         for (const auto& [name, given] : options) {
             if (given) throw InputError(fmt::format("{}{}", name, why));
@@ -156,28 +156,29 @@ void refuse_others(const RayFileWords& o, const std::vector<std::string>& subjec
                         subjects[1], command));
 }
 
-OpenedRays open_rays(const RayFileWords& o, const std::vector<std::string>& files, const std::filesystem::path& data) {
+OpenedRays open_rays(const RayFileOptions& o, const std::vector<std::string>& files,
+                     const std::filesystem::path& data) {
     const auto aimed_at = scene_of(o, data);
     constexpr std::size_t most = 1024;
-    if (aimed_at && aimed_at->solid_count() > most)
+    if (aimed_at && aimed_at->primitive_count() > most)
         throw InputError(fmt::format(
             "--scene {}: has {} primitives; a sample of the rays is tested with each of them many times, and at most "
             "{} are allowed; use judge, which takes meshes of any size, or give each ray the primitive that it meets "
             "in columns of the file",
-            o.scene, aimed_at->solid_count(), most));
+            o.scene, aimed_at->primitive_count(), most));
     OpenedRays opened{.id = {}, .words = {}, .dump = {}, .terms = {}, .shapes = Shapes()};
     std::vector<std::unique_ptr<scene::dump::Dump>> each;
     for (const std::string& file : files) {
         each.push_back(open_file(o, file, shape_given(o, aimed_at)));
         opened.id += (opened.id.empty() ? "" : "+") + scene::toml::result_name(file);
-        opened.words += (opened.words.empty() ? "" : " ") + output::blame::shell_word(file);
+        opened.words += (opened.words.empty() ? "" : " ") + output::attribution::shell_word(file);
     }
     opened.dump = scene::dump::join_dumps(std::move(each));
     opened.terms = {.id = opened.id,
-                    .solids = solids_given(o, aimed_at, opened.dump->format()),
+                    .primitives = primitives_given(o, aimed_at, opened.dump->format()),
                     .contract = contract_of(o, *opened.dump)};
     if (aimed_at) opened.terms.mesh = scene::rays::stored_mesh(*aimed_at, opened.dump->format().parameters);
-    const std::vector<Solid<double>> examples = opened.terms.examples();
+    const std::vector<Primitive<double>> examples = opened.terms.examples();
     put_under_matrices(*opened.dump, examples);
     opened.shapes = shapes_of_rays(opened.dump->layout(), examples);
     return opened;

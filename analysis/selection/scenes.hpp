@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/selection/judge_words.hpp"
+#include "analysis/selection/judge_options.hpp"
 #include "analysis/selection/sets.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "measure/choice/file_rays.hpp"
@@ -54,17 +54,17 @@ scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesyst
 
 /// The rows that can be timed on the scene: forms for its primitives, or sets of them (`rows_meeting`), but no marches.
 /// Throws NothingSelected if there are none.
-std::vector<measure::evaluate::TestedForm> timed_on(const scene::file::Scene& scene, const ChosenRows& chosen);
+std::vector<measure::evaluate::TestedForm> timed_on(const scene::file::Scene& scene, const SelectedRows& chosen);
 /// The same for anything with primitives, which is called `id`.
-std::vector<measure::evaluate::TestedForm> timed_on(const std::string& id, const ChosenRows& chosen,
+std::vector<measure::evaluate::TestedForm> timed_on(const std::string& id, const SelectedRows& chosen,
                                                     const Meets& meets);
 
 /// True if the subjects are files of rays: by their extension, or because --container or --columns is given.
-bool are_files(const RayFileWords& words, const std::vector<std::string>& subjects);
+bool are_files(const RayFileOptions& words, const std::vector<std::string>& subjects);
 
 /// Throws InputError for an option of files with a scene, for an option of scenes with files, and for several scenes.
 /// `of_scenes` has the options of scenes, each with true if it was given. `command` names the command: `a choice`.
-void refuse_others(const RayFileWords& words, const std::vector<std::string>& subjects,
+void refuse_others(const RayFileOptions& words, const std::vector<std::string>& subjects,
                    const std::vector<std::pair<const char*, bool>>& of_scenes, const char* command);
 
 /// Several files of rays as one, ready to be read.
@@ -74,7 +74,7 @@ struct OpenedRays {
     measure::choice::FileTerms terms;
     Shapes shapes;  ///< of the primitives of the rays
 };
-OpenedRays open_rays(const RayFileWords& words, const std::vector<std::string>& files,
+OpenedRays open_rays(const RayFileOptions& words, const std::vector<std::string>& files,
                      const std::filesystem::path& data);
 
 /// Prints on stderr that `numbers` numbers of files were rounded to the format.

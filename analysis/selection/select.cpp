@@ -19,7 +19,7 @@ using measure::metric::Metric;
 
 namespace {
 
-bool is_of_pairs(const Metric* m) { return m->over == measure::metric::Over::pairs; }
+bool is_of_pairs(const Metric* m) { return m->over == measure::metric::MetricDomain::pairs; }
 
 /// Names that other programs have for the formats.
 constexpr std::pair<std::string_view, const char*> formats_elsewhere[] = {
@@ -85,7 +85,7 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
     for (const std::string& glob : globs) {
         if (glob.starts_with("step:") && is_glob(glob)) {
             bool any = false;
-            for (const std::string_view step : intersect::space::step_names) {
+            for (const std::string_view step : intersect::transform::step_names) {
                 const std::string name = "step:" + std::string(step);
                 if (!matches_any({glob}, name)) continue;
                 any = true;
@@ -93,7 +93,7 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
             }
             if (!any)
                 throw NothingSelected(fmt::format("--metric {}: no step matches this pattern; the steps are {}", glob,
-                                                  fmt::join(intersect::space::step_names, ", ")));
+                                                  fmt::join(intersect::transform::step_names, ", ")));
             continue;
         }
         if (const Metric* const one = made.find(glob)) {
@@ -102,7 +102,7 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
         }
         if (glob == "step:")
             throw InputError(fmt::format("--metric step:: name a step, such as step:origin; the steps are {}",
-                                         fmt::join(intersect::space::step_names, ", ")));
+                                         fmt::join(intersect::transform::step_names, ", ")));
         if (glob == "contribution" || glob.ends_with(':')) {
             const std::string of = glob.substr(0, glob.find(':'));
             throw InputError(
@@ -123,7 +123,7 @@ bool any_against(const std::vector<TestedForm>& rows) {
 }
 
 bool any_marches(const std::vector<TestedForm>& rows) {
-    return std::ranges::any_of(rows, [](const TestedForm& row) { return !is_solid(row.form->shape); });
+    return std::ranges::any_of(rows, [](const TestedForm& row) { return !is_primitive(row.form->shape); });
 }
 
 }  // namespace
@@ -146,18 +146,18 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> asked, 
     using namespace measure::metric;
     keep_where(
         [](const TestedForm& row) { return row.form->way != nullptr; },
-        [](const Metric* m) { return (m->needs & needs_way) != 0; },
+        [](const Metric* m) { return (m->needs & needs_filter_arithmetic) != 0; },
         fmt::format(
             "none of the selected forms in {} filters, that is, uses a wider format if it must; add -i '*.filtered'",
             what));
     keep_where([](const TestedForm& row) { return row.form->shapes().are_placed(); },
                [](const Metric* m) { return (m->needs & needs_steps) != 0; },
                fmt::format("no primitive of {} is placed by a matrix, so there are no steps of a transform", what));
-    keep_where([](const TestedForm& row) { return intersect::hull::has_box(*row.form); },
+    keep_where([](const TestedForm& row) { return intersect::bounding_box::has_box(*row.form); },
                [](const Metric* m) { return m->name == "lost_to" || m->name == "end_margin"; },
                fmt::format("none of the selected forms in {} is behind a box; select FORM^BOX", what));
-    keep_where([](const TestedForm& row) { return !is_solid(row.form->shape); },
-               [](const Metric* m) { return m->over == Over::marches; },
+    keep_where([](const TestedForm& row) { return !is_primitive(row.form->shape); },
+               [](const Metric* m) { return m->over == MetricDomain::marches; },
                fmt::format("none of the selected forms marches in {}; add -i 'sdf.*', or a [march] table", what));
     return asked;
 }
@@ -215,7 +215,7 @@ std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, con
     for (const Metric& m : measure::metric::metrics()) {
         const bool named = std::ranges::find(asked, &m) != asked.end();
         if (is_of_pairs(&m) && !any_against(rows)) continue;
-        if ((m.by_default || named) && (marches || m.over != measure::metric::Over::marches)) all.push_back(&m);
+        if ((m.by_default || named) && (marches || m.over != measure::metric::MetricDomain::marches)) all.push_back(&m);
     }
     std::ranges::copy_if(asked, std::back_inserter(all), [](const Metric* m) { return !m->label.empty(); });
     return all;

@@ -14,10 +14,10 @@
 
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/sets.hpp"
-#include "intersect/hull/behind.hpp"
+#include "intersect/bounding_box/behind.hpp"
 #include "intersect/process/stop_token.hpp"
-#include "intersect/space/space.hpp"
 #include "intersect/table/table.hpp"
+#include "intersect/transform/space.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/metric/metric_set.hpp"
 #include "number/error.hpp"
@@ -50,7 +50,7 @@ bool is_glob(const std::string& text);
 std::vector<std::size_t> places_named(const std::vector<std::string>& words, const std::vector<std::string>& names,
                                       const std::string& what, const char* option);
 
-/// The rows of a list, such as `intersect::space::spaces()`, that the words name, in the order of the list.
+/// The rows of a list, such as `intersect::transform::spaces()`, that the words name, in the order of the list.
 template <class Row>
 std::vector<const Row*> select_rows(std::span<const Row> list, const std::vector<std::string>& words, const char* what,
                                     const char* option) {
@@ -117,7 +117,7 @@ std::vector<measure::evaluate::TestedForm> fitting(const std::vector<measure::ev
 /// several shapes it first adds sets of forms (`rows_meeting`). Returns the rows that can handle one of the things that
 /// are left. Throws NothingSelected if none is left.
 template <class Things, class MeetsThing, class NameOf>
-std::vector<measure::evaluate::TestedForm> drop_unfitting(Things& things, const ChosenRows& chosen, MeetsThing meets,
+std::vector<measure::evaluate::TestedForm> drop_unfitting(Things& things, const SelectedRows& chosen, MeetsThing meets,
                                                           NameOf name_of) {
     const std::vector<measure::evaluate::TestedForm>& rows = chosen.rows;
     std::vector<std::string> left_out;
@@ -150,8 +150,8 @@ private:
 };
 
 /// Throws InputError for a form with a ray generator, in a command that gives forms the rays of the camera.
-void refuse_makers(const std::vector<const intersect::table::Intersector*>& forms, const char* command);
-void refuse_makers(const std::vector<measure::evaluate::TestedForm>& rows, const char* command);
+void refuse_generators(const std::vector<const intersect::table::Intersector*>& forms, const char* command);
+void refuse_generators(const std::vector<measure::evaluate::TestedForm>& rows, const char* command);
 /// Throws InputError for FORM+fma, whose time cannot be measured.
 void refuse_contracted(const std::vector<measure::evaluate::TestedForm>& rows, const char* command);
 

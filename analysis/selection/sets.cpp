@@ -6,8 +6,8 @@
 #include <cstdio>
 
 #include "analysis/selection/select.hpp"
-#include "intersect/hull/behind.hpp"
-#include "intersect/space/spaced.hpp"
+#include "intersect/bounding_box/behind.hpp"
+#include "intersect/transform/spaced.hpp"
 #include "measure/tape/contraction.hpp"
 #include "measure/tape/tape_form.hpp"
 #include "number/error.hpp"
@@ -81,7 +81,7 @@ Forms forms_in(const std::vector<TestedForm>& rows, const std::function<bool(con
 
 Forms forms_for(const std::vector<TestedForm>& rows, Shapes shape) {
     return forms_in(rows, [shape](const Intersector& form) {
-        return !form.is_set() && form.shapes() == shape && !scene::rays::maker_of(form);
+        return !form.is_set() && form.shapes() == shape && !scene::rays::generator_of(form);
     });
 }
 
@@ -98,10 +98,11 @@ void add_placed(std::vector<TestedForm>& rows, Shapes shapes) {
     const std::vector<TestedForm> asked = rows;
     for (TestedForm row : asked) {
         if (row.form->is_set() || row.form->is_placed || !shapes.has(row.form->shape)) continue;
-        if (scene::rays::maker_of(*row.form)) continue;
-        row.form = &intersect::space::through(intersect::space::usual_space(), *row.form);
-        if (row.against != nullptr && !row.against->is_set() && !row.against->is_placed && is_solid(row.against->shape))
-            row.against = &intersect::space::through(intersect::space::usual_space(), *row.against);
+        if (scene::rays::generator_of(*row.form)) continue;
+        row.form = &intersect::transform::through(intersect::transform::usual_transform_method(), *row.form);
+        if (row.against != nullptr && !row.against->is_set() && !row.against->is_placed &&
+            is_primitive(row.against->shape))
+            row.against = &intersect::transform::through(intersect::transform::usual_transform_method(), *row.against);
         if (std::ranges::find(rows, row) == rows.end()) rows.push_back(row);
     }
 }
@@ -147,7 +148,7 @@ std::string lacking_words(const std::vector<TestedForm>& rows, Shapes shapes) {
 }
 
 /// Adds the sets that `rows_meeting` adds for these shapes.
-void add_sets(const ChosenRows& chosen, const std::string& name, Shapes shapes, const Meets& meets) {
+void add_sets(const SelectedRows& chosen, const std::string& name, Shapes shapes, const Meets& meets) {
     for (const Intersector* const set : forms_in(chosen.rows, [](const Intersector& form) { return form.is_set(); })) {
         std::vector<TestedForm> parts;
         for (const Intersector* const part : set->parts) parts.push_back({part, chosen.rows.front().format});
@@ -202,7 +203,7 @@ Forms sets_named(const std::string& word, const char* option) {
                             "sphere.unified+box.signs",
                             option, word));
         parts.push_back(select_forms({part}, option));
-        for (const Intersector* const form : parts.back()) scene::rays::without_maker(*form);
+        for (const Intersector* const form : parts.back()) scene::rays::without_generator(*form);
     }
     return combinations(parts, fmt::format("{} {}", option, word));
 }
@@ -211,8 +212,9 @@ const Intersector& plain_set(Shapes shapes) {
     Forms parts;
     for (const Shape shape : listed(shapes)) {
         const Intersector& plain = plain_form(shape);
-        parts.push_back(shapes.are_placed() ? &intersect::space::through(intersect::space::usual_space(), plain)
-                                            : &plain);
+        parts.push_back(shapes.are_placed()
+                            ? &intersect::transform::through(intersect::transform::usual_transform_method(), plain)
+                            : &plain);
     }
     return intersect::table::set_of(parts);
 }
@@ -228,34 +230,34 @@ Forms made_named(const std::string& word, const char* option) {
         throw InputError(fmt::format(
             "{} {}: the form or the {} beside the {} is missing; write {}", option, word, is_box ? "box" : "space",
             is_box ? "^" : "@",
-            is_box ? "FORM^BOX or FORM^BOX~HULL, such as sphere.unified^box.signs~nearest; `lostbits list hulls` "
+            is_box ? "FORM^BOX or FORM^BOX~METHOD, such as sphere.unified^box.signs~nearest; `lostbits list boxes` "
                      "lists the ways to compute boxes"
-                   : "FORM@SPACE, such as sphere.unified@pbrt; `lostbits list spaces` lists them"));
-    const Forms all =
-        rows_of(name, {.forms =
-                           [&](const std::string& glob) {
-                               Forms forms = select_forms({glob}, option);
-                               // A pattern skips forms that march, which take no transform, and forms that choose
-                               // their operations by the ray, which have no tape. Named in full, they are refused.
-                               std::erase_if(forms, [&](const Intersector* form) {
-                                   return is_glob(name.form) && ((name.kind == Kind::space && !is_solid(form->shape)) ||
-                                                                 (is_contracted && !measure::tape::has_tape(*form)));
-                               });
-                               return forms;
-                           },
-                       .spaces =
-                           [option](const std::string& glob) {
-                               return select_rows(intersect::space::spaces(), {glob}, "space", option);
-                           },
-                       .makers =
-                           [option](const std::string& glob) {
-                               return select_rows(scene::camera::makers(), {glob}, "maker", option);
-                           },
-                       .hulls =
-                           [option](const std::string& glob) {
-                               return select_rows(intersect::hull::hulls(), {glob}, "hull", option);
-                           },
-                       .contracted = measure::tape::contracted_row});
+                   : "FORM@TRANSFORM, such as sphere.unified@pbrt; `lostbits list transforms` lists them"));
+    const Forms all = rows_of(
+        name, {.forms =
+                   [&](const std::string& glob) {
+                       Forms forms = select_forms({glob}, option);
+                       // A pattern skips forms that march, which take no transform, and forms that choose
+                       // their operations by the ray, which have no tape. Named in full, they are refused.
+                       std::erase_if(forms, [&](const Intersector* form) {
+                           return is_glob(name.form) && ((name.kind == Kind::space && !is_primitive(form->shape)) ||
+                                                         (is_contracted && !measure::tape::has_tape(*form)));
+                       });
+                       return forms;
+                   },
+               .transform_methods =
+                   [option](const std::string& glob) {
+                       return select_rows(intersect::transform::transform_methods(), {glob}, "space", option);
+                   },
+               .ray_generators =
+                   [option](const std::string& glob) {
+                       return select_rows(scene::camera::ray_generators(), {glob}, "maker", option);
+                   },
+               .box_methods =
+                   [option](const std::string& glob) {
+                       return select_rows(intersect::bounding_box::box_methods(), {glob}, "hull", option);
+                   },
+               .contracted = measure::tape::contracted_row});
     if (all.empty() && is_contracted)
         throw NothingSelected(
             fmt::format("{} {}: every matching form marches, filters or has no known operations, so none can be "
@@ -268,21 +270,21 @@ Forms made_named(const std::string& word, const char* option) {
     return all;
 }
 
-void refuse_makers(const Forms& forms, const char* command) {
+void refuse_generators(const Forms& forms, const char* command) {
     for (const Intersector* const form : forms)
-        if (scene::rays::maker_of(*form))
+        if (scene::rays::generator_of(*form))
             throw InputError(
                 fmt::format("-i {}: {} gives forms the rays of the camera; use `lostbits map`, `sweep`, `explain` or "
                             "`check`, or leave out the @ and what follows it",
                             form->info->name, command));
 }
-void refuse_makers(const std::vector<TestedForm>& rows, const char* command) {
-    refuse_makers(forms_in(rows, [](const Intersector&) { return true; }), command);
+void refuse_generators(const std::vector<TestedForm>& rows, const char* command) {
+    refuse_generators(forms_in(rows, [](const Intersector&) { return true; }), command);
 }
 
 void refuse_contracted(const std::vector<TestedForm>& rows, const char* command) {
     const auto contracted = [](const Intersector& form) {
-        return measure::tape::is_contracted(intersect::hull::innermost(form));
+        return measure::tape::is_contracted(intersect::bounding_box::innermost(form));
     };
     for (const TestedForm& row : rows) {
         const auto& parts = row.form->parts;
@@ -303,7 +305,7 @@ void refuse_made_rays(const std::vector<scene::file::Scene>& scenes, const char*
                             command, scene.id, command));
 }
 
-std::vector<TestedForm> rows_meeting(const ChosenRows& chosen, const std::string& name, const Meets& meets) {
+std::vector<TestedForm> rows_meeting(const SelectedRows& chosen, const std::string& name, const Meets& meets) {
     if (const auto placed = placed_shapes(meets)) add_placed(chosen.rows, *placed);
     if (const auto several = several_shapes(meets)) add_sets(chosen, name, *several, meets);
     return fitting(chosen.rows, meets);

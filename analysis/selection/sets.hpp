@@ -18,18 +18,18 @@ inline constexpr std::size_t most_sets = 200;
 
 /// The shapes of primitives. They count as placed if a matrix places one of them.
 template <class List>
-Shapes shapes_of(const List& solids) {
+Shapes shapes_of(const List& primitives) {
     Shapes all;
-    for (const auto& solid : solids) {
-        const bool placed = all.are_placed() || solid.placed;
-        all |= solid.shape;
+    for (const auto& primitive : primitives) {
+        const bool placed = all.are_placed() || primitive.placed;
+        all |= primitive.shape;
         all = all.placed(placed);
     }
     return all;
 }
 
 /// True if forms for these shapes test primitives one by one, and do not march through one field of distances.
-inline bool are_solids(Shapes forms) { return !forms.has(Shape::sdf); }
+inline bool are_primitives(Shapes forms) { return !forms.has(Shape::sdf); }
 
 /// True if forms for these shapes can test something, such as a scene.
 using Meets = std::function<bool(Shapes)>;
@@ -52,7 +52,7 @@ std::vector<const intersect::table::Intersector*> sets_named(const std::string& 
 std::vector<const intersect::table::Intersector*> made_named(const std::string& word, const char* option);
 
 /// The rows that -i and -f select, and the words of -i.
-struct ChosenRows {
+struct SelectedRows {
     std::vector<measure::evaluate::TestedForm>& rows;
     const std::vector<std::string>& words;
     bool quiet = false;
@@ -64,7 +64,7 @@ struct ChosenRows {
 ///     format. If all forms are chosen (as without -i) and no row can test it, it adds only the plain set, and prints
 ///     that on stderr.
 /// Throws InputError for more than `most_sets` sets, and for a chosen set that lacks a shape.
-std::vector<measure::evaluate::TestedForm> rows_meeting(const ChosenRows& chosen, const std::string& name,
+std::vector<measure::evaluate::TestedForm> rows_meeting(const SelectedRows& chosen, const std::string& name,
                                                         const Meets& meets);
 
 /// The set of the first form of each shape that takes any direction and has the default convention (a touch is a hit).

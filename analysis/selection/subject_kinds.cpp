@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "number/error.hpp"
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/file/number_text.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -46,12 +46,12 @@ constexpr KindRow kind_rows[] = {
 const KindRow& row_of(Kind kind) { return *std::ranges::find(kind_rows, kind, &KindRow::kind); }
 
 /// The kinds that an argument takes.
-struct Taken {
+struct ArgumentKinds {
     const char *command, *argument;
     const char* with;  ///< only with this option; empty: in any other case
     std::initializer_list<Kind> kinds;
 };
-const Taken taken_rows[] = {
+const ArgumentKinds taken_rows[] = {
     {"check", "CLAIMS", "", {Kind::claims}},
     {"choose", "SCENE", "", {Kind::scene, Kind::rays}},
     {"choose", "--scene", "", {Kind::scene}},
@@ -155,9 +155,9 @@ std::string nouns_of(std::initializer_list<Kind> kinds) {
 }
 
 /// The options with which the command takes that kind.
-std::vector<std::string> options_taking(const Taken& refused, Kind kind) {
+std::vector<std::string> options_taking(const ArgumentKinds& refused, Kind kind) {
     std::vector<std::string> options;
-    for (const Taken& row : taken_rows) {
+    for (const ArgumentKinds& row : taken_rows) {
         if (std::string_view(row.command) == refused.command && std::string_view(row.argument) == refused.argument &&
             row.with[0] != '\0' && std::ranges::find(row.kinds, kind) != row.kinds.end())
             options.emplace_back(row.with);
@@ -165,12 +165,13 @@ std::vector<std::string> options_taking(const Taken& refused, Kind kind) {
     return options;
 }
 
-void refuse_other_kind(const std::string& word, const Taken& row, const std::string& command, const fs::path& data) {
+void refuse_other_kind(const std::string& word, const ArgumentKinds& row, const std::string& command,
+                       const fs::path& data) {
     const auto kind = kind_of(word, row.kinds, data);
     if (!kind || std::ranges::find(row.kinds, *kind) != row.kinds.end()) return;
     // A folder of claims may hold results too.
     if (*kind == Kind::results && std::ranges::find(row.kinds, Kind::claims) != row.kinds.end()) return;
-    const std::string other = fmt::format(fmt::runtime(row_of(*kind).command), output::blame::shell_word(word));
+    const std::string other = fmt::format(fmt::runtime(row_of(*kind).command), output::attribution::shell_word(word));
     if (const auto options = options_taking(row, *kind); !options.empty())
         throw InputError(fmt::format("{}: is {}, which `{}` takes with {}; {}, or try `{}`", word, row_of(*kind).noun,
                                      command, enumerated_or(options),
@@ -207,7 +208,7 @@ void refuse_other_kinds(const shell::Command& program, const fs::path& data) {
     const std::vector<shell::Command> given = program.given();
     const shell::Command& command = given.back();
     std::vector<std::string> done;  // arguments whose row was found
-    for (const Taken& row : taken_rows) {
+    for (const ArgumentKinds& row : taken_rows) {
         if (given.size() < 2 || given[1].name() != row.command || std::ranges::find(done, row.argument) != done.end())
             continue;
         if (row.with[0] != '\0' && command.option(row.with).words().empty()) continue;

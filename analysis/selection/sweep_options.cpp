@@ -43,7 +43,7 @@ const char* parts_of(SweepKind kind) {
 
 }  // namespace
 
-std::string SweepWords::in_title() const {
+std::string SweepChangeOptions::in_title() const {
     std::string text;
     const auto add = [&text](const char* option, const std::string& value) {
         if (!value.empty()) text += (text.empty() ? " (" : ", ") + std::string(option) + value;
@@ -54,7 +54,7 @@ std::string SweepWords::in_title() const {
     return text.empty() ? "" : text + ")";
 }
 
-scene::sweep::SweepChanges read_changes(const SweepWords& words) {
+scene::sweep::SweepChanges read_changes(const SweepChangeOptions& words) {
     scene::sweep::SweepChanges changes;
     if (!words.size.empty()) changes.size = selection::parse_size(words.size);
     if (!words.steps.empty()) changes.steps = read_steps(words.steps);
@@ -62,7 +62,7 @@ scene::sweep::SweepChanges read_changes(const SweepWords& words) {
     return changes;
 }
 
-void check_changes(const SweepWords& words, SweepKind kind, const std::string& name) {
+void check_changes(const SweepChangeOptions& words, SweepKind kind, const std::string& name) {
     if (kind == SweepKind::axes) return;
     const auto first = [](const std::vector<std::string>& given) { return given.empty() ? "" : given.front(); };
     const auto other = std::ranges::find_if(words.formats, [](const std::string& format) { return format != "f32"; });
@@ -120,8 +120,9 @@ std::string interrupted_text(SweepKind kind, const std::string& name) {
         parts_of(kind), name);
 }
 
-std::vector<std::filesystem::path> files_of(const std::filesystem::path& path, SweepKind kind, const SweepWords& words,
-                                            const std::filesystem::path& data, intersect::process::StopToken stop) {
+std::vector<std::filesystem::path> files_of(const std::filesystem::path& path, SweepKind kind,
+                                            const SweepChangeOptions& words, const std::filesystem::path& data,
+                                            intersect::process::StopToken stop) {
     std::vector<std::filesystem::path> files{path};
     if (kind == SweepKind::edge_search)
         files.push_back(scene::sweep::EdgeSearchFile(path, data, read_changes(words).set, stop).scene.path);

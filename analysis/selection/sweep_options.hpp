@@ -14,7 +14,7 @@
 namespace lostbits::analysis::selection {
 
 /// The options of a sweep, as on the command line; those that were not given are empty.
-struct SweepWords {
+struct SweepChangeOptions {
     std::string size, steps;
     std::vector<std::string> set = {}, formats = {}, metrics = {};
     std::string against = {}, pictures = "sheets";
@@ -25,16 +25,16 @@ struct SweepWords {
 };
 
 /// Parses the size, the steps and the assignments. Throws InputError for one that is malformed.
-scene::sweep::SweepChanges read_changes(const SweepWords& words);
+scene::sweep::SweepChanges read_changes(const SweepChangeOptions& words);
 
 /// The files that a sweep is read from: its own and that of its scene, which is looked up in `data`.
 [[nodiscard]] std::vector<std::filesystem::path> files_of(const std::filesystem::path& path,
-                                                          scene::sweep::SweepKind kind, const SweepWords& words,
+                                                          scene::sweep::SweepKind kind, const SweepChangeOptions& words,
                                                           const std::filesystem::path& data,
                                                           intersect::process::StopToken stop);
 
 /// Throws InputError if a sweep of that kind does not take one of the options; says why and what to do instead.
-void check_changes(const SweepWords& words, scene::sweep::SweepKind kind, const std::string& name);
+void check_changes(const SweepChangeOptions& words, scene::sweep::SweepKind kind, const std::string& name);
 
 /// The message of an interrupted sweep: where it stopped, and which results are kept.
 [[nodiscard]] std::string interrupted_text(scene::sweep::SweepKind kind, const std::string& name);

@@ -1,4 +1,4 @@
-#include "analysis/selection/ray_words.hpp"
+#include "analysis/selection/ray_options.hpp"
 
 #include <fmt/format.h>
 
@@ -73,7 +73,7 @@ RayGroup ray_of(std::vector<RayGroup> groups, int rays, int k) {
     RayGroup& from = groups[static_cast<std::size_t>(k / rays)];
     const auto place = static_cast<std::size_t>(k % rays);
     RayGroup one = scene::rays::group_of(from.rays[place]);
-    one.solids = std::move(from.solids);
+    one.primitives = std::move(from.primitives);
     one.rays.push_range(from.rays, place);
     return one;
 }
@@ -84,14 +84,14 @@ int worst_of(std::vector<RayGroup> groups, int rays, const TestedForm& row, Stop
     return worst ? worst->group * rays + static_cast<int>(worst->x) : 0;
 }
 
-AskedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const TestedForm& row, StopToken stop) {
+SelectedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const TestedForm& row, StopToken stop) {
     const measure::evaluate::EvaluationRequest request{
         .scene = scene.get(), .rows = {row}, .metrics = lost_bits(), .limit = {.stop = stop}};
     const auto summaries = measure::evaluate::evaluate_rows(request, {nullptr});
     const WorstOfAll worst(summaries);
     if (worst.ray == nullptr) refuse(row, "scene " + scene->id, worst);
     const auto x = static_cast<int>(worst.ray->x);
-    AskedRay found{
+    SelectedRay found{
         scene, OneRay(*scene, x, worst.ray->y, {.stop = stop}), row.form,
         fmt::format("Pixel {},{}, the worst of {} for this form: {}.\n", x, worst.ray->y, worst.rays, worst.why),
         std::pair{x, worst.ray->y}};
@@ -99,7 +99,7 @@ AskedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const T
     return found;
 }
 
-AskedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& row, StopToken stop) {
+SelectedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& row, StopToken stop) {
     const measure::sweep::SweepRequest request{
         .sweep = sweep, .rows = {row}, .metrics = lost_bits(), .limit = {.stop = stop}};
     std::vector<FormSummary> summaries;
@@ -120,16 +120,17 @@ AskedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& row
     for (std::size_t a = 0; a < sweep.axes.size(); ++a)
         step += fmt::format("{}{} {}", a > 0 ? ", " : "", sweep.axes[a].name,
                             output::file::decimal(values[worst.which][a]));
-    AskedRay found{nullptr, OneRay(RayGroup(*ray->given)), row.form,
-                   fmt::format("Ray {} (counted from 0) of the {} of the step {}, the worst of {} in {} steps for this "
-                               "form: {}.\n",
-                               place_among(sweep.rays(values[worst.which]), *ray), summaries[worst.which].rays, step,
-                               worst.rays, summaries.size(), worst.why)};
+    SelectedRay found{
+        nullptr, OneRay(RayGroup(*ray->given)), row.form,
+        fmt::format("Ray {} (counted from 0) of the {} of the step {}, the worst of {} in {} steps for this "
+                    "form: {}.\n",
+                    place_among(sweep.rays(values[worst.which]), *ray), summaries[worst.which].rays, step, worst.rays,
+                    summaries.size(), worst.why)};
     found.ray.judge_by(row.judged);
     return found;
 }
 
-AskedRay worst_of_cases(const scene::sweep::CaseFile& file, const TestedForm& row, StopToken stop) {
+SelectedRay worst_of_cases(const scene::sweep::CaseFile& file, const TestedForm& row, StopToken stop) {
     std::vector<FormSummary> summaries;
     for (std::size_t i = 0; i < file.size(); ++i)
         summaries.push_back(std::move(
@@ -138,9 +139,10 @@ AskedRay worst_of_cases(const scene::sweep::CaseFile& file, const TestedForm& ro
     const WorstOfAll worst(summaries);
     if (worst.ray == nullptr) refuse(row, "the file of cases " + file.id, worst);
     const int rays = file.rays_of(worst.which), k = worst.ray->group * rays + static_cast<int>(worst.ray->x);
-    AskedRay found{nullptr, OneRay(ray_of(file.rays(worst.which, row.format.parameters), rays, k)), row.form,
-                   fmt::format("Case \"{}\", ray {} (counted from 0), the worst of {} in {} cases for this form: {}.\n",
-                               file.name(worst.which), k, worst.rays, summaries.size(), worst.why)};
+    SelectedRay found{
+        nullptr, OneRay(ray_of(file.rays(worst.which, row.format.parameters), rays, k)), row.form,
+        fmt::format("Case \"{}\", ray {} (counted from 0), the worst of {} in {} cases for this form: {}.\n",
+                    file.name(worst.which), k, worst.rays, summaries.size(), worst.why)};
     found.ray.judge_by(row.judged);
     return found;
 }

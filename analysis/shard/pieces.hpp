@@ -12,22 +12,22 @@
 namespace lostbits::analysis::shard {
 
 /// The kind of a record: a piece of a row's files, or the summaries at the end.
-enum class Noted : std::uint8_t { piece, end };
+enum class RecordKind : std::uint8_t { piece, end };
 
 /// A function that records the pieces of a job's rows in a shard; empty in other runs.
 inline output::pixel::KeepPiece keep_in(Division& division, const std::string& job) {
     if (!division.is_shard()) return {};
     return [&division, job](std::size_t row, output::pixel::Piece&& piece) {
-        if (!piece.is_empty()) division.put(job, Noted::piece, std::uint64_t{row}, piece);
+        if (!piece.is_empty()) division.put(job, RecordKind::piece, std::uint64_t{row}, piece);
     };
 }
 
 /// Passes a piece to its row's files. Returns false if the record is not a piece but the summaries.
 template <class Files>
 bool joined_piece(output::shard::BitReader& bits, Files& files) {
-    Noted noted{};
-    bits(noted);
-    if (noted == Noted::end) return false;
+    RecordKind kind{};
+    bits(kind);
+    if (kind == RecordKind::end) return false;
     std::uint64_t row = 0;
     output::pixel::Piece piece;
     bits(row, piece);
@@ -59,7 +59,7 @@ std::optional<std::vector<typename S::Summary>> run_divided(S study, Files& file
     if (!division.joins() && !division.is_shard()) return measure::study::run_study(study, files.show());
     if (division.is_shard()) {
         study.share = division.share();
-        division.put(job, Noted::end, measure::study::run_share(study, files.show()));
+        division.put(job, RecordKind::end, measure::study::run_share(study, files.show()));
         return std::nullopt;
     }
     auto all = measure::study::begin_all(study);

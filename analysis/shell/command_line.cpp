@@ -11,7 +11,7 @@
 #include <sstream>
 #include <type_traits>
 
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis::shell {
@@ -97,7 +97,7 @@ std::vector<std::string> items_in(const std::string& word, const std::string& op
             throw InputError(
                 word.find(',') == std::string::npos
                     ? option + ": its value is empty"
-                    : option + " " + output::blame::shell_word(word) +
+                    : option + " " + output::attribution::shell_word(word) +
                           ": has an empty value before, between or after its commas; remove the extra comma");
         begin = end + 1;
     }

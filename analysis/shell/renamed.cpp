@@ -9,14 +9,21 @@ namespace lostbits::analysis::shell {
 namespace {
 
 constexpr RenamedOption renamed[] = {
-    {"diff", "--tolerance", "--allow"},     {"diff", "--pictures", "--compare-pictures"},
-    {"explain", "--at", "--at-step"},       {"explain", "--range", "--input-range"},
-    {"judge", "--format", "--file-format"}, {"judge", "--worst", "--worst-rays"},
-    {"map", "--bits-needed", "--bits"},     {"trade", "--scene", "SCENE"},
+    {"diff", "--tolerance", "--allow"},
+    {"diff", "--pictures", "--compare-pictures"},
+    {"explain", "--at", "--at-step"},
+    {"explain", "--range", "--input-range"},
+    {"judge", "--format", "--file-format"},
+    {"judge", "--worst", "--worst-rays"},
+    {"map", "--bits-needed", "--bits"},
+    {"trade", "--scene", "SCENE"},
+    {"list", "hulls", "boxes"},
+    {"list", "makers", "generators"},
+    {"list", "spaces", "transforms"},
 };
 
 /// The place of the command among the words, behind the program's own options and their values.
-std::size_t place_of_command(const Command& program, const std::vector<std::string>& words) {
+std::size_t index_of_command(const Command& program, const std::vector<std::string>& words) {
     std::size_t at = 1;
     for (; at < words.size() && words[at].starts_with("-"); ++at) {
         const Option option = program.option(words[at]);
@@ -29,9 +36,9 @@ std::size_t place_of_command(const Command& program, const std::vector<std::stri
 
 std::span<const RenamedOption> renamed_options() { return renamed; }
 
-NewWords with_new_names(const Command& program, const std::vector<std::string>& words) {
-    NewWords found{words, {}};
-    const std::size_t command = place_of_command(program, words);
+UpdatedArguments with_new_names(const Command& program, const std::vector<std::string>& words) {
+    UpdatedArguments found{words, {}};
+    const std::size_t command = index_of_command(program, words);
     if (command >= words.size()) return found;
     for (std::size_t i = command + 1; i < found.words.size() && found.words[i] != "--"; ++i) {
         std::string& word = found.words[i];
@@ -40,11 +47,12 @@ NewWords with_new_names(const Command& program, const std::vector<std::string>& 
             return words[command] == one.command && word.substr(0, end) == one.before;
         });
         if (row == std::end(renamed)) continue;
-        const bool is_argument = row->now[0] != '-';
-        std::string says = is_argument
-                               ? fmt::format("{} {}: the option is not needed any more; write {} without it",
-                                             row->command, row->before, row->now)
-                               : fmt::format("{} {}: the option is called {} now", row->command, row->before, row->now);
+        const bool is_value = row->before[0] != '-', is_argument = !is_value && row->now[0] != '-';
+        std::string says =
+            is_value      ? fmt::format("{} {}: the list is called {} now", row->command, row->before, row->now)
+            : is_argument ? fmt::format("{} {}: the option is not needed any more; write {} without it", row->command,
+                                        row->before, row->now)
+                          : fmt::format("{} {}: the option is called {} now", row->command, row->before, row->now);
         if (std::ranges::find(found.advice, says) == found.advice.end()) found.advice.push_back(std::move(says));
         if (!is_argument) word.replace(0, end, row->now);
         else if (end < word.size()) word.erase(0, end + 1);

@@ -18,9 +18,9 @@ struct RenamedOption {
 std::span<const RenamedOption> renamed_options();
 
 /// Words with the names of today, and a sentence for each old name that was read.
-struct NewWords {
+struct UpdatedArguments {
     std::vector<std::string> words, advice;
 };
-NewWords with_new_names(const Command& program, const std::vector<std::string>& words);
+UpdatedArguments with_new_names(const Command& program, const std::vector<std::string>& words);
 
 }  // namespace lostbits::analysis::shell

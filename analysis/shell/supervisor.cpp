@@ -43,22 +43,22 @@ struct Message {
 constexpr std::size_t longest_path = 4096 - sizeof(Message);
 
 /// Processes and pipe of a worker, as it was told them; `pipe` is -1 in a program without a supervisor.
-struct Told {
+struct WorkerLink {
     int pipe = -1;
     pid_t worker = 0, supervisor = 0;
     std::uint64_t token = 0;
 };
-Told told;
+WorkerLink worker_link;
 
 void tell(Message::Kind kind, std::uint32_t value, const char* path = nullptr) noexcept {
-    if (told.pipe < 0 || getpid() != told.worker || value > longest_path) return;
+    if (worker_link.pipe < 0 || getpid() != worker_link.worker || value > longest_path) return;
     const int before = errno;
     std::array<char, 4096> bytes;
-    const Message message{told.token, kind, value};
+    const Message message{worker_link.token, kind, value};
     std::memcpy(bytes.data(), &message, sizeof message);
     std::size_t size = sizeof message;
     if (path != nullptr) std::memcpy(bytes.data() + size, path, value), size += value;
-    while (write(told.pipe, bytes.data(), size) < 0 && errno == EINTR) {}
+    while (write(worker_link.pipe, bytes.data(), size) < 0 && errno == EINTR) {}
     errno = before;
 }
 
@@ -245,11 +245,11 @@ std::uint64_t drawn_token() {
 }  // namespace
 
 void supervise(const std::string& libraries, double seconds) {
-    if (told.pipe >= 0) return;
+    if (worker_link.pipe >= 0) return;
     std::array<int, 2> ends{};
     if (std::fflush(stdout) != 0 || pipe2(ends.data(), O_CLOEXEC) != 0)
         throw EnvironmentError(std::string("cannot start a second process: ") + std::strerror(errno));
-    const Told ours{.pipe = ends[1], .supervisor = getpid(), .token = drawn_token()};
+    const WorkerLink ours{.pipe = ends[1], .supervisor = getpid(), .token = drawn_token()};
     signal(SIGCHLD, SIG_DFL);  // if it were ignored, waitpid could not tell how the worker ended
     const sigset_t signals = to_hand_on();
     sigset_t before;
@@ -264,8 +264,8 @@ void supervise(const std::string& libraries, double seconds) {
         Supervisor(ends[0], ours.token, worker, libraries, seconds).run();
     }
     close(ends[0]);
-    told = ours;
-    told.worker = getpid();
+    worker_link = ours;
+    worker_link.worker = getpid();
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != ours.supervisor) _exit(static_cast<int>(Exit::environment));
     output::file::listen_to_partial_files(tell_partial);
@@ -274,11 +274,11 @@ void supervise(const std::string& libraries, double seconds) {
 
 bool tell_broken(int status) noexcept {
     tell(Message::broken, static_cast<std::uint32_t>(status));
-    return told.pipe >= 0;
+    return worker_link.pipe >= 0;
 }
 
 void tell_status(int status) noexcept { tell(Message::status, static_cast<std::uint32_t>(status)); }
 
-bool is_from_supervisor(int sender) noexcept { return told.supervisor != 0 && sender == told.supervisor; }
+bool is_from_supervisor(int sender) noexcept { return worker_link.supervisor != 0 && sender == worker_link.supervisor; }
 
 }  // namespace lostbits::analysis::shell

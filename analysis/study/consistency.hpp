@@ -37,7 +37,7 @@ struct ConsistencyWords {
 
     static bool takes(const intersect::table::Intersector& form) { return measure::consistency::can_be_compared(form); }
 
-    static void require(const scene::file::Scene& scene) { measure::offset::require_few_solids(scene); }
+    static void require(const scene::file::Scene& scene) { measure::offset::require_few_primitives(scene); }
 
     static Study on(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
                     const StudyWords& words, intersect::process::StopToken stop) {
@@ -60,7 +60,7 @@ struct ConsistencyWords {
         std::uint64_t all = 0;
         for (const measure::consistency::RowChecks& row : rows)
             for (const measure::consistency::CheckSummary& s : row)
-                all += s.of(measure::consistency::Accord::unresolved);
+                all += s.of(measure::consistency::CheckResult::unresolved);
         return all;
     }
 
@@ -76,18 +76,18 @@ private:
         std::string text;
         const auto add = [&text](const std::string& words) { text += (text.empty() ? "" : "; ") + words; };
         if (check.name == "end") {
-            const auto yes = s.of(measure::consistency::Accord::second_alone);
+            const auto yes = s.of(measure::consistency::CheckResult::second_alone);
             if (s.asked() > 0 && yes > 0 && yes < s.asked())
                 add("a hit exactly at the end of the ray counts for " + share_text(yes, s.asked()));
             return text;
         }
         if (s.decisions() > 0) add("decisions differ for " + share_text(s.decisions(), s.asked()));
         const double apart = s.excess.quantile(1);  // NaN if no numbers are compared
-        if (s.of(measure::consistency::Accord::other_number) > 0 && !(apart > 0))
-            add("numbers differ for " + share_text(s.of(measure::consistency::Accord::other_number), s.asked()));
-        if (s.of(measure::consistency::Accord::by_inputs) > 0 && !check.numbers)
+        if (s.of(measure::consistency::CheckResult::other_number) > 0 && !(apart > 0))
+            add("numbers differ for " + share_text(s.of(measure::consistency::CheckResult::other_number), s.asked()));
+        if (s.of(measure::consistency::CheckResult::by_inputs) > 0 && !check.numbers)
             add("decisions differ because of rounded inputs, not the form, for " +
-                share_text(s.of(measure::consistency::Accord::by_inputs), s.asked()));
+                share_text(s.of(measure::consistency::CheckResult::by_inputs), s.asked()));
         if (apart > 0)
             add(fmt::format("{} are up to {:.3g} ulps further apart than the exact ones",
                             check.name == "placed" ? "both t" : "both ends", apart));

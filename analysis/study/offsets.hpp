@@ -43,7 +43,7 @@ struct OffsetWords {
 
     static bool takes(const intersect::table::Intersector& form) { return measure::offset::can_be_asked(form); }
 
-    static void require(const scene::file::Scene& scene) { measure::offset::require_few_solids(scene); }
+    static void require(const scene::file::Scene& scene) { measure::offset::require_few_primitives(scene); }
 
     static Study on(const scene::file::Scene& scene, const std::vector<measure::evaluate::TestedForm>& rows,
                     const StudyWords& words, intersect::process::StopToken stop) {

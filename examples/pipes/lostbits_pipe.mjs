@@ -34,7 +34,7 @@ export function write(view) {
 }
 
 const minus = (a, b) => a.map((x, k) => x - b[k]);
-const solids = {
+const primitives = {
     sphere: ([x, y, z, radius]) => ({ centre: [x, y, z], radius }),
     box: ([x, y, z, a, b, c]) => ({ lo: [x, y, z], hi: [a, b, c] }),
     ellipsoid: (n) => ({ centre: n.slice(0, 3), radii: n.slice(3), radius: Math.max(...n.slice(3)) }),
@@ -51,11 +51,11 @@ const solids = {
 };
 /** Distance from the origin to a point behind the primitive: the distance of its middle plus its diameter or
     diagonal, or `end` if that is nearer. */
-function reach(origin, solid, end) {
-    const low = solid.centre ?? solid.lo ?? solid.base ?? solid.start ?? solid.bottom;
-    const high = solid.centre ?? solid.hi ?? solid.top ?? solid.end;
+function reach(origin, primitive, end) {
+    const low = primitive.centre ?? primitive.lo ?? primitive.base ?? primitive.start ?? primitive.bottom;
+    const high = primitive.centre ?? primitive.hi ?? primitive.top ?? primitive.end;
     const middle = low.map((x, k) => (x + high[k]) / 2);
-    const across = Math.hypot(...minus(high, low)) + 2 * (solid.radius ?? 0);
+    const across = Math.hypot(...minus(high, low)) + 2 * (primitive.radius ?? 0);
     return Math.min(end, Math.hypot(...minus(middle, origin)) + across);
 }
 
@@ -83,12 +83,12 @@ export function serve({takes = "ray", answers: told = "t", ...words}, mine) {
         throw new Error(`a ${keys.shape} gives a segment no end behind it; use takes: "ray"`);
     const lines = ["lostbits-pipe/1", `name=${name}`, ...Object.entries(rest).map(([k, v]) => `${k}=${v}`), "", ""];
     write(new TextEncoder().encode(lines.join("\n")));
-    const solid_of = solids[keys.shape], t_of = answers[told];
+    const primitive_of = primitives[keys.shape], t_of = answers[told];
     const width = { sphere: 4, box: 6, triangle: 9, ellipsoid: 6, cylinder: 7, capsule: 7, tube: 7, cone: 8, disc: 8,
                     plane: 6, torus: 8 }[keys.shape];
     const ranged = (keys.flags ?? "").split(",").includes("range");
     for (let request = read(20); request; request = read(20)) {
-        const [, , n, many, ended] = new Uint32Array(request);  // magic, form, rays, solids, ends
+        const [, , n, many, ended] = new Uint32Array(request);  // magic, form, rays, primitives, ends
         const rays = new Float64Array(read(48 * n));
         const starts = new Float64Array(ranged ? read(8 * ended) : 0), ends = new Float64Array(read(8 * ended));
         const numbers = new Float64Array(read(8 * width * many));
@@ -97,11 +97,11 @@ export function serve({takes = "ray", answers: told = "t", ...words}, mine) {
         const near_far = new Float64Array(bytes.buffer, 8, 2 * n);
         for (let i = 0; i < n; ++i) {
             const [origin, direction] = [0, 3].map((k) => [...rays.subarray(6 * i + k, 6 * i + k + 3)]);
-            const first = many === 1 ? 0 : width * i, solid = solid_of([...numbers.subarray(first, first + width)]);
+            const first = many === 1 ? 0 : width * i, primitive = primitive_of([...numbers.subarray(first, first + width)]);
             const end = ended ? ends[i] : Infinity;
-            const length = takes === "segment" ? reach(origin, solid, end) : 1;
-            const answer = takes === "segment" ? mine(origin, origin.map((x, k) => x + length * direction[k]), solid) :
-                                                 mine(origin, direction, solid, end, starts[i] ?? 0);
+            const length = takes === "segment" ? reach(origin, primitive, end) : 1;
+            const answer = takes === "segment" ? mine(origin, origin.map((x, k) => x + length * direction[k]), primitive) :
+                                                 mine(origin, direction, primitive, end, starts[i] ?? 0);
             if (answer === undefined || answer === null || answer === false) continue;
             bytes[8 + 16 * n + i] = 1;
             if (answer !== true) near_far.set(t_of(answer, { origin, direction, length }), 2 * i);

@@ -14,7 +14,7 @@ import sys
 from types import SimpleNamespace
 
 
-def solid_of(shape, n):
+def primitive_of(shape, n):
     if shape == "box":
         return SimpleNamespace(lo=n[:3], hi=n[3:])
     if shape == "triangle":
@@ -38,13 +38,13 @@ def solid_of(shape, n):
     return SimpleNamespace(centre=n[:3], radius=n[3])
 
 
-def reach(origin, solid, end):
+def reach(origin, primitive, end):
     """Distance from the origin to a point behind the primitive: the distance of its middle plus its diameter or
     diagonal, or `end` if that is nearer."""
     pairs = (("centre", "centre"), ("lo", "hi"), ("base", "top"), ("start", "end"), ("bottom", "top"))
-    low, high = next((getattr(solid, a), getattr(solid, b)) for a, b in pairs if hasattr(solid, a))
+    low, high = next((getattr(primitive, a), getattr(primitive, b)) for a, b in pairs if hasattr(primitive, a))
     middle = [(a + b) / 2 for a, b in zip(low, high)]
-    return min(end, math.dist(middle, origin) + math.dist(low, high) + 2 * getattr(solid, "radius", 0))
+    return min(end, math.dist(middle, origin) + math.dist(low, high) + 2 * getattr(primitive, "radius", 0))
 
 
 def roots_of(answer, kind, origin, direction, length):
@@ -80,20 +80,20 @@ def serve(mine, name, takes="ray", answers="t", shape="sphere", **words):
         return memoryview(sys.stdin.buffer.read(8 * count)).cast("d").tolist()
 
     while request := sys.stdin.buffer.read(20):
-        _, _, n, solids, ended = struct.unpack("<4s4I", request)  # magic, form, rays, solids, ends
+        _, _, n, primitives, ended = struct.unpack("<4s4I", request)  # magic, form, rays, primitives, ends
         rays, starts = numbers(6 * n), numbers(ended if ranged else 0)
-        ends, held = numbers(ended), numbers(width * solids)
+        ends, held = numbers(ended), numbers(width * primitives)
         near_far, hits = array.array("d", bytes(16 * n)), bytearray(n)
         for i in range(n):
             origin, direction = rays[6 * i:6 * i + 3], rays[6 * i + 3:6 * i + 6]
-            place = 0 if solids == 1 else width * i
-            solid, end = solid_of(shape, held[place:place + width]), ends[i] if ended else math.inf
-            length = reach(origin, solid, end) if takes == "segment" else 1.0
+            place = 0 if primitives == 1 else width * i
+            primitive, end = primitive_of(shape, held[place:place + width]), ends[i] if ended else math.inf
+            length = reach(origin, primitive, end) if takes == "segment" else 1.0
             if takes == "segment":
-                answer = mine(origin, [o + length * d for o, d in zip(origin, direction)], solid)
+                answer = mine(origin, [o + length * d for o, d in zip(origin, direction)], primitive)
             else:
                 begin = [starts[i] if ended else 0.0] if ranged else []
-                answer = mine(origin, direction, solid, end, *begin)
+                answer = mine(origin, direction, primitive, end, *begin)
             if answer is None or answer is False:
                 continue
             hits[i] = 1

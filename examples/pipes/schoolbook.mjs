@@ -22,15 +22,15 @@ const header = ["lostbits-pipe/1", "name=js.schoolbook", "shape=sphere", "format
 
 write(new TextEncoder().encode(header));
 for (let request = read(20); request; request = read(20)) {
-    const [, , n, solids, ends] = new Uint32Array(request);  // magic, form, rays, solids, ends
+    const [, , n, primitives, ends] = new Uint32Array(request);  // magic, form, rays, primitives, ends
     const rays = new Float64Array(read(48 * n));
     if (ends > 0) read(8 * ends);  // ends of the rays, not used here
-    const spheres = new Float64Array(read(32 * solids));
+    const spheres = new Float64Array(read(32 * primitives));
     const answer = new ArrayBuffer(8 + 17 * n);
     new Uint8Array(answer).set(new TextEncoder().encode("LBA1"));
     const nearFar = new Float64Array(answer, 8, 2 * n), hit = new Uint8Array(answer, 8 + 16 * n, n);
     for (let i = 0; i < n; ++i) {
-        const s = solids === 1 ? 0 : 4 * i;
+        const s = primitives === 1 ? 0 : 4 * i;
         const t = schoolbook(...rays.subarray(6 * i, 6 * i + 6), ...spheres.subarray(s, s + 4));
         hit[i] = t === undefined ? 0 : 1;
         nearFar[2 * i] = t ?? 0;

@@ -49,14 +49,14 @@ def header():
     return "\n".join(lines) + "\n\n"
 
 
-def answer(kind, rays, solids, n):
+def answer(kind, rays, primitives, n):
     """Returns the bytes of an answer: near and far of every ray, then a byte per ray, 1 for a hit."""
     if numpy:
         kind = numpy.dtype(kind)
         all_rays = numpy.frombuffer(rays, kind).reshape(n, 6)
-        near, far, hit = schoolbook(all_rays, numpy.frombuffer(solids, kind).reshape(-1, 4))
+        near, far, hit = schoolbook(all_rays, numpy.frombuffer(primitives, kind).reshape(-1, 4))
         return numpy.stack([near, far], 1).astype(kind).tobytes() + hit.astype(numpy.uint8).tobytes()
-    numbers, spheres = memoryview(rays).cast(kind), memoryview(solids).cast(kind)
+    numbers, spheres = memoryview(rays).cast(kind), memoryview(primitives).cast(kind)
     near_far, hits = array.array(kind), bytearray()
     for i in range(n):
         place = 4 * i if len(spheres) > 4 else 0
@@ -70,13 +70,13 @@ def main():
     read, write = sys.stdin.buffer.read, sys.stdout.buffer
     write.write(header().encode())
     write.flush()
-    while request := read(20):  # magic, form, rays, solids, ends
-        _, form, n, solids, ends = struct.unpack("<4s4I", request)
+    while request := read(20):  # magic, form, rays, primitives, ends
+        _, form, n, primitives, ends = struct.unpack("<4s4I", request)
         kind = FORMS[form][1]
         width = struct.calcsize(kind)
         rays = read(6 * n * width)
         read(ends * width)  # ends of the rays, not used here
-        spheres = read(4 * solids * width)
+        spheres = read(4 * primitives * width)
         write.write(struct.pack("<4sI", b"LBA1", 0) + answer(kind, rays, spheres, n))
         write.flush()
 

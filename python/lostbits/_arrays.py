@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -33,13 +34,23 @@ COUNTS = {shape: sum(count for _, count in keys) for shape, keys in SHAPES.items
 PLURALS = {{"box": "boxes", "torus": "tori"}.get(shape, shape + "s"): shape for shape in SHAPES}
 
 
-def solids_in(solids: Any, shape: str, named: dict[str, Any]) -> tuple[Any, str]:
-    """The primitives and their shape, from `solids` and `shape` or from a keyword such as `spheres`."""
+def renamed(named: dict[str, Any]) -> None:
+    """Puts the keyword `solids` of earlier versions into `named` as `primitives`, with a warning."""
+    if "solids" in named:
+        warnings.warn("solids is called primitives now; write primitives=", DeprecationWarning, stacklevel=3)
+        named["primitives"] = named.pop("solids")
+
+
+def primitives_in(primitives: Any, shape: str, named: dict[str, Any]) -> tuple[Any, str]:
+    """The primitives and their shape, from `primitives` and `shape` or from a keyword such as `spheres`."""
+    renamed(named)
+    if "primitives" in named and primitives is None:
+        primitives = named.pop("primitives")
     for key in named:
         word(key, PLURALS, "a keyword for primitives")
-    if len(named) + (solids is not None) > 1:
-        raise lib.InputError(f"primitives are given twice; leave out all but one of {', '.join(named)} and solids")
-    return (solids, shape) if not named else next((value, PLURALS[key]) for key, value in named.items())
+    if len(named) + (primitives is not None) > 1:
+        raise lib.InputError(f"primitives are given twice; leave out all but one of {', '.join(named)} and primitives")
+    return (primitives, shape) if not named else next((value, PLURALS[key]) for key, value in named.items())
 
 
 def word(value: Any, of: dict[str, Any], name: str) -> Any:
@@ -90,9 +101,9 @@ def array_of(value: Any, name: str, columns: int, rows: int | None = None, kinds
 class Rays:
     """The caller's arrays as a lostbits_rays, which keeps them alive. `values[k]` is the item of `by` with code k."""
 
-    def __init__(self, o: Any, d: Any, solids: Any, shape: str, paired: bool = False, *, t: Any = None, hit: Any = None,
-                 tmin: Any = None, tmax: Any = None, by: Any = None, matrix: Any = None, open_ends: str = "none",
-                 format: str | None = None, **words: str) -> None:
+    def __init__(self, o: Any, d: Any, primitives: Any, shape: str, paired: bool = False, *, t: Any = None,
+                 hit: Any = None, tmin: Any = None, tmax: Any = None, by: Any = None, matrix: Any = None,
+                 open_ends: str = "none", format: str | None = None, **words: str) -> None:
         if o is None or d is None:
             raise lib.InputError("o or d is None; give both, the origins and the directions of the rays, each n x 3")
         o, origin = array_of(o, "o", 3)
@@ -104,16 +115,17 @@ class Rays:
         meant = contract(**words)
         raw = self.raw = lib.Rays(count=n, origin=origin, direction=along, 
                                   open_ends=lib.in_utf8(open_ends, "open_ends"),
-                                  format=lib.in_utf8(format, "format") if format is not None else None, unit=meant.pop("direction", 0), **meant)
-        if isinstance(getattr(solids, "handle", None), lib.Handle):  # a scene
-            raw.scene, self.kept = solids.handle.pointer, [*self.kept, solids]
+                                  format=lib.in_utf8(format, "format") if format is not None else None,
+                                  unit=meant.pop("direction", 0), **meant)
+        if isinstance(getattr(primitives, "handle", None), lib.Handle):  # a scene
+            raw.scene, self.kept = primitives.handle.pointer, [*self.kept, primitives]
         else:
             count = word(shape, COUNTS, "shape")
-            solids, raw.solids = array_of(solids, "solids", count, n if paired else None)
-            if solids is None:
-                raise lib.InputError(f"solids is None; give an array with {count} numbers per {shape}, or a scene")
-            raw.shape, raw.solid_count, raw.paired = shape.encode(), len(solids), int(bool(paired))
-            self.kept.append(solids)
+            primitives, raw.primitives = array_of(primitives, "primitives", count, n if paired else None)
+            if primitives is None:
+                raise lib.InputError(f"primitives is None; give an array with {count} numbers per {shape}, or a scene")
+            raw.shape, raw.primitive_count, raw.paired = shape.encode(), len(primitives), int(bool(paired))
+            self.kept.append(primitives)
         if isinstance(matrix, np.ndarray) and matrix.ndim == 3 and matrix.shape[1:] in ((3, 4), (4, 4)):
             matrix = matrix[:, :3].reshape(len(matrix), 12)
         codes = None

@@ -130,8 +130,9 @@ class Intersector:
             try:
                 # Copies, since the function may keep or change its arrays. The library's memory allows neither.
                 rays = view(b.rays, n, 6).copy()
-                solids = view(b.solids, n if b.solid_stride else 1, sum(self.counts)).copy()
-                parts = np.split(np.broadcast_to(solids, (n, solids.shape[1])), np.cumsum(self.counts)[:-1], axis=1)
+                primitives = view(b.primitives, n if b.primitive_stride else 1, sum(self.counts)).copy()
+                wide = np.broadcast_to(primitives, (n, primitives.shape[1]))
+                parts = np.split(wide, np.cumsum(self.counts)[:-1], axis=1)
                 keys = [part if part.shape[1] > 1 else part[:, 0] for part in parts]
                 with np.errstate(all="ignore"):
                     answer = self._batch(rays[:, :3], rays[:, 3:], *keys)
@@ -174,7 +175,7 @@ class Intersector:
     def write(self, sample: Sample) -> None:
         """Follows the function and gives its operations to the library.
 
-        `sample(shape, dtype)` returns rays (o, d, solids). On these the operations must give the same bits as the
+        `sample(shape, dtype)` returns rays (o, d, primitives). On these the operations must give the same bits as the
         function; otherwise Unfollowed is raised, with the reason.
         """
         with self._writing:
@@ -206,9 +207,9 @@ class Intersector:
         lib.call("lostbits_form_write", handle.pointer, bits, array, c.c_size_t(len(array)), c.c_int32(hit),
                  c.c_int32(t))
 
-    def _differs(self, handle: lib.Handle, format: str, o: Floats, d: Floats, solids: Floats) -> str | None:
+    def _differs(self, handle: lib.Handle, format: str, o: Floats, d: Floats, primitives: Floats) -> str | None:
         """A message about the first ray on which the operations and the function differ, or None."""
-        rays = Rays(o, d, solids, self.shape, True)
+        rays = Rays(o, d, primitives, self.shape, True)
         own, said = (Asked(self, format, written=written).answers(rays, handles=[handle]) for written in (False, True))
         i = int(np.argmax((own.hit != said.hit) | ((own.t != said.t) & own.hit)))
         if own.hit[i] == said.hit[i] and (own.t[i] == said.t[i] or not own.hit[i]):

@@ -117,16 +117,17 @@ def _struct(name: str, fields: str, **others: Any) -> Any:
 
 ErrorText = _struct("ErrorText", "int code; text", text=c.c_char * 4000)
 Where = _struct("Where", "text data; int width, height; words set; stop", stop=c.POINTER(c.c_ubyte))
-Batch = _struct("Batch", "size size; pointer rays, ends, solids; size solid_stride; pointer near_far, hit, own, starts")
+Batch = _struct("Batch", "size size; pointer rays, ends, primitives; size primitive_stride; "
+                "pointer near_far, hit, own, starts")
 FormWords = _struct("FormWords", "text name, title, source; int shape, format, direction, roots, touching, at_origin; "
                     "unsigned flags; pointer own; run", run=RunBatch)
 Operation = _struct("Operation", "text op; operands; double value; text label", operands=c.c_int32 * 3)
 Choice = _struct("Choice", "words forms; pointer own; size own_count; words formats, metrics; int rows, written")
 Run = _struct("Run", "int threads; stop; progress; pointer own", stop=c.POINTER(c.c_ubyte), progress=Progress)
-Rays = _struct("Rays", "size count; array origin, direction, tmin, tmax; text open_ends, shape; array solids; "
-               "size solid_count; int paired; pointer scene; array t, hit; text format; "
+Rays = _struct("Rays", "size count; array origin, direction, tmin, tmax; text open_ends, shape; array primitives; "
+               "size primitive_count; int paired; pointer scene; array t, hit; text format; "
                "int unit, touching, at_origin, inside, facing; array by, matrix")
-Wish = _struct("Wish", "double bits, tolerance, wrong; text at")
+Requirement = _struct("Requirement", "double bits, tolerance, wrong; text at")
 TableWords = _struct("TableWords", "text name; size columns, rows")
 ColumnWords = _struct("ColumnWords", "text name, type, unit, meaning; pointer numbers; texts texts; "
                       "pointer categories; texts names; size name_count")

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _library as lib
-from ._arrays import Floats, Rays, array_of, solids_in, word
+from ._arrays import Floats, Rays, array_of, primitives_in, word
 from ._forms import Asked, Form, Forms, Texts
 from ._results import Checked, Choice, Explanation, Hits, Inside, Judgement, Map, Mended, Study, Sweep, Truths
 from ._scene import Scene, scene as make_scene, scene_of, toml_text
@@ -76,8 +76,8 @@ def check(form: Form, scene: Union[Scene, str], *, bits: float | None = None, wr
         raise lib.InputError(f"wrong is {wrong}; it must be a fraction of the rays, from 0 to 1")
     if bits is not None and not 0 < lib.number(bits, "bits") <= 53:
         raise lib.InputError(f"bits is {bits}; it must be above 0 and at most 53")
-    wished = [] if bits is None else [f"enough_bits:{float(bits)!r}"]
-    found = map(scene, form, format, wished, pixels=False, threads=threads, progress=False)
+    needed = [] if bits is None else [f"enough_bits:{float(bits)!r}"]
+    found = map(scene, form, format, needed, pixels=False, threads=threads, progress=False)
     if len(found.summary) != 1:
         raise lib.InputError(f"check takes one form in one format, and {len(found.summary)} were chosen; name one")
     return Checked(found.summary, bits, fewer, most)
@@ -93,7 +93,7 @@ def assert_keeps(form: Form, scene: Union[Scene, str], bits: float | None = None
         raise AssertionError(found.text)
 
 
-def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None = None, solids: Any = None, *,
+def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None = None, primitives: Any = None, *,
           shape: str = "sphere", paired: bool = False, forms: Forms = None, formats: Texts = (), metrics: Texts = (),
           by: Any = None, bits: float | None = None, tolerance: float | None = None, rows: bool = True,
           threads: int = 0, progress: bool = True, tmin: Floats | None = None, tmax: Floats | None = None,
@@ -106,8 +106,8 @@ def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None 
     - `t`: n distances in lengths of d (of d normalised with direction="unit"), nan for a miss. None if no answers are
       judged but only `forms`.
     - `hit`: n booleans, needed if t does not mark misses by nan.
-    - `solids`: primitives, m x k numbers of a `shape`, which every ray may hit; with paired=True n x k, one per ray; or
-      a scene. `spheres=array` is short for solids=array, shape="sphere", and so on for every shape.
+    - `primitives`: primitives, m x k numbers of a `shape`, which every ray may hit; with paired=True n x k, one per ray;
+      or a scene. `spheres=array` is short for primitives=array, shape="sphere", and so on for every shape.
     - `tmin`, `tmax`: n numbers each, the range of each ray. Both ends belong to it, except those that `open_ends` names
       ("tmin", "tmax" or "both").
     - `matrix`: n x 12 or n x 3 x 4. The transform of the primitive of each ray, from object space to the world. Needs
@@ -124,15 +124,15 @@ def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None 
     The result has `.summary`, `.frame`, `.rays` (one row per ray: outcome, lost_bits, truth, ...; kept with rows=True)
     and `.of["sphere.unified", "f32"]`, the rays of one form. Raises InputError for arrays of another shape or type.
     """
-    solids, shape = solids_in(solids, shape, named)
-    wished = [f"enough_bits:{bits!r}"] if bits is not None else []
+    primitives, shape = primitives_in(primitives, shape, named)
+    needed = [f"enough_bits:{bits!r}"] if bits is not None else []
     if tolerance is not None:
-        wished += ["distance_error", f"tolerance:{float(tolerance)!r}"]
-    given = Rays(o, d, solids, shape, paired, t=t, hit=hit, tmin=tmin, tmax=tmax, by=by, matrix=matrix,
+        needed += ["distance_error", f"tolerance:{float(tolerance)!r}"]
+    given = Rays(o, d, primitives, shape, paired, t=t, hit=hit, tmin=tmin, tmax=tmax, by=by, matrix=matrix,
                  open_ends=open_ends, format=format, direction=direction, touching=touching, at_origin=at_origin,
                  inside=inside, facing=facing)
     own_format = format or ("f64" if t is not None and t.dtype == np.float64 else "f32")
-    asked = Asked(forms, formats or own_format, [*lib.texts(metrics, "metrics"), *wished], rows)
+    asked = Asked(forms, formats or own_format, [*lib.texts(metrics, "metrics"), *needed], rows)
     _, result = asked.call("lostbits_judge", c.byref(given.raw), threads=threads, progress=progress)
     _warn(result)
     tables = tables_of(result)
@@ -141,45 +141,45 @@ def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None 
     return Judgement(tables)
 
 
-def ask(form: Form, o: Floats, d: Floats, solids: Any = None, *, shape: str = "sphere", format: str = "f32",
+def ask(form: Form, o: Floats, d: Floats, primitives: Any = None, *, shape: str = "sphere", format: str = "f32",
         paired: bool = False, written: bool = False, tmin: Floats | None = None, tmax: Floats | None = None,
         threads: int = 0, **named: Any) -> Table:
     """Answers of one form to rays, in any format: a table of `hit` (n booleans) and `t` (n, nan for a miss).
 
-    `o`, `d`, `solids` (or `spheres`, ...), `shape`, `paired`, `tmin`, `tmax`: as in lb.judge. `written`: runs the recorded operations of an
-    intersector of your own, not the function. Formats other than f32 and f64 always do.
+    `o`, `d`, `primitives` (or `spheres`, ...), `shape`, `paired`, `tmin`, `tmax`: as in lb.judge. `written`: runs the
+    recorded operations of an intersector of your own, not the function. Formats other than f32 and f64 always do.
     """
-    solids, shape = solids_in(solids, shape, named)
+    primitives, shape = primitives_in(primitives, shape, named)
     asked = Asked(form, format, written=written)
-    given = Rays(o, d, solids, asked.own[0].shape if asked.own else shape, paired, tmin=tmin, tmax=tmax)
+    given = Rays(o, d, primitives, asked.own[0].shape if asked.own else shape, paired, tmin=tmin, tmax=tmax)
 
     def sample(_: str, dtype: Any) -> Any:
-        o, d, solids = (np.asarray(a, dtype=dtype)[:4096] for a in given.kept[:3])
-        return o, d, solids if paired else solids[np.arange(len(o)) * len(solids) // len(o)]
+        o, d, primitives = (np.asarray(a, dtype=dtype)[:4096] for a in given.kept[:3])
+        return o, d, primitives if paired else primitives[np.arange(len(o)) * len(primitives) // len(o)]
 
     asked.write_for(sample)
     return asked.answers(given, threads=threads)
 
 
-def truth(o: Floats, d: Floats, solids: Any = None, *, shape: str = "sphere", paired: bool = False, direction: str = "any",
-          touching: str = "hit", at_origin: str = "hit", inside: str = "usual", facing: str = "both",
+def truth(o: Floats, d: Floats, primitives: Any = None, *, shape: str = "sphere", paired: bool = False,
+          direction: str = "any", touching: str = "hit", at_origin: str = "hit", inside: str = "usual", facing: str = "both",
           tmin: Floats | None = None, tmax: Floats | None = None, matrix: Floats | None = None,
           open_ends: str = "none", threads: int = 0, **named: Any) -> Truths:
     """Certified truth of rays.
 
-    `o`, `d`: n x 3, float32 or float64, taken as exact. `solids`: m x k numbers of a `shape` (spheres: centre, radius),
-    or a scene; `spheres=array`, ... as in lb.judge. `tmin`, `tmax`, `open_ends`, `matrix`: as in lb.judge.
+    `o`, `d`: n x 3, float32 or float64, taken as exact. `primitives`: m x k numbers of a `shape` (spheres: centre,
+    radius), or a scene; `spheres=array`, ... as in lb.judge. `tmin`, `tmax`, `open_ends`, `matrix`: as in lb.judge.
 
     The result has one item per ray:
 
     - `hit`: booleans.
     - `t`: the nearest double to the exact t, in lengths of d (of d normalised with direction="unit"); nan for a miss.
     - `t_lo`: the rest. t + t_lo is the exact t with a relative error of at most 2^-72.
-    - `solid`: index of the primitive that is hit first, from 0; -1 for a miss.
+    - `primitive`: index of the primitive that is hit first, from 0; -1 for a miss.
     - `resolved`: False where hit or miss could not be decided.
     """
-    solids, shape = solids_in(solids, shape, named)
-    given = Rays(o, d, solids, shape, paired, tmin=tmin, tmax=tmax, matrix=matrix, open_ends=open_ends, format="f64",
+    primitives, shape = primitives_in(primitives, shape, named)
+    given = Rays(o, d, primitives, shape, paired, tmin=tmin, tmax=tmax, matrix=matrix, open_ends=open_ends, format="f64",
                  direction=direction, touching=touching, at_origin=at_origin, inside=inside, facing=facing)
     return Truths(tables_of(lib.long_call("lostbits_truth", c.byref(given.raw), threads=threads)[1])["truth"])
 
@@ -190,7 +190,7 @@ def hits(o: Floats, d: Floats, mesh: Any, *, tmin: Floats | None = None, tmax: F
 
     `o`, `d`: n x 3 of float32 or float64, taken as exact. `mesh`: (vertices n x 3, faces m x 3), triangles m x 9, or a
     scene of meshes and triangles alone. Triangles are closed and met from both sides. `tmin`, `tmax`, `open_ends`: as in
-    lb.judge. The result: `.ray`, `.place`, `.solid` (the triangle), `.t` and `.t_lo`, `.front` (the ray meets the side
+    lb.judge. The result: `.ray`, `.place`, `.primitive` (the triangle), `.t` and `.t_lo`, `.front` (the ray meets the side
     on which the corners run counter-clockwise), `.at_rim` (through an edge or a vertex), `.of(ray)`, `.resolved`.
     """
     given = Rays(o, d, _of_mesh(mesh), "triangle", tmin=tmin, tmax=tmax, open_ends=open_ends, format="f64")
@@ -362,9 +362,9 @@ def explain(form: Form, scene: Union[Scene, str], pixel: tuple[int, int], format
     return Explanation(text, json.loads(found), tapes.get(format, tapes.get("f32")))
 
 
-def _wish(bits: float, tolerance: float, wrong: float, at: str) -> Any:
-    return lib.Wish(lib.number(bits, "bits"), lib.number(tolerance, "tolerance"), lib.number(wrong, "wrong"),
-                    lib.in_utf8(at, "at"))
+def _requirement(bits: float, tolerance: float, wrong: float, at: str) -> Any:
+    return lib.Requirement(lib.number(bits, "bits"), lib.number(tolerance, "tolerance"), lib.number(wrong, "wrong"),
+                           lib.in_utf8(at, "at"))
 
 
 def choose(scene: Union[Scene, str], bits: float | None = None, *, tolerance: float | None = None, wrong: float = 0,
@@ -385,8 +385,8 @@ def choose(scene: Union[Scene, str], bits: float | None = None, *, tolerance: fl
         raise lib.InputError("choose: the requirement is missing; add bits=16 (correct bits of t) or tolerance=0.001 "
                              "(distance of the hit point from the true one)")
     on, asked = scene_of(scene), Asked(forms, formats)
-    wish = _wish(bits or 0, -1 if tolerance is None else tolerance, wrong, at)
-    code, result = asked.call("lostbits_choose", on.handle.pointer, c.byref(wish), threads=threads, progress=progress)
+    need = _requirement(bits or 0, -1 if tolerance is None else tolerance, wrong, at)
+    code, result = asked.call("lostbits_choose", on.handle.pointer, c.byref(need), threads=threads, progress=progress)
     return Choice(tables_of(result), texts_of(result)[0], code == 0)
 
 
@@ -410,8 +410,8 @@ def mend(form: Form, scene: Union[Scene, str], bits: float, *, wrong: float = 0,
     if len(asked.own) + len(asked.names) != 1:
         raise lib.InputError("mend takes exactly one form; name one")
     asked.write_for(on.sample, always=True)
-    wish = _wish(bits, -1, wrong, at)
-    code, result = asked.call("lostbits_mend", on.handle.pointer, c.byref(wish), c.c_int(bool(two_words)), threads=threads,
+    need = _requirement(bits, -1, wrong, at)
+    code, result = asked.call("lostbits_mend", on.handle.pointer, c.byref(need), c.c_int(bool(two_words)), threads=threads,
                               progress=progress)
     tapes = asked.own[0].tapes if asked.own else {}
     return Mended(tables_of(result), texts_of(result), code == 0, tapes.get(format))

@@ -115,7 +115,7 @@ def _explaining(form: str, command: str) -> str:
 class Checked:
     """Result of `check`: true if the requirement is met. `.ok`, `.text`, `.summary` (one row, as of a map)."""
 
-    wrong_names = ("false_hit", "false_miss", "not_a_number", "wrong_object", "crack", "double_hit", "out_of_order",
+    wrong_names = ("false_hit", "false_miss", "not_a_number", "wrong_primitive", "crack", "double_hit", "out_of_order",
                    "unresolved")
 
     def __init__(self, summary: Table, bits: float | None, fewer: float, wrong: float) -> None:
@@ -162,7 +162,7 @@ class Study(Summarised):
 
 
 class Truths:
-    """Result of `truth`: arrays with an item per ray, hit, t, t_lo, solid, resolved."""
+    """Result of `truth`: arrays with an item per ray, hit, t, t_lo, primitive, resolved."""
 
     def __init__(self, table: Table) -> None:
         decision = table["decision"]
@@ -170,7 +170,7 @@ class Truths:
         self.resolved: NDArray[np.bool_] = decision != 2
         self.t: NDArray[np.float64] = table.columns["t_hi"].values
         self.t_lo: NDArray[np.float64] = table.columns["t_lo"].values
-        self.solid: NDArray[np.int64] = np.where(self.hit, np.nan_to_num(table["solid"]), -1).astype(np.int64)
+        self.primitive: NDArray[np.int64] = np.where(self.hit, np.nan_to_num(table["primitive"]), -1).astype(np.int64)
 
     def __len__(self) -> int:
         return len(self.hit)
@@ -180,14 +180,14 @@ class Truths:
 
 
 class Hits:
-    """Crossings of rays with triangles, one item each, by the ray and then in the exact order of t: ray, place, solid,
+    """Crossings of rays with triangles, one item each, by the ray and then in the exact order of t: ray, place, primitive,
     t, t_lo, front, at_rim. `resolved`: one item for each ray."""
 
     def __init__(self, tables: dict[str, Table]) -> None:
         crossings = tables["crossings"]
         self.ray: NDArray[np.int64] = crossings["ray"].astype(np.int64)
         self.place: NDArray[np.int64] = crossings["place"].astype(np.int64)
-        self.solid: NDArray[np.int64] = crossings["solid"].astype(np.int64)
+        self.primitive: NDArray[np.int64] = crossings["primitive"].astype(np.int64)
         self.t: NDArray[np.float64] = crossings.columns["t_hi"].values
         self.t_lo: NDArray[np.float64] = crossings.columns["t_lo"].values
         self.front: NDArray[np.bool_] = crossings["front"].astype(bool)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _library as lib
-from ._arrays import COUNTS, PLURALS, SHAPES, Floats, with_article, word
+from ._arrays import COUNTS, PLURALS, SHAPES, Floats, renamed, with_article, word
 from ._tables import Table, tables_of
 
 
@@ -40,18 +40,18 @@ class Scene:
         """
         rays, table = self.rays["rays"], self.rays.get(shape)
         o, d = (np.stack([rays[k + axis] for axis in "xyz"], axis=1).astype(dtype) for k in "od")
-        solids = [table[k] for k in list(table)[:COUNTS[shape]]] if table else [np.empty(0)] * COUNTS[shape]
-        return o, d, np.stack(solids, axis=1).astype(dtype)
+        primitives = [table[k] for k in list(table)[:COUNTS[shape]]] if table else [np.empty(0)] * COUNTS[shape]
+        return o, d, np.stack(primitives, axis=1).astype(dtype)
 
     def sample(self, shape: str, dtype: Any) -> tuple[Floats, Floats, Floats]:
         """A few thousand rays of the scene (fewer than 8192), evenly spread, each with a primitive of `shape`.
 
         Each primitive gets a run of consecutive rays.
         """
-        o, d, solids = self.arrays(shape, dtype)
+        o, d, primitives = self.arrays(shape, dtype)
         step = max(1, len(o) // 4096)
         o, d = np.ascontiguousarray(o[::step]), np.ascontiguousarray(d[::step])
-        return o, d, solids[np.arange(len(o)) * len(solids) // len(o)]
+        return o, d, primitives[np.arange(len(o)) * len(primitives) // len(o)]
 
     def __repr__(self) -> str:
         return f"<lostbits scene {self.name or 'of arrays'}, {self.size[0]} x {self.size[1]}>"
@@ -68,7 +68,7 @@ def toml_text(value: Any) -> str:
 def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
           mesh: tuple[ArrayLike, ArrayLike] | None = None, transform: ArrayLike | None = None,
           size: tuple[int, int] | None = None, set: Sequence[str] = (), inputs: str = "shared",
-          data: str | None = None, shape: str = "sphere", **solids: Any) -> Scene:
+          data: str | None = None, shape: str = "sphere", **primitives: Any) -> Scene:
     """Makes a scene by name, from a file, from text, or from arrays.
 
     With `name`:
@@ -83,7 +83,7 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
 
     - `camera`, as in docs/files.md: {"kind": "pinhole", "eye": [0, 0, 5], "look_at": [0, 0, 0], "fov_deg": 40}.
     - Primitives by the plural of their shape: `spheres` n x 4 (centre, radius), `boxes` n x 6 (lo, hi), `triangles`
-      n x 9, `tori` n x 8, ... lb.SHAPES has the keys of each. Or `solids` with a `shape`.
+      n x 9, `tori` n x 8, ... lb.SHAPES has the keys of each. Or `primitives` with a `shape`.
     - `mesh`: (vertices n x 3, faces m x 3). Faces hold indices of vertices, from 0.
     - `transform` (4 x 4 or 3 x 4): the matrix of all primitives, from object space to the world, as it is stored. The
       primitives are not multiplied by it. Name forms with a transform method ("triangle.undivided@pbrt").
@@ -101,16 +101,17 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
     changes = lib.Words(lib.texts(set, "set"), "set")
     stop = c.c_ubyte(0)
     where = c.byref(lib.Where(lib.data_folder(data), width, height, changes, c.pointer(stop)))
-    if "solids" in solids:
+    renamed(primitives)
+    if "primitives" in primitives:
         one_of = {shape: plural for plural, shape in PLURALS.items()}
-        solids.setdefault(word(shape, one_of, "shape"), solids.pop("solids"))
-    for key in solids:
+        primitives.setdefault(word(shape, one_of, "shape"), primitives.pop("primitives"))
+    for key in primitives:
         word(key, PLURALS, "an argument of lb.scene")
     handle = lib.Handle("scene")
     if name is not None:
         if not isinstance(name, (str, os.PathLike)):
             raise lib.InputError(f"scene: name is {name!r}; give the name of a scene, a path, or the text of a file")
-        if camera is not None or mesh is not None or solids:
+        if camera is not None or mesh is not None or primitives:
             raise lib.InputError("scene: a name was given together with a camera or primitives; give one or the other")
         name = os.fspath(name)
         is_text = "\n" in name
@@ -120,18 +121,18 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
     if camera is None:
         raise lib.InputError("scene: no name and no camera; give a name, or camera={\"kind\": \"pinhole\", \"eye\": "
                              "..., \"look_at\": ..., \"fov_deg\": 40}")
-    if mesh is None and not solids:
+    if mesh is None and not primitives:
         raise lib.InputError("scene: no primitives; give spheres=, boxes=, triangles=, ... or mesh=(vertices, faces)")
     text = "\n".join(['schema = "lostbits-scene/1"', 'title = "arrays"', f"inputs = {toml_text(inputs)}",
                       f"size = {toml_text(list(size or (256, 256)))}", "[camera]",
                       *(f"{key} = {toml_text(value)}" for key, value in camera.items()),
                       "[[sphere]]", "centre = [0, 0, 0]", "radius = 1", ""])
     lib.call("lostbits_scene_text", lib.in_utf8(text, "camera"), where, c.byref(handle.pointer))
-    for key, value in solids.items():
+    for key, value in primitives.items():
         kind = PLURALS[key]
         keys = ": " + ", ".join(f"{k} {n}" for k, n in SHAPES[kind])
         numbers = _numbers(value, key, COUNTS[kind], keys)
-        lib.call("lostbits_scene_solids", handle.pointer, kind.encode(), numbers.ctypes, c.c_size_t(len(numbers)))
+        lib.call("lostbits_scene_primitives", handle.pointer, kind.encode(), numbers.ctypes, c.c_size_t(len(numbers)))
     if mesh is not None:
         _put_mesh(handle, mesh)
     if transform is not None:

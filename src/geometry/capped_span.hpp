@@ -26,10 +26,10 @@ struct CappedSpan {
     mask_t<T> open;
     T d2;  ///< d·d
 
-    static constexpr bool is_met_behind_touch = false;
+    static constexpr bool may_hit_behind_touch = false;
 
     /// True if some point of the line lies in the closed and in the open primitive: at a plane, or at the minimum of P.
-    [[nodiscard]] mask_t<T> is_met() const {
+    [[nodiscard]] mask_t<T> is_hit() const {
         const T zero(0);
         const auto through = side.q >= zero;
         const auto met = enters_by_cap() || leaves_by_cap() || (is_least_between() && through);
@@ -97,7 +97,7 @@ CappedSpan<T> capped(const QuadraticSpan<T>& side, const T& low, const T& across
 /// Both ends; nothing if the surfaces by which the line enters and leaves are not known.
 template <Number T>
 std::optional<Ends<T>> ends_of(const CappedSpan<T>& s) {
-    if (!is_certain(s.is_met())) return std::nullopt;
+    if (!is_certain(s.is_hit())) return std::nullopt;
     const T root = sqrt(s.side.q);
     const bool past = is_certain(s.side.h > T(0));
     const auto one_of = [](const auto& by_cap, const Fraction<T>& cap, const T& at_root) -> std::optional<T> {

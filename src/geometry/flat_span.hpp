@@ -31,7 +31,7 @@ struct FlatSpan {
     T d2;              ///< d·d
 
     static constexpr int crossings = 1;
-    static constexpr bool is_met_behind_touch = false;
+    static constexpr bool may_hit_behind_touch = false;
     [[nodiscard]] SurfaceCrossing<mask_t<T>> crossing(int) const { return {closed, open}; }
     [[nodiscard]] Order<mask_t<T>> order_to(int, const Fraction<T>& t) const { return order_of(at, t); }
 };

@@ -14,10 +14,10 @@ struct JoinedSpan {
     QuadraticSpan<T> enter, leave;
     T d2;  ///< d·d
 
-    static constexpr bool is_met_behind_touch = false;
+    static constexpr bool may_hit_behind_touch = false;
 
     /// True if some point of the line lies in the closed and in the open primitive.
-    [[nodiscard]] mask_t<T> is_met() const { return enter.q >= T(0) && leave.q >= T(0); }
+    [[nodiscard]] mask_t<T> is_hit() const { return enter.q >= T(0) && leave.q >= T(0); }
     [[nodiscard]] mask_t<T> is_open() const { return enter.q > T(0) && leave.q > T(0); }
     /// Compares entering and leaving with t (before, or no later), for a line that meets the closed primitive.
     template <class At = Fraction<T>>

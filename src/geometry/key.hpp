@@ -35,7 +35,7 @@ struct Key {
 };
 
 /// Words for a shape and for its special cases, for messages and texts.
-struct ShapeWords {
+struct ShapeTexts {
     std::string_view plainest;  ///< the simplest primitive: it reaches 2 from the origin
     std::string_view touching;  ///< a ray that only touches it
     std::string_view point;     ///< a primitive no larger than a point

@@ -16,7 +16,7 @@ struct QuarticSpan {
     T a, b, bound;
     T d2;  ///< d·d
 
-    static constexpr bool is_met_behind_touch = true;
+    static constexpr bool may_hit_behind_touch = true;
 
     /// Value of x at t = n/m, m > 0.
     [[nodiscard]] T place(const T& t) const { return a * t + b; }

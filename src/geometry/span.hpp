@@ -31,7 +31,7 @@ struct QuadraticSpan {
     T d2;  ///< d·d
 
     /// True if a ray that only touches the surface may meet it again behind that point. Every span defines it.
-    static constexpr bool is_met_behind_touch = false;
+    static constexpr bool may_hit_behind_touch = false;
 };
 
 /// Compares a b with c d. Number types with a cheaper way overload it.
@@ -70,7 +70,7 @@ struct SlabSpan {
     mask_t<T> open;    ///< o lies in each such open slab, and every slab has thickness
     T d2;              ///< d·d
 
-    static constexpr bool is_met_behind_touch = false;
+    static constexpr bool may_hit_behind_touch = false;
 };
 
 /// A range in the form that spans are compared with. If it has no end, `end` is 1/0.
@@ -204,8 +204,8 @@ Fraction<T> first_exit(const SlabSpan<T>& s) {
 /// A span of a primitive. It says if the line meets the closed and the open primitive, and compares entering and
 /// leaving with a fraction.
 template <class S, class T>
-concept ToldSpan = requires(const S& s, const Fraction<T>& t) {
-    s.is_met(), s.is_open(), s.enters_to(t), s.leaves_to(t);
+concept ComparableSpan = requires(const S& s, const Fraction<T>& t) {
+    s.is_hit(), s.is_open(), s.enters_to(t), s.leaves_to(t);
 };
 
 /// Entry and exit of a line: near ≤ far if it meets the primitive.

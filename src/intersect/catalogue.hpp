@@ -13,7 +13,7 @@
 #include "intersect/sdf/relative_eps.hpp"
 #include "intersect/sdf/secant_refined.hpp"
 #include "intersect/sdf/sphere_trace.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 // clang-format off
 #define LOSTBITS_SHAPE_FILE(folder) LOSTBITS_PATH(folder/forms/forms.hpp)
 // clang-format on

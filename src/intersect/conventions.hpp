@@ -35,7 +35,7 @@ inline constexpr std::array<std::string_view, 4> answer_names{"0", "next", "miss
 
 /// True if the answer is 0 for a ray from inside.
 constexpr bool answers_0_inside(Shape shape, Inside inside) {
-    return inside == Inside::zero || (inside == Inside::usual && zero_inside(shape));
+    return inside == Inside::zero || (inside == Inside::usual && inside_returns_zero(shape));
 }
 
 namespace detail {
@@ -115,7 +115,7 @@ constexpr bool origin_matters(Shape shape, Inside inside) {
 /// Throws InputError if the property on the origin is given and changes no answer about a primitive; `from` begins the
 /// message.
 inline void require_origin(AtOrigin at_origin, Inside inside, Shape shape, const std::string& from) {
-    if (at_origin == AtOrigin::hit || !is_solid(shape) || origin_matters(shape, inside)) return;
+    if (at_origin == AtOrigin::hit || !is_primitive(shape) || origin_matters(shape, inside)) return;
     throw InputError(
         from + ": at_origin changes no answer about " + with_article(shape) +
         ": from inside the answer is 0, and so it is from the surface; leave at_origin out, or set inside = exit or "
@@ -126,7 +126,7 @@ inline void require_origin(AtOrigin at_origin, Inside inside, Shape shape, const
 /// takes the range itself. A form of a single root loses the crossings behind it. A form that answers for all points
 /// inside, and a surface that a line crosses once, have no next crossing to lose.
 constexpr bool tells_next_crossing(const Info& info, Shape shape) {
-    return info.ranged || info.roots == Roots::both || info.roots == Roots::none || is_flat(shape) || told_end(shape);
+    return info.ranged || info.roots == Roots::both || info.roots == Roots::none || is_flat(shape) || takes_tmax(shape);
 }
 
 }  // namespace lostbits::intersect

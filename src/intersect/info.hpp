@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::intersect {
 

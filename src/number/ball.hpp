@@ -173,7 +173,7 @@ inline Ball largest(const Ball& x) { return Ball((std::fabs(x.hi()) + x.radius()
 inline int precision_of(const Ball&) { return 100; }
 
 template <>
-inline constexpr bool stands_for_exact<Ball> = true;
+inline constexpr bool is_exact<Ball> = true;
 
 static_assert(Number<Ball>);
 

@@ -224,7 +224,7 @@ struct Wider<Bounded<float>> {
 };
 
 template <class F>
-inline constexpr bool tells_of_operations<Bounded<F>> = true;
+inline constexpr bool traces_operations<Bounded<F>> = true;
 
 static_assert(Number<Bounded<float>> && Number<Bounded<double>>);
 

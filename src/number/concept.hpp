@@ -60,12 +60,12 @@ inline double next_down(double x) { return std::nextafter(x, -HUGE_VAL); }
 
 /// True for numbers that stand for exact arithmetic: they have no neighbours, and rounding outward is the identity.
 template <class T>
-inline constexpr bool stands_for_exact = false;
+inline constexpr bool is_exact = false;
 
 /// True for numbers that record something about each operation: its index on a tape, or a bound on its rounding. A sum
 /// that loses nothing is recorded as a whole: as a `Call`.
 template <class T>
-inline constexpr bool tells_of_operations = false;
+inline constexpr bool traces_operations = false;
 
 /// The part of an answer that a call returns: the decision as 1 or −1, t (−1 for a miss), or the line parameter of one
 /// of the two intersections.
@@ -80,10 +80,10 @@ struct Call {
 };
 
 template <class T>
-requires stands_for_exact<T> T next_up(const T& x) { return x; }
+requires is_exact<T> T next_up(const T& x) { return x; }
 
 template <class T>
-requires stands_for_exact<T> T next_down(const T& x) { return x; }
+requires is_exact<T> T next_down(const T& x) { return x; }
 
 /// `mask ? a : b`, for numbers whose comparisons are decided.
 template <class T>

@@ -120,7 +120,7 @@ private:
 };
 
 template <class F, std::size_t N>
-inline constexpr bool stands_for_exact<Dual<F, N>> = stands_for_exact<F>;
+inline constexpr bool is_exact<Dual<F, N>> = is_exact<F>;
 
 static_assert(Number<Dual<double, 10>>);
 

@@ -116,7 +116,7 @@ private:
 };
 
 template <>
-inline constexpr bool stands_for_exact<Interval> = true;
+inline constexpr bool is_exact<Interval> = true;
 
 static_assert(Number<Interval>);
 

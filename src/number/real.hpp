@@ -17,7 +17,7 @@ using BasicReal = boost::multiprecision::number<
 using Real = BasicReal<256>;
 
 template <unsigned Digits>
-inline constexpr bool stands_for_exact<boost::multiprecision::number<
+inline constexpr bool is_exact<boost::multiprecision::number<
     boost::multiprecision::mpfr_float_backend<Digits, boost::multiprecision::allocate_stack>,
     boost::multiprecision::et_off>> = true;
 

@@ -101,9 +101,9 @@ auto decide(const RecordedMask& mask, const F& f) {
 }
 
 /// A number in the recorder's format, or (`in_double`) in binary64. Its values are those of the format, to the bit. The
-/// exact values are found afterwards, by running the tape again over an exact number (measure/blame/attribution.hpp). A
-/// pixel of a map and a single ray under study are recorded in the same way; only the precision of the exact values
-/// differs.
+/// exact values are found afterwards, by running the tape again over an exact number
+/// (measure/attribution/attribution.hpp). A pixel of a map and a single ray under study are recorded in the same way;
+/// only the precision of the exact values differs.
 template <bool in_double>
 class BasicRecorded {
 public:
@@ -210,7 +210,7 @@ struct Wider<Recorded> {
 };
 
 template <bool in_double>
-inline constexpr bool tells_of_operations<BasicRecorded<in_double>> = true;
+inline constexpr bool traces_operations<BasicRecorded<in_double>> = true;
 
 static_assert(Number<Recorded> && Number<RecordedInDouble>);
 

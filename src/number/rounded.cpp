@@ -37,12 +37,12 @@ double scaled(std::uint64_t whole, int e) {
 
 /// An MPFR number of 64 bits: operations truncate and then set the last bit when inexact ("round to odd"), after
 /// which rounding to any format of at most 62 bits is correct (Boldo and Melquiond, 2008).
-class Odd {
+class RoundToOdd {
 public:
-    Odd() { mpfr_init2(x_, 64); }
-    ~Odd() { mpfr_clear(x_); }
-    Odd(const Odd&) = delete;
-    Odd& operator=(const Odd&) = delete;
+    RoundToOdd() { mpfr_init2(x_, 64); }
+    ~RoundToOdd() { mpfr_clear(x_); }
+    RoundToOdd(const RoundToOdd&) = delete;
+    RoundToOdd& operator=(const RoundToOdd&) = delete;
     mpfr_ptr get() { return x_; }
 
     double to_format(int inexact, const FloatFormat& f) {
@@ -156,33 +156,33 @@ double next_up(double a, const FloatFormat& f) {
 
 double add_reference(double a, double b, const FloatFormat& f) {
     if (a == 0 && b == 0) return a + b;
-    Odd r;
+    RoundToOdd r;
     const int inexact = mpfr_add(r.get(), Exact(a), Exact(b), MPFR_RNDZ);
     if (mpfr_zero_p(r.get())) return a + b;
     return r.to_format(inexact, f);
 }
 
 double mul_reference(double a, double b, const FloatFormat& f) {
-    Odd r;
+    RoundToOdd r;
     const int inexact = mpfr_mul(r.get(), Exact(a), Exact(b), MPFR_RNDZ);
     return r.to_format(inexact, f);
 }
 
 double div_reference(double a, double b, const FloatFormat& f) {
-    Odd r;
+    RoundToOdd r;
     const int inexact = mpfr_div(r.get(), Exact(a), Exact(b), MPFR_RNDZ);
     return r.to_format(inexact, f);
 }
 
 double sqrt_reference(double a, const FloatFormat& f) {
-    Odd r;
+    RoundToOdd r;
     const int inexact = mpfr_sqrt(r.get(), Exact(a), MPFR_RNDZ);
     return r.to_format(inexact, f);
 }
 
 double fma_reference(double a, double b, double c, const FloatFormat& f) {
     if (a * b == 0 && c == 0 && (a == 0 || b == 0)) return a * b + c;
-    Odd r;
+    RoundToOdd r;
     const int inexact = mpfr_fma(r.get(), Exact(a), Exact(b), Exact(c), MPFR_RNDZ);
     if (mpfr_zero_p(r.get())) return std::fma(a, b, c);
     return r.to_format(inexact, f);

@@ -29,7 +29,8 @@ enum class OperationKind : std::uint8_t {
 };
 
 /// All operations of a tape: name, kind, number of operands. This is the only list of them. Everything else that is
-/// known about an operation is in its struct in measure/blame/operations.hpp; a row without a struct does not compile.
+/// known about an operation is in its struct in measure/attribution/operations.hpp; a row without a struct does not
+/// compile.
 ///
 /// `constant` is an integer of the formula's text, `call` a step that a form takes as a whole, `convert` the conversion
 /// to or from a wider format, `any` the condition of a loop.
@@ -157,7 +158,7 @@ public:
     }
     NodeId add(TapeOp op, const FloatFormat& format, double value, const TapeOperands& of = {}) {
         nodes.push_back(
-            {op, place_of(format), {of.a, of.b, of.c}, value, is_operation(op) ? part : std::string_view()});
+            {op, index_of(format), {of.a, of.b, of.c}, value, is_operation(op) ? part : std::string_view()});
         return size() - 1;
     }
     NodeId add_call(const Call& of, const FloatFormat& format, double value, std::vector<NodeId> arguments) {
@@ -174,7 +175,7 @@ public:
     }
 
 private:
-    std::uint8_t place_of(const FloatFormat& format) {
+    std::uint8_t index_of(const FloatFormat& format) {
         for (std::size_t i = 0; i < formats.size(); ++i) {
             if (formats[i] == format) return static_cast<std::uint8_t>(i);
         }

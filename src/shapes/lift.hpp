@@ -9,7 +9,7 @@
 #include "number/ball.hpp"
 #include "number/real.hpp"
 #include "number/with_number.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits {
 
@@ -42,8 +42,8 @@ Ray<E> lift_ray(const Ray<S>& ray) {
 }
 
 template <class E, class S>
-Solid<E> lift_solid(const Solid<S>& solid) {
-    return transformed(solid, [](const S& x) { return lift<E>(x); });
+Primitive<E> lift_primitive(const Primitive<S>& primitive) {
+    return transformed(primitive, [](const S& x) { return lift<E>(x); });
 }
 
 /// Converts the numbers of a format to the doubles that hold them.
@@ -56,8 +56,8 @@ Ray<double> as_doubles(const Ray<T>& ray) {
     return {as_doubles(ray.origin), as_doubles(ray.direction)};
 }
 template <class T>
-Solid<double> as_doubles(const Solid<T>& solid) {
-    return transformed(solid, [](const T& x) { return as_double(x); });
+Primitive<double> as_doubles(const Primitive<T>& primitive) {
+    return transformed(primitive, [](const T& x) { return as_double(x); });
 }
 
 /// `word_of` is the double nearest to a number, and `low_word_of` the double nearest to the rest. The low word is NaN

@@ -102,7 +102,7 @@ std::string order_words(const Key& key) {
 std::string no_end_words(Shape shape) {
     std::string told;
     for (const ShapeRow& row : shape_rows)
-        if (row.told_end) told += (told.empty() ? "" : ", ") + std::string(row.plural);
+        if (row.takes_tmax) told += (told.empty() ? "" : ", ") + std::string(row.plural);
     return "ends a ray only for the forms of " + told + "; the forms of " + std::string(row_of(shape).plural) +
            " take no end and would ignore it; leave it out, or use " + told;
 }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits {
 

@@ -13,7 +13,7 @@ namespace lostbits {
 
 /// Builds the primitive whose numbers are `number(0)`, `number(1)`, …
 template <template <class> class S, class T, class Numbers>
-constexpr S<T> solid_from(const Numbers& number) {
+constexpr S<T> primitive_from(const Numbers& number) {
     const auto part = [&number]<std::size_t key>(std::integral_constant<std::size_t, key>) {
         constexpr std::size_t first = [] {
             std::size_t before = 0;
@@ -31,7 +31,7 @@ constexpr S<T> solid_from(const Numbers& number) {
 
 /// Calls `take(number)` for each number.
 template <template <class> class S, class T, class Take>
-constexpr void each_number(const S<T>& solid, const Take& take) {
+constexpr void each_number(const S<T>& primitive, const Take& take) {
     const auto part = [&take](const auto&... parts) {
         const auto one = [&take](const auto& x) {
             if constexpr (std::same_as<decltype(x), const Vec<T>&>) take(x.x), take(x.y), take(x.z);
@@ -42,13 +42,13 @@ constexpr void each_number(const S<T>& solid, const Take& take) {
     constexpr std::size_t keys = S<T>::keys.size();
     static_assert(keys >= 2 && keys <= 4);
     if constexpr (keys == 2) {
-        const auto& [a, b] = solid;
+        const auto& [a, b] = primitive;
         part(a, b);
     } else if constexpr (keys == 3) {
-        const auto& [a, b, c] = solid;
+        const auto& [a, b, c] = primitive;
         part(a, b, c);
     } else {
-        const auto& [a, b, c, d] = solid;
+        const auto& [a, b, c, d] = primitive;
         part(a, b, c, d);
     }
 }

@@ -52,10 +52,10 @@ struct ShapeList {
         if constexpr (shape_as<First> == shape) return act.template operator()<First>();
         else return ShapeList<Rest...>::template of_shape<shape>(act);
     }
-    template <class Solid, class Act>
-    static decltype(auto) visit_shape(const Solid& solid, const Act& act) {
+    template <class Primitive, class Act>
+    static decltype(auto) visit_shape(const Primitive& primitive, const Act& act) {
         if constexpr (sizeof...(Rest) > 0)
-            if (!solid.template is<First>()) return ShapeList<Rest...>::visit_shape(solid, act);
+            if (!primitive.template is<First>()) return ShapeList<Rest...>::visit_shape(primitive, act);
         return act.template operator()<First>();
     }
 };
@@ -66,7 +66,7 @@ using ListOf = ShapeList<S...>;
 }  // namespace detail
 
 #define LOSTBITS_LINE(folder, S) , S
-using Solids = detail::ListOf<void LOSTBITS_SHAPES(LOSTBITS_LINE)>;
+using Primitives = detail::ListOf<void LOSTBITS_SHAPES(LOSTBITS_LINE)>;
 #undef LOSTBITS_LINE
 
 /// A shape as data.
@@ -75,15 +75,15 @@ struct ShapeRow {
     std::string_view name, plural;
     std::span<const Key> keys;
     std::size_t numbers = 0;
-    bool told_end = false;      ///< its forms take tmax, where a ray ends
-    bool zero_inside = false;   ///< from inside the answer is 0, unless a form says otherwise, and not the exit
-    bool usually_unit = false;  ///< most code for this shape takes directions of length one
-    bool round = false;         ///< its points are at one distance from a centre, so it is its own bounding ball
-    bool flat = false;          ///< a surface with a normal: a ray meets its front or its back
-    bool surface = false;       ///< it has no inside: a line crosses it at single points
-    bool edges = false;         ///< its keys are corners, and rays can be aimed at the edges between them
-    bool shaded = false;        ///< it has a normal for shading, so pictures can be made of it
-    ShapeWords words = {};
+    bool takes_tmax = false;           ///< its forms take tmax, where a ray ends
+    bool inside_returns_zero = false;  ///< from inside the answer is 0, unless a form says otherwise, and not the exit
+    bool usually_unit = false;         ///< most code for this shape takes directions of length one
+    bool round = false;                ///< its points are at one distance from a centre, so it is its own bounding ball
+    bool flat = false;                 ///< a surface with a normal: a ray meets its front or its back
+    bool surface = false;              ///< it has no inside: a line crosses it at single points
+    bool edges = false;                ///< its keys are corners, and rays can be aimed at the edges between them
+    bool shaded = false;               ///< it has a normal for shading, so pictures can be made of it
+    ShapeTexts words = {};
 };
 
 namespace detail {
@@ -93,18 +93,18 @@ concept Shaded = requires(const One& one, const Vec<float>& p) {
     one.shading_normal(p);
 };
 
-inline constexpr std::array<ShapeRow, Solids::size> shape_rows = [] {
-    std::array<ShapeRow, Solids::size> rows{};
+inline constexpr std::array<ShapeRow, Primitives::size> shape_rows = [] {
+    std::array<ShapeRow, Primitives::size> rows{};
     std::size_t row = 0;
-    Solids::each([&]<template <class> class S>() {
+    Primitives::each([&]<template <class> class S>() {
         ShapeRow& r = rows[row++];
         using One = S<float>;
         r = {.shape = shape_as<S>,
              .name = One::name,
              .plural = One::plural,
              .keys = One::keys,
-             .told_end = One::told_end,
-             .zero_inside = One::zero_inside,
+             .takes_tmax = One::takes_tmax,
+             .inside_returns_zero = One::inside_returns_zero,
              .usually_unit = One::usually_unit,
              .round = One::round,
              .flat = std::same_as<decltype(std::declval<One>().span(Ray<float>{})), FlatSpan<float>>,
@@ -130,17 +130,19 @@ inline constexpr std::array<Shape, shape_rows.size() + 1> all_shapes = [] {
     return all;
 }();
 
-inline constexpr bool is_solid(Shape shape) { return shape != Shape::sdf; }
+inline constexpr bool is_primitive(Shape shape) { return shape != Shape::sdf; }
 
 /// The row of a shape that a primitive can have.
 inline constexpr const ShapeRow& row_of(Shape shape) { return shape_rows[static_cast<std::size_t>(shape)]; }
 
 /// True if the forms of a shape take tmax, where a ray ends.
-inline constexpr bool told_end(Shape shape) { return is_solid(shape) && row_of(shape).told_end; }
+inline constexpr bool takes_tmax(Shape shape) { return is_primitive(shape) && row_of(shape).takes_tmax; }
 
-inline constexpr bool zero_inside(Shape shape) { return is_solid(shape) && row_of(shape).zero_inside; }
-inline constexpr bool is_flat(Shape shape) { return is_solid(shape) && row_of(shape).flat; }
-inline constexpr bool has_inside(Shape shape) { return is_solid(shape) && !row_of(shape).surface; }
+inline constexpr bool inside_returns_zero(Shape shape) {
+    return is_primitive(shape) && row_of(shape).inside_returns_zero;
+}
+inline constexpr bool is_flat(Shape shape) { return is_primitive(shape) && row_of(shape).flat; }
+inline constexpr bool has_inside(Shape shape) { return is_primitive(shape) && !row_of(shape).surface; }
 
 inline constexpr std::array<std::string_view, shape_rows.size() + 1> shape_names = [] {
     std::array<std::string_view, shape_rows.size() + 1> names{};

@@ -142,20 +142,20 @@ std::string sweep_of(const std::string& tables) {
     return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n" + tables;
 }
 
-const std::string small_sweep = sweep_of("\n[family]\nprojection = \"parallel\"\nviews = 4\nrays = 16\n\n" +
+const std::string small_sweep = sweep_of("\n[sphere_rays]\nprojection = \"parallel\"\nviews = 4\nrays = 16\n\n" +
                                          axis_of({"distance_radii", "\"distance\"", "2", "1048576", 20}));
 
 const std::string march_sweep =
-    sweep_of("[march]\nmax_steps = 100\n[family]\ndistance = 4\nimpact_to = 0.9\nviews = 1\nrays = 8\n" +
+    sweep_of("[march]\nmax_steps = 100\n[sphere_rays]\ndistance = 4\nimpact_to = 0.9\nviews = 1\nrays = 8\n" +
              axis_of({"hit_eps", "\"march.hit_eps\"", "1e-3", "\"0x1p-26\"", 6}));
 
 const std::string one_claim =
     claims_of({{"mine", "scene = \"mine.toml\"\n" + tested("sphere.press"), metric_in("false_miss_fraction")}});
 
-std::string scene_text(const std::string& solids, const std::string& head, const std::string& camera) {
+std::string scene_text(const std::string& primitives, const std::string& head, const std::string& camera) {
     const bool aims = camera.find("look_at") != std::string::npos || camera.find("extent") != std::string::npos;
     return "schema = \"lostbits-scene/1\"\ntitle = \"A test\"\n" + head + "[camera]\n" + camera +
-           (aims ? "" : "look_at = [0, 0, 0]\n") + solids;
+           (aims ? "" : "look_at = [0, 0, 0]\n") + primitives;
 }
 
 const std::string good_scene = R"(schema = "lostbits-scene/1"

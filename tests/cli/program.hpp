@@ -95,7 +95,7 @@ std::string axis_of(const AxisText& axis);
 /// A file of sweeps, of these tables.
 std::string sweep_of(const std::string& tables);
 
-/// A sweep of a family along one axis, to be spoilt or changed.
+/// A sweep of a ray distribution along one axis, to be spoilt or changed.
 extern const std::string small_sweep;
 /// One over a constant of a march.
 extern const std::string march_sweep;
@@ -123,9 +123,9 @@ void check_refused_claims(const Scratch& folder, const std::vector<RefusedClaim>
 
 /// A file of one claim, about a scene `mine.toml` beside it.
 extern const std::string one_claim;
-/// The text of a scene of the tables `solids`, seen by `camera`, which looks at the origin unless it says where to.
+/// The text of a scene of the tables `primitives`, seen by `camera`, which looks at the origin unless it says where to.
 /// `head` is what the scene says before its tables, like its size.
-std::string scene_text(const std::string& solids, const std::string& head = "",
+std::string scene_text(const std::string& primitives, const std::string& head = "",
                        const std::string& camera = "kind = \"pinhole\"\nfov_deg = 30\neye = [0, 0, 5]\n");
 
 /// A scene that is right, to be spoilt: a sphere of radius 1 five units in front of a 24x16 camera.

@@ -4,7 +4,7 @@
 #include <array>
 #include <string>
 
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::test {
 

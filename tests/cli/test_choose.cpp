@@ -16,7 +16,7 @@ Outcome choose(const std::string& words, const Scratch& scratch) {
 
 }  // namespace
 
-TEST_CASE("choose says what meets a wish, and writes every form by price") {
+TEST_CASE("choose says what meets a requirement, and writes every form by price") {
     const Scratch scratch;
     const auto r = choose("rtg-fig-7-3-4100-oblique --bits 40 -i sphere.schoolbook -i sphere.unified", scratch);
     REQUIRE(r.code == 0);
@@ -37,7 +37,7 @@ TEST_CASE("choose says what meets a wish, and writes every form by price") {
     CHECK(fs::exists(folder / "front.png"));
 }
 
-TEST_CASE("choose takes a length for a wish") {
+TEST_CASE("choose takes a length for a requirement") {
     const Scratch scratch;
     const std::string scene = "rtg-fig-7-3-4100-oblique", forms = " -i sphere.unified,sphere.schoolbook -f f32,f64";
     const auto r = choose(scene + " --tolerance 0.5mm --unit m --at max" + forms, scratch);
@@ -80,7 +80,7 @@ TEST_CASE("choose says what each pixel requires, in emulated formats too, and dr
     CHECK(read_csv(folder / "choose.csv").size() == 2);
 }
 
-TEST_CASE("choose ends with 1 where nothing meets the wish, and says what is in the way") {
+TEST_CASE("choose ends with 1 where nothing meets the requirement, and says what is in the way") {
     const Scratch scratch;
     const auto bits = choose("near-benign --bits 30 -f f32", scratch);
     CHECK(bits.code == 1);
@@ -100,7 +100,7 @@ TEST_CASE("choose says so where nothing is hit, and does not blame the inputs") 
     CHECK(read_csv(scratch / "near-benign" / "inputs.csv").empty());
 }
 
-TEST_CASE("a wish is said as it was typed") {
+TEST_CASE("a requirement is printed as it was typed") {
     const Scratch scratch;
     const auto r = choose("near-benign --bits 4 --at p99.99999 --wrong 0.5 -i sphere.unified -f f32", scratch);
     CHECK(has(r.out, "4 correct bits of 99.99999 of 100 hits, at most 50% of the rays decided wrongly\n"));

@@ -157,7 +157,7 @@ const std::string head = "profile = \"timing\"\n", choice = "choose = \"far.toml
 
 }  // namespace
 
-TEST_CASE("a claim may rest on who meets a wish, and on times over times") {
+TEST_CASE("a claim may rest on who meets a requirement, and on times over times") {
     const Scratch scratch;
     scratch.write("far.toml", scene);
     const std::vector<std::tuple<std::string, std::string, double>> rows{

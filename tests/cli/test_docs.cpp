@@ -13,8 +13,8 @@
 #include "blocks.hpp"
 #include "catch.hpp"
 #include "counts.hpp"
-#include "dear_commands.hpp"
 #include "program.hpp"
+#include "slow_commands.hpp"
 
 namespace test_docs {
 
@@ -168,13 +168,13 @@ void lay_out(const Scratch& scratch, const std::string& page) {
     for (const std::string& from : {std::string("docs/first-hour.md"), page}) save_files(scratch, from);
 }
 
-bool is(const DearCommand& dear, const Command& command) {
+bool is(const SlowCommand& slow, const Command& command) {
     const std::string page = command.where.substr(0, command.where.find(':')) + " ";
-    return command.arguments.starts_with(dear.start) || (page + command.arguments).starts_with(dear.start);
+    return command.arguments.starts_with(slow.start) || (page + command.arguments).starts_with(slow.start);
 }
 
-bool is_dear(const Command& command) {
-    return std::ranges::any_of(dear_commands, [&](const DearCommand& d) { return is(d, command); });
+bool is_slow(const Command& command) {
+    return std::ranges::any_of(slow_commands, [&](const SlowCommand& d) { return is(d, command); });
 }
 
 /// Of a command that is not run: each of its options is one of the command's, or of the program's.
@@ -197,7 +197,7 @@ void hold(const std::string& page) {
     lay_out(scratch, page);
     std::set<std::string_view> used;
     for (const Command& command : commands) {
-        if (!is_long() && is_dear(command)) {
+        if (!is_long() && is_slow(command)) {
             if (!command.compiles) check_options(command);
             continue;
         }
@@ -257,7 +257,7 @@ TEST_CASE("the documents have commands and output, and each way to make them che
     for (const std::string& page : pages()) {
         for (const Command& command : commands_of(page)) {
             (void)affordable(command, used);
-            for (const DearCommand& d : dear_commands)
+            for (const SlowCommand& d : slow_commands)
                 if (is(d, command)) found.insert(d.start);
             ++commands;
             shown += command.shown.size();
@@ -265,7 +265,7 @@ TEST_CASE("the documents have commands and output, and each way to make them che
     }
     CHECK(commands > 50);
     CHECK(shown > 5);
-    CHECK(found.size() == dear_commands.size());
+    CHECK(found.size() == slow_commands.size());
     for (const Cheaper& c : cheaper) {
         INFO(c.start);
         CHECK(used.contains(c.start));

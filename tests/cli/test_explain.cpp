@@ -262,7 +262,7 @@ TEST_CASE("a constant on the way to t is no place on the tape") {
     // Its value, 1 and more, was taken for one when the cancellation that a rounding goes through was looked for.
     const auto r = must("explain box-octree --size 24x18 --pixel 17,11 -i box.max_mult -f bf16 --json");
     const auto told = nlohmann::json::parse(r.out);
-    CHECK(told["outcome"] == "wrong_object");  // what is explained is a hit of another box
+    CHECK(told["outcome"] == "wrong_primitive");  // what is explained is a hit of another box
     CHECK(has(told["largest_sentence"], "is assigned"));
     CHECK(told["culprit"].is_null() == !has(told["sentence"], "The culprit is"));
 }

@@ -51,7 +51,7 @@ TEST_CASE("a ray is taken as given: what a format cannot hold is input error, an
     CHECK(has(text.out, "f32 cannot hold all of these numbers and gets them rounded"));
 }
 
-TEST_CASE("a ray with solids of its own ends where it is told to, and is judged by the convention it is told") {
+TEST_CASE("a ray with primitives of its own ends where it is told to, and is judged by the convention it is told") {
     const Scratch folder;
     const std::string face = "--box 0,0,5,1,1,6 --ray 1,0.5,0,0,0,1 -i box.inclusive ";
     CHECK(hex_in(told(face + "--convention closed", folder.path())["truth"]) == "0x1.4p+2");
@@ -82,7 +82,7 @@ TEST_CASE("a direction that is normalised is said to be") {
 TEST_CASE("a ray is asked alone, however many spheres there are") {
     // Its row of the picture in p2, where every sphere is a candidate, took minutes.
     const auto r = must("explain sphereflake-near --pixel 100,100 -i sphere.unified -f p2 --json");
-    CHECK(nlohmann::json::parse(r.out)["solids"] == 66431);
+    CHECK(nlohmann::json::parse(r.out)["primitives"] == 66431);
 }
 
 TEST_CASE("explain --worst takes the ray that the tables name: a wrong decision, or else the largest error") {
@@ -170,7 +170,7 @@ TEST_CASE("explain --worst of a sweep says which ray of which step it is, and of
                              std::to_string(wrong["false_miss"]) + ".\n"));
     const auto there = run(first->at("fault_explain").substr(9), folder.path());
     CHECK(worst.out.substr(worst.out.find('\n') + 1) == there.out);
-    // Not the first ray of its view, as far as a family goes: one ray a view, and the place is that of the view.
+    // Not the first ray of its view, of the ray distribution: one ray a view, and the place is that of the view.
     const auto single = run("explain sphere-distance --worst --set views=64 --steps 7" + with, folder.path());
     CHECK(single.out.starts_with("Ray "));
     CHECK_FALSE(single.out.starts_with("Ray 0 "));
@@ -208,7 +208,7 @@ TEST_CASE("a form that settles a ray exactly is explained by what ran, and its e
         for (const auto& operation : j["operations"]) {
             if (operation["operation"] != "call") continue;
             ++calls;
-            CHECK(operation["expression"] == "exactly(ray, solid)");
+            CHECK(operation["expression"] == "exactly(ray, primitive)");
             CHECK(operation["operands"].size() + (has(asked, "box") ? 0 : 1) == j["inputs"].size());
         }
         CHECK(calls > 0);

@@ -45,16 +45,16 @@ TEST_CASE("better is what keeps a bit more, and no less") {
     const auto j = nlohmann::json::parse(run(what + " --json").out);
     const auto text = run(what).out;
     const auto line = text.substr(text.find("etter on this ray"));
-    int worth = 0, less = 0;
+    int quality = 0, less = 0;
     for (const auto& s : j["better"]) {
         const bool bit = j["lost_bits_around"].get<double>() - s["lost_bits_around"].get<double>() >= 1;
-        worth += bit;
+        quality += bit;
         less += !bit;
         if (!bit) CHECK_FALSE(has(line.substr(0, line.find('\n')), s["form"].get<std::string>() + " ("));
     }
     INFO(text);
     CHECK(less > 0);
-    CHECK((worth > 0) == has(text, "Better on this ray and around it:"));
+    CHECK((quality > 0) == has(text, "Better on this ray and around it:"));
 }
 
 TEST_CASE("what the format cannot hold is nobody's rounding") {
@@ -65,7 +65,7 @@ TEST_CASE("what the format cannot hold is nobody's rounding") {
     CHECK_FALSE(has(r.out, "The culprit is"));
 }
 
-TEST_CASE("a hit of another solid than the ray meets first is said to be one, with the command for the right one") {
+TEST_CASE("a hit of another primitive than the ray meets first is said to be one, with the command for the right one") {
     const auto r = run("explain sphereflake-far --pixel 102,5 -i sphere.schoolbook -f f32");
     INFO(r.out.substr(0, 2000));
     CHECK(has(
@@ -235,7 +235,7 @@ TEST_CASE("an operand that an operation takes twice is told once") {
     CHECK((first == std::string::npos || line.find("b was already off", first + 1) == std::string::npos));
 }
 
-TEST_CASE("where rounding turned which of two solids comes first, that is said, and which is off by more") {
+TEST_CASE("where rounding turned which of two primitives comes first, that is said, and which is off by more") {
     // Without rounding the large sphere is met at 6.6e-5 and the small one at 1e-4; in binary32 at 1.4e-4 and 1e-4.
     const std::string what =
         "explain "

@@ -170,12 +170,12 @@ TEST_CASE("what an axis cannot be set to is said with its place in the file") {
     };
     const std::string set = small_sweep.substr(small_sweep.find("set = "));
     const std::string line = set.substr(0, set.find('\n'));
-    refused_by(line, "set = [\"gap_radii\"]", "s.toml:16:7: unknown key family.gap_radii; known here");
+    refused_by(line, "set = [\"gap_radii\"]", "s.toml:16:7: unknown key sphere_rays.gap_radii; known here");
     refused_by("1048576\nsteps = 20\n" + line, "1e60\nsteps = 20\nset = [\"radius\"]",
-               "s.toml:16:7: family.radius must lie between 1.1754943508222875e-38 and 8.507059173023462e+37");
+               "s.toml:16:7: sphere_rays.radius must lie between 1.1754943508222875e-38 and 8.507059173023462e+37");
 }
 
-TEST_CASE("an image module without room says so") {
+TEST_CASE("an image module without memory says so") {
     if (under_sanitizer) return;  // which takes terabytes of addresses
     draw_pictures();
     const Inputs inputs;

@@ -249,13 +249,13 @@ TEST_CASE("primitives have the numbers in which they are written, whatever their
     const std::string file =
         scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t,object\n0,0,9,0,0,-1,1,3,0\n0,0,9,0,0,-1,1,3,1\n");
     const std::string box = " --box=-1,-1,-1,1,1,2", sphere = " --sphere=0,0,4,2";
-    const auto outcomes = [&](const std::string& solids) {
-        must("judge '" + file + "' --file-format f64 --rows" + solids + into(scratch));
+    const auto outcomes = [&](const std::string& primitives) {
+        must("judge '" + file + "' --file-format f64 --rows" + primitives + into(scratch));
         std::vector<std::string> found;
         for (const auto& row : read_csv(scratch / "out/rays/file.rays.f64.csv")) found.push_back(row.at("outcome"));
         return found;
     };
-    const std::vector<std::string> first{"agree_hit", "wrong_object"}, second{"wrong_object", "agree_hit"};
+    const std::vector<std::string> first{"agree_hit", "wrong_primitive"}, second{"wrong_primitive", "agree_hit"};
     CHECK(outcomes(sphere + box) == first);
     CHECK(outcomes(box + sphere) == second);
     const std::string camera =

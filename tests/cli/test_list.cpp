@@ -4,14 +4,14 @@
 #include <set>
 
 #include "catch.hpp"
-#include "intersect/hull/hulls.hpp"
-#include "intersect/space/space.hpp"
+#include "intersect/bounding_box/box_methods.hpp"
 #include "intersect/table/table.hpp"
+#include "intersect/transform/space.hpp"
 #include "measure/consistency/consistency.hpp"
 #include "measure/metric/metrics.hpp"
 #include "measure/offset/strategy.hpp"
 #include "program.hpp"
-#include "scene/camera/makers.hpp"
+#include "scene/camera/ray_generators.hpp"
 #include "setting_of.hpp"
 
 namespace test_list {
@@ -28,7 +28,7 @@ TEST_CASE("list forms says how each takes rays from inside and from behind") {
         // No form of the catalogue has a word of its own.
         const std::string shape = name.substr(0, name.find('.'));
         const bool is_flat = shape == "triangle" || shape == "disc" || shape == "plane";
-        CHECK(row["inside"] == (shape == "box" ? "zero" : is_flat ? "none" : shape == "sdf" ? "by solid" : "exit"));
+        CHECK(row["inside"] == (shape == "box" ? "zero" : is_flat ? "none" : shape == "sdf" ? "by primitive" : "exit"));
         const bool culls = name == "triangle.moller_trumbore_culling";
         CHECK(row["facing"] == (!is_flat ? "none" : culls ? "front" : "both"));
     }
@@ -155,7 +155,7 @@ TEST_CASE("every sentence of a claim can be read alone") {
     }
 }
 
-TEST_CASE("list has every form, metric, space, hull, maker of rays, strategy and check") {
+TEST_CASE("list has every form, metric, transform, bounding-box method, ray generator, strategy and check") {
     // More of the list than of the table: what takes a label, a length or bits.
     const auto check = [](const std::string& what, const auto& rows, std::size_t more = 0) {
         CAPTURE(what);
@@ -171,9 +171,9 @@ TEST_CASE("list has every form, metric, space, hull, maker of rays, strategy and
     };
     check("forms", intersect::table::intersectors());
     check("metrics", measure::metric::metrics(), 5);
-    check("spaces", intersect::space::spaces());
-    check("hulls", intersect::hull::hulls());
-    check("makers", scene::camera::makers());
+    check("transforms", intersect::transform::transform_methods());
+    check("hulls", intersect::bounding_box::box_methods());
+    check("makers", scene::camera::ray_generators());
     check("strategies", measure::offset::strategies());
     check("checks", measure::consistency::checks());
 }

@@ -8,7 +8,7 @@
 
 #include "catch.hpp"
 #include "program.hpp"
-#include "scene/camera/makers.hpp"
+#include "scene/camera/ray_generators.hpp"
 
 namespace test_cli_made_rays {
 
@@ -30,17 +30,18 @@ TEST_CASE("twelve kilometres out the ways that subtract points of the world lose
         "direction_lost_bits --metric origin_lost_bits --metric origin_error" +
         into(folder));
     const auto rows = read_csv(folder / "out/camera-far.zero_to_one/summary.csv");
-    REQUIRE(rows.size() == scene::camera::makers().size());
+    REQUIRE(rows.size() == scene::camera::ray_generators().size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const auto& row = rows[k];
-        const scene::camera::Maker& maker = scene::camera::makers()[k];
+        const scene::camera::RayGenerator& generator = scene::camera::ray_generators()[k];
         CAPTURE(row.at("form"));
-        CHECK(row.at("form") == "sphere.unified@ray-" + std::string(maker.info->name));
-        const bool apart = stay_apart.contains(maker.info->name);
+        CHECK(row.at("form") == "sphere.unified@ray-" + std::string(generator.info->name));
+        const bool apart = stay_apart.contains(generator.info->name);
         CHECK((apart ? number_in(row.at("direction_lost_bits_max")) < 5
                      : number_in(row.at("direction_lost_bits_p50")) > 6));
         // The eye is made of numbers of the format, and a point of the near plane is not.
-        if (maker.info->name != "nvpro") CHECK((number_in(row.at("origin_error_max")) > 0) == maker.info->from_near);
+        if (generator.info->name != "nvpro")
+            CHECK((number_in(row.at("origin_error_max")) > 0) == generator.info->from_near);
     }
 }
 
@@ -51,10 +52,10 @@ TEST_CASE("a way behind the form and the same way in the scene are one map") {
              " -f f32 -f fp16 --size 16x16 --metric lost_bits --metric pixel_error" + into(folder, name));
         return read_csv(folder.path() / name / "camera-far.endless/summary.csv");
     };
-    for (const std::string maker : {"three", "bevy"}) {
-        CAPTURE(maker);
-        const auto behind = mapped("-i sphere.unified@ray-" + maker, "behind-" + maker),
-                   inside = mapped("-i sphere.unified --set camera.rays=" + maker, "inside-" + maker);
+    for (const std::string generator : {"three", "bevy"}) {
+        CAPTURE(generator);
+        const auto behind = mapped("-i sphere.unified@ray-" + generator, "behind-" + generator),
+                   inside = mapped("-i sphere.unified --set camera.rays=" + generator, "inside-" + generator);
         REQUIRE(behind.size() == 2);
         for (std::size_t k = 0; k < behind.size(); ++k)
             for (const auto& [column, value] : behind[k])

@@ -25,14 +25,14 @@ TEST_CASE("the wrong primitive has a colour, a column, a place in the table, and
     CHECK(has(r.out, "wrong primitive"));
     const auto folder = scratch / "rtg-fig-7-6-far";
     const auto row = read_csv(folder / "summary.csv").front();
-    const auto wrong = std::strtol(row.at("wrong_object").c_str(), nullptr, 10);
+    const auto wrong = std::strtol(row.at("wrong_primitive").c_str(), nullptr, 10);
     CHECK(wrong > 500);
-    CHECK(has(r.out, row.at("wrong_object")));
-    CHECK(row.at("fault_outcome") == "wrong_object");
+    CHECK(has(r.out, row.at("wrong_primitive")));
+    CHECK(row.at("fault_outcome") == "wrong_primitive");
     CHECK(row.at("fault_explain").starts_with("lostbits explain "));
     long pixels = 0;
     for (const auto& pixel : read_csv(folder / "sphere.schoolbook.f32.csv")) {
-        if (pixel.at("outcome") != "wrong_object") continue;
+        if (pixel.at("outcome") != "wrong_primitive") continue;
         ++pixels;
         CHECK(pixel.at("object") != pixel.at("truth_object"));
         CHECK(pixel.at("lost_bits").empty());

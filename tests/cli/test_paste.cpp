@@ -47,7 +47,7 @@ Checked paste_rows(const Table& table, const Scratch& folder, std::size_t every 
             CAPTURE(command);
             CHECK(j["outcome"] == table[i].at("fault_outcome"));
             CHECK(hex_in(j["truth"]) == table[i].at("fault_truth_hex"));
-            if (j["outcome"] == "false_hit" || j["outcome"] == "wrong_object")
+            if (j["outcome"] == "false_hit" || j["outcome"] == "wrong_primitive")
                 CHECK(hex_in(j["t"]) == table[i].at("fault_t_hex"));
             else CHECK(table[i].at("fault_t_hex").empty());
             ++checked.faults;
@@ -107,16 +107,17 @@ TEST_CASE("maps: the worst ray of each row of summary.csv, and any row of a pixe
     CHECK(all.faults > 5);
 }
 
-TEST_CASE("sweeps: the worst ray of each step, with the solid of its view and the constants of its march") {
+TEST_CASE("sweeps: the worst ray of each step, with the primitive of its view and the constants of its march") {
     const Scratch folder;
-    folder.write("one.toml",
-                 sweep_of("[family]\nviews = 3\nrays = 16\n" + axis_of({"distance", "\"distance\"", "100", "1e6"})));
+    folder.write("one.toml", sweep_of("[sphere_rays]\nviews = 3\nrays = 16\n" +
+                                      axis_of({"distance", "\"distance\"", "100", "1e6"})));
     folder.write("many.toml",
-                 sweep_of("convention = \"closed\"\n[box_family]\naim = \"edge\"\nadjoining = true\nviews = 2\n"
+                 sweep_of("convention = \"closed\"\n[box_rays]\naim = \"edge\"\nadjoining = true\nviews = 2\n"
                           "rays = 16\n" +
                           axis_of({"distance", "\"distance\"", "2", "1000"})));
-    folder.write("march.toml", sweep_of("[march]\nhit_eps = 0.01\nmax_steps = 40\n[family]\nviews = 2\nrays = 8\n" +
-                                        axis_of({"distance", "\"distance\", \"march.max_dist\"", "4", "4000"})));
+    folder.write("march.toml",
+                 sweep_of("[march]\nhit_eps = 0.01\nmax_steps = 40\n[sphere_rays]\nviews = 2\nrays = 8\n" +
+                          axis_of({"distance", "\"distance\", \"march.max_dist\"", "4", "4000"})));
     folder.write("scene.toml",
                  sweep_of("scene = \"near-benign\"\n" + axis_of({"radius", "\"sphere[0].radius\"", "0.25", "1"})));
     Checked all;
@@ -203,9 +204,9 @@ rays = [{ origin = [0, 0, -9], direction = [0, 0.3, 1] },
 
 TEST_CASE("a search: the rays of worst.csv, and of the cases that hard.toml makes of them") {
     const Scratch folder;
-    for (const auto& [name, solid] : std::vector<std::pair<std::string, std::string>>{
+    for (const auto& [name, primitive] : std::vector<std::pair<std::string, std::string>>{
              {"s", "centre = [-1, 1]\nradius = [0.5, 2]\n"}, {"b", "lo = [-2, -1]\nhi = [1, 2]\n"}})
-        folder.write(name + ".toml", head + "[search]\norigin = [-8, 8]\ndirection = [-1, 1]\n" + solid +
+        folder.write(name + ".toml", head + "[search]\norigin = [-8, 8]\ndirection = [-1, 1]\n" + primitive +
                                          "starts = 2\ngenerations = 6\n");
     must("sweep s.toml --worst -i sphere.schoolbook -i sphere.press -f f32 -f f64 -f bf16 -o out", folder.path());
     must("sweep b.toml --worst -i box.divide -i box.inclusive -f f32 -f f64 -f bf16 -o out", folder.path());

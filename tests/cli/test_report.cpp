@@ -99,7 +99,7 @@ TEST_CASE("the tables of a report are the CSVs' numbers") {
         const auto number = [&row](const char* column) { return std::stod(row.at(column)); };
         const double agreed = number("agree_hit");
         const bool withheld =
-            agreed < 0.1 * (agreed + number("false_miss") + number("wrong_object") + number("not_a_number"));
+            agreed < 0.1 * (agreed + number("false_miss") + number("wrong_primitive") + number("not_a_number"));
         withheld_rows += withheld;
         CHECK((cells.find("hits agree") != std::string::npos) == withheld);
         CHECK(all_of(cells, R"re(<data value="([^"]*)")re") == (withheld ? std::vector<std::string>{} : expected));
@@ -164,7 +164,7 @@ TEST_CASE("the offsets of a report are the CSV's numbers, and there when they ar
     CHECK(all_of(overview, R"re(<data value="([^"]*)")re").size() == summary.size());
 }
 
-TEST_CASE("a report says what is chosen for a scene and a wish, when it is asked to") {
+TEST_CASE("a report says what is chosen for a scene and a requirement, when it is asked to") {
     const Scratch scratch;
     const std::string what = "near-benign -i sphere.unified -i sphere.schoolbook -f f32 --no-claims --size 32x32 ";
     CHECK(report_of(what, scratch).find("id=\"choose\"") == std::string::npos);

@@ -22,26 +22,26 @@ using namespace lostbits::test;
 namespace {
 
 /// Claims that the long tests alone measure, 64 % of what all claims take, and what stands for them in the short ones.
-struct Dear {
+struct Slow {
     const char *ids, *instead;
 };
-constexpr std::array dear{
-    Dear{"attribution.far.pbrt-interval.*", "attribution.far.pbrt-factored.*"},
-    Dear{"attribution.far.kahan.*", "attribution.far.hearn-baker.*"},
-    Dear{"backward.[!hb]*", "backward.hearn_baker-*, backward.half_b-*"},
-    Dear{"backward.box-[!s]*", "backward.box-signs-*"},
-    Dear{"bound.gamma5-search", "bound.own-search"},
-    Dear{"bound.slabs-ize-search", "bound.slabs-ize, hierarchy.ize-harm"},
-    Dear{"derivative.near-unified", "derivative.near-schoolbook"},
-    Dear{"ellipsoid.*-search-*", "cylinder.distance-search-innocence"},
-    Dear{"mend.mesh-cracks", "mend.box-faces"},
-    Dear{"mend.cylinder-wrong", "mend.schoolbook-wrong"},
-    Dear{"offset.*-earth*", "offset.*-contact"},
-    Dear{"offset.*-world", "offset.*-near"},
-    Dear{"offset.*-far*", "offset.*-tiny"},
-    Dear{"prediction.statistical-interval", "prediction.statistical-near"},
-    Dear{"stability.*-grazing-backward", "stability.hearn_baker-4100-backward"},
-    Dear{"stability.[!h]*-4100-backward", "stability.hearn_baker-4100-backward"},
+constexpr std::array slow_claims{
+    Slow{"attribution.far.pbrt-interval.*", "attribution.far.pbrt-factored.*"},
+    Slow{"attribution.far.kahan.*", "attribution.far.hearn-baker.*"},
+    Slow{"backward.[!hb]*", "backward.hearn_baker-*, backward.half_b-*"},
+    Slow{"backward.box-[!s]*", "backward.box-signs-*"},
+    Slow{"bound.gamma5-search", "bound.own-search"},
+    Slow{"bound.slabs-ize-search", "bound.slabs-ize, hierarchy.ize-harm"},
+    Slow{"derivative.near-unified", "derivative.near-schoolbook"},
+    Slow{"ellipsoid.*-search-*", "cylinder.distance-search-innocence"},
+    Slow{"mend.mesh-cracks", "mend.box-faces"},
+    Slow{"mend.cylinder-wrong", "mend.schoolbook-wrong"},
+    Slow{"offset.*-earth*", "offset.*-contact"},
+    Slow{"offset.*-world", "offset.*-near"},
+    Slow{"offset.*-far*", "offset.*-tiny"},
+    Slow{"prediction.statistical-interval", "prediction.statistical-near"},
+    Slow{"stability.*-grazing-backward", "stability.hearn_baker-4100-backward"},
+    Slow{"stability.[!h]*-4100-backward", "stability.hearn_baker-4100-backward"},
 };
 
 /// The ids of the claims of results; in the short tests without the dear ones.
@@ -52,13 +52,13 @@ std::set<std::string> measured_ids() {
     for (const auto& file : lostbits::scene::claim::claim_files(LOSTBITS_DATA_DIR "/claims")) {
         for (const Claim& claim : lostbits::scene::claim::read_claims(file)) {
             if (claim.profile != Claim::Profile::results) continue;
-            const auto found =
-                std::ranges::find_if(dear, [&](const Dear& d) { return ::fnmatch(d.ids, claim.id.c_str(), 0) == 0; });
-            if (found != dear.end()) used.insert(found->ids);
-            if (found == dear.end() || is_long()) ids.insert(claim.id);
+            const auto found = std::ranges::find_if(
+                slow_claims, [&](const Slow& d) { return ::fnmatch(d.ids, claim.id.c_str(), 0) == 0; });
+            if (found != slow_claims.end()) used.insert(found->ids);
+            if (found == slow_claims.end() || is_long()) ids.insert(claim.id);
         }
     }
-    CHECK(used.size() == dear.size());
+    CHECK(used.size() == slow_claims.size());
     return ids;
 }
 

@@ -90,7 +90,7 @@ const Row rows[] = {
 const std::map<std::string, std::string> others{
     {"choose", "measures time"},      {"completion", "measures nothing"}, {"devices", "measures the machine"},
     {"diff", "measures nothing"},     {"list", "measures nothing"},       {"manual", "measures nothing"},
-    {"merge", "see test_shards.cpp"}, {"plugin", "see tests/doors"},      {"trade", "measures time"},
+    {"merge", "see test_shards.cpp"}, {"plugin", "see tests/external"},   {"trade", "measures time"},
 };
 
 /// Every file that a command leaves, by name, what it prints, and its exit code.

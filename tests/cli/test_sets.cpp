@@ -1,4 +1,4 @@
-// Scenes and rays with solids of several shapes, measured by sets of forms.
+// Scenes and rays with primitives of several shapes, measured by sets of forms.
 
 #include "catch.hpp"
 #include "program.hpp"
@@ -58,7 +58,7 @@ TEST_CASE("a hit of the wrong primitive says which shape that has") {
     must("map spheres-on-floor -f f32 --size 64x32 -i sphere.schoolbook+box.signs" + into(scratch));
     const auto row = read_csv(scratch / "out/spheres-on-floor/summary.csv").front();
     CHECK(row.at("fault_outcome") == "false_hit");
-    CHECK(std::stoi(row.at("wrong_object")) > 0);
+    CHECK(std::stoi(row.at("wrong_primitive")) > 0);
 }
 
 TEST_CASE("answers to spheres and boxes together are judged against the nearest of all") {
@@ -67,8 +67,8 @@ TEST_CASE("answers to spheres and boxes together are judged against the nearest 
     const std::string file = scratch.write("rays.csv",
                                            "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-10,0,0,1,1,9\n0,1.5,-10,0,0,1,1,12\n"
                                            "1.5,0,-10,0,0,2,1,6\n0,9,-10,0,0,1,0,nan\n0,0,-10,0,0,1,1,12\n");
-    const std::string solids = " --sphere 0,0,0,1 --box=-2,-2,2,2,2,3 --sphere 0,0,8,1";
-    must("judge '" + file + "'" + solids + " -i sphere.unified+box.signs" + into(scratch));
+    const std::string primitives = " --sphere 0,0,0,1 --box=-2,-2,2,2,2,3 --sphere 0,0,8,1";
+    must("judge '" + file + "'" + primitives + " -i sphere.unified+box.signs" + into(scratch));
     const auto rows = read_csv(scratch / "out/rays/summary.csv");
     REQUIRE(rows.size() == 2);
     CHECK(rows[0].at("agree_hit") == "4");

@@ -1,13 +1,13 @@
-// Solids under matrices and forms behind boxes from the command line: which ways there are, what is measured through
-// them, and what is said of mistakes.
+// Primitives under matrices and forms behind boxes from the command line: which ways there are, what is measured
+// through them, and what is said of mistakes.
 #include <string>
 
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
-#include "intersect/hull/hulls.hpp"
-#include "intersect/space/space.hpp"
+#include "intersect/bounding_box/box_methods.hpp"
+#include "intersect/transform/space.hpp"
 #include "program.hpp"
 
 namespace test_cli_spaces {
@@ -22,7 +22,7 @@ TEST_CASE("twelve kilometres out a map tells what each space loses, and which st
         "step:origin --metric step:form" +
         into(folder));
     const auto rows = read_csv(folder / "out/instance-far.sphere/summary.csv");
-    REQUIRE(rows.size() == intersect::space::spaces().size());
+    REQUIRE(rows.size() == intersect::transform::transform_methods().size());
     for (const auto& row : rows) {
         CAPTURE(row.at("form"));
         const bool difference_first = has("@rigid @relative @adjugate @unreal @in_double @two_words",
@@ -48,18 +48,18 @@ TEST_CASE("a form without a space is asked through the plain one, and a scene of
           "sphere.unified@relative+box.signs@pbrt+capsule.half_b@plain+cone.moment@embree");
 }
 
-TEST_CASE("explain goes through the space, and a matrix can be given with the numbers of a solid") {
+TEST_CASE("explain goes through the transform, and a matrix can be given with the numbers of a primitive") {
     const auto pixel = must("explain instance-far.sphere --pixel 96,96 -i sphere.unified -f f32 --json");
     const auto x = nlohmann::ordered_json::parse(pixel.out);
     CHECK(x["form"] == "sphere.unified@plain");
-    std::string solid, ray, matrix;
+    std::string primitive, ray, matrix;
     for (const auto& [name, number] : x["inputs"].items()) {
         if (name == "ray.tmax") continue;
-        std::string& to = name[0] == 'M' ? matrix : name[1] == '.' ? ray : solid;
+        std::string& to = name[0] == 'M' ? matrix : name[1] == '.' ? ray : primitive;
         to += (to.empty() ? "" : ",") + number["hex"].get<std::string>();
     }
     const auto own =
-        must("explain --sphere=" + solid + "@" + matrix + " --ray=" + ray + " -i sphere.unified -f f32 --json");
+        must("explain --sphere=" + primitive + "@" + matrix + " --ray=" + ray + " -i sphere.unified -f f32 --json");
     const auto y = nlohmann::ordered_json::parse(own.out);
     CHECK(x["t"] == y["t"]);
     CHECK(x["truth"] == y["truth"]);
@@ -73,7 +73,7 @@ TEST_CASE("a glob of steps is every step, and a glob of forms through a space le
     CHECK(rows.size() > 5);
     for (const auto& row : rows) {
         CHECK(has(row.at("form"), "sphere."));
-        for (const std::string_view step : intersect::space::step_names)
+        for (const std::string_view step : intersect::transform::step_names)
             CHECK(row.count("step_" + std::string(step) + "_p50") == 1);
     }
 }
@@ -82,26 +82,26 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
     const Scratch folder;
     const std::string scene = "instance-far.sphere --size 7x7 -i sphere.unified@pbrt -f f32";
     must("map " + scene + into(folder));
-    std::string names, matrix, solid, with_matrices, without;
+    std::string names, matrix, primitive, with_matrices, without;
     for (int i = 0; i < 49; ++i) {
         const auto pixel = " --pixel " + std::to_string(i % 7) + "," + std::to_string(i / 7);
         const auto explained = must("explain " + scene + pixel + " --json");
         std::string ray;
-        names = matrix = solid = "";
+        names = matrix = primitive = "";
         const auto inputs = nlohmann::ordered_json::parse(explained.out)["inputs"];
         for (const auto& [name, number] : inputs.items()) {
             if (name == "ray.tmax") continue;
             const auto hex = number["hex"].get<std::string>();
             if (name[0] == 'M') names += "," + name, matrix += "," + hex;
             else if (name[1] == '.') ray += (ray.empty() ? "" : ",") + hex;
-            else solid += (solid.empty() ? "" : ",") + hex;
+            else primitive += (primitive.empty() ? "" : ",") + hex;
         }
         with_matrices += ray + matrix + "\n";
         without += ray + "\n";
     }
     const std::string head = "ox,oy,oz,dx,dy,dz";
     const std::string file = folder.write("rays.csv", head + names + "\n" + with_matrices);
-    must("judge '" + file + "' --file-format f32 --sphere=" + solid +
+    must("judge '" + file + "' --file-format f32 --sphere=" + primitive +
          " -i sphere.unified@pbrt -i sphere.unified --rows" + into(folder));
     const auto rows = read_csv(folder / "out/rays/summary.csv");
     const auto map = read_csv(folder / "out/instance-far.sphere/summary.csv");
@@ -118,9 +118,9 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
     for (const auto& row : read_csv(folder / "out/w/worst/cases.csv"))
         most = std::max(most, number_in(row.at("lost_bits_max")));
     CHECK(most == number_in(rows[0].at("lost_bits_max")));
-    // Given once, with the solid: the same again.
-    must("judge '" + folder.write("once.csv", head + "\n" + without) + "' --file-format f32 --sphere=" + solid + "@" +
-         matrix.substr(1) + " -i sphere.unified@pbrt" + into(folder));
+    // Given once, with the primitive: the same again.
+    must("judge '" + folder.write("once.csv", head + "\n" + without) + "' --file-format f32 --sphere=" + primitive +
+         "@" + matrix.substr(1) + " -i sphere.unified@pbrt" + into(folder));
     CHECK(read_csv(folder / "out/once/summary.csv")[0].at("lost_bits_p99") == rows[0].at("lost_bits_p99"));
     // A singular one is refused with its line.
     const std::string ray = "0,0,-5,0,0,1";
@@ -138,12 +138,12 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
             "give one primitive for all rays"));
 }
 
-TEST_CASE("trade has the price of a space on a scene, and says why it has none at a solid under no matrix") {
+TEST_CASE("trade has the price of a transform on a scene, and says why it has none at a primitive under no matrix") {
     const Scratch folder;
     const std::string out = into(folder);
     must("trade instance-far.sphere --size 8x8 -i 'sphere.unified@*' -f f32 --quick" + out);
     const auto rows = read_csv(folder / "out/instance-far.sphere/pareto.csv");
-    CHECK(rows.size() == intersect::space::spaces().size());
+    CHECK(rows.size() == intersect::transform::transform_methods().size());
     CHECK(has(run("trade --shape sphere -i sphere.unified@plain -f f32 --quick" + out).err, "not placed by a matrix"));
 }
 
@@ -159,7 +159,7 @@ TEST_CASE("a map behind boxes tells the level that loses a hit") {
         CHECK((number_in(row.at("lost_to_box")) > 0) == (row.at("false_miss") != "0"));
         CHECK(number_in(row.at("lost_to_form")) == 0);
     }
-    REQUIRE(culled.size() == intersect::hull::hulls().size());
+    REQUIRE(culled.size() == intersect::bounding_box::box_methods().size());
     CHECK(culled.at("sphere.filtered^box.pbrt_padded") == 0);
     CHECK(culled.at("sphere.filtered^box.pbrt_padded~next") == 0);
     CHECK(culled.at("sphere.filtered^box.pbrt_padded~nearest") > 10);
@@ -174,13 +174,14 @@ TEST_CASE("two levels of boxes are named from the inside out, and explained") {
     CHECK(rows[0].at("form") == name);
     const auto explained = must("explain behind-boxes.instance --pixel 3,6 --size 12x12 -i '" + name + "'");
     CHECK(has(explained.out, name));
-    // Under a matrix a form behind a box alone is taken through the usual space, its box in the space of the solid.
+    // Under a matrix a form behind a box alone is taken through the usual space, its box in the space of the primitive.
     must("map behind-boxes.instance -i 'box.filtered^box.signs' -f f32 --size 8x8" + into(folder, "out/one"));
     CHECK(read_csv(folder / "out/one/behind-boxes.instance/summary.csv")[0].at("form") ==
           "box.filtered^box.signs@plain");
 }
 
-TEST_CASE("steps and offsets of a form behind a box in the world are those of its way into the space of the solid") {
+TEST_CASE(
+    "steps and offsets of a form behind a box in the world are those of its way into the space of the primitive") {
     const Scratch folder;
     const std::string form = "box.signs@plain";
     const auto step = [&](const std::string& name, const std::string& where) {

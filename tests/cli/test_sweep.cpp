@@ -133,9 +133,9 @@ TEST_CASE("a length that a format makes 0 or infinity of is said on stderr") {
     }
     CHECK(run("explain " + scene + " --pixel 1,1 -i sphere.press -f fp16").err == note);
 
-    const std::string sweep = scratch.write(
-        "w.toml",
-        sweep_of("[family]\nviews = 2\nrays = 2\n" + axis_of({"size", "\"radius\"", "\"0x1p-30\"", "\"0x1p-22\"", 9})));
+    const std::string sweep =
+        scratch.write("w.toml", sweep_of("[sphere_rays]\nviews = 2\nrays = 2\n" +
+                                         axis_of({"size", "\"radius\"", "\"0x1p-30\"", "\"0x1p-22\"", 9})));
     // 2^-25 ties to 0, and the five steps below it are 0 as well; the two views of a step are one place.
     CHECK(said("sweep '" + sweep + "' -i sphere.press -f fp16 -f f32") ==
           "lostbits: w in fp16: radius = 9.31323e-10 rounds to 0 (size = 9.313225746154785e-10; 6 in all)\n");

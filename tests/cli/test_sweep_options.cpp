@@ -91,18 +91,18 @@ TEST_CASE("a sweep says where a form first hits the wrong primitive, as its own 
     scratch.write("s.toml",
                   sweep_of("scene = \"two.toml\"\n" + axis_of({"eye_z", "\"camera.eye[2]\"", "4", "1024", 9}) +
                            "[[mark]]\nat = 8\nlabel = \"the wrong one\"\nmeasured = { form = \"sphere.schoolbook\", "
-                           "event = \"wrong_object\", threshold = 1 }\n"));
+                           "event = \"wrong_primitive\", threshold = 1 }\n"));
     must("sweep s.toml -i sphere.schoolbook -f f32,f64 -q -o .", scratch.path());
-    double first = 0;  // the first step with a wrong solid
+    double first = 0;  // the first step with a wrong primitive
     for (const auto& step : read_csv(scratch / "s/samples.csv")) {
-        if (first == 0 && step.at("format") == "f32" && number_in(step.at("wrong_object")) > 0)
+        if (first == 0 && step.at("format") == "f32" && number_in(step.at("wrong_primitive")) > 0)
             first = number_in(step.at("eye_z"));
-        if (step.at("format") == "f64") CHECK(step.at("wrong_object") == "0");
+        if (step.at("format") == "f64") CHECK(step.at("wrong_primitive") == "0");
     }
     REQUIRE(first > 4);
     int rows = 0;
     for (const auto& onset : read_csv(scratch / "s/onsets.csv")) {
-        if (onset.at("event") != "wrong_object" || onset.at("read_from") != "first") continue;
+        if (onset.at("event") != "wrong_primitive" || onset.at("read_from") != "first") continue;
         ++rows;
         CHECK((onset.at("found") == "1") == (onset.at("format") == "f32"));
         if (onset.at("found") != "1") continue;
@@ -119,13 +119,13 @@ TEST_CASE("a sweep: --steps, --set and --size change what they name, and the tit
     const auto sweep = [&](const std::string& options) {
         return run("sweep s.toml -i sphere.unified -f f32 -q " + options, scratch.path());
     };
-    REQUIRE(sweep("--steps 3 --set rays=5 --set family.views=2 --set 'axis[0].to=8' -o a").code == 0);
+    REQUIRE(sweep("--steps 3 --set rays=5 --set sphere_rays.views=2 --set 'axis[0].to=8' -o a").code == 0);
     const auto samples = read_csv(scratch / "a/s/samples.csv");
     REQUIRE(samples.size() == 3);
     CHECK(number_in(samples.back().at("distance_radii")) == 8);
     CHECK(samples.front().at("rays") == "10");
     CHECK(has(contents(scratch / "a/s/datapackage.json"),
-              "A test (--steps 3, --set rays=5, --set family.views=2, --set axis[0].to=8)"));
+              "A test (--steps 3, --set rays=5, --set sphere_rays.views=2, --set axis[0].to=8)"));
 
     scratch.write("scene.toml", sweep_of("scene = \"near-benign\"\n" +
                                          axis_of({"radius", "\"sphere[0].radius\"", "0.25", "1", 4, "linear"})));

@@ -102,7 +102,7 @@ TEST_CASE("a trade on a scene times its own rays, and its accuracy is that of th
              {"rays", "lost_bits_p50", "lost_bits_p99", "false_hit_fraction", "false_miss_fraction"})
             CHECK(row.at(column) == same->at(column));
         const double wrong = number_in(same->at("false_hit")) + number_in(same->at("false_miss")) +
-                             number_in(same->at("not_a_number")) + number_in(same->at("wrong_object"));
+                             number_in(same->at("not_a_number")) + number_in(same->at("wrong_primitive"));
         CHECK(number_in(row.at("wrong_fraction")) == wrong / 1200);
     }
     CHECK(compared.size() == 4);

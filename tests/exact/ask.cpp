@@ -18,20 +18,20 @@ namespace truth = measure::truth;
 /// A problem as lostbits has it.
 struct Given {
     Ray<double> ray;
-    Solid<double> solid;
+    Primitive<double> primitive;
     Range<double> range;
 
     Given(Shape shape, const Problem& p)
         : ray{{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}},
-          solid(shape),
+          primitive(shape),
           range{p.tmin, p.tmax, {p.open_tmin, p.open_tmax}} {
-        for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = p.solid[k];
-        if (p.is_placed) solid.placed = placement_of(p.matrix, p.is_inverse);
+        for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = p.primitive[k];
+        if (p.is_placed) primitive.placed = placement_of(p.matrix, p.is_inverse);
     }
 };
 
 double rounded(const truth::Truth& found, const Given& given, const FloatFormat& format) {
-    return truth::round_truth(found, given.ray, given.solid, format, truth::Length::parameter, {}, given.range);
+    return truth::round_truth(found, given.ray, given.primitive, format, truth::Length::parameter, {}, given.range);
 }
 
 /// What is known to 2^-33 is no double yet, and would be found again for each ray to be one.
@@ -54,7 +54,7 @@ Answer answer_of(const truth::Truth& found, const Given& given,
 template <class S>
 struct Columns {
     std::array<std::vector<S>, 6> ray;
-    std::array<std::vector<S>, most_stored> solid;
+    std::array<std::vector<S>, most_stored> primitive;
     std::vector<S> tmin, tmax;
     truth::ProblemColumns<S> columns;
 
@@ -69,15 +69,15 @@ struct Columns {
         };
         for (std::size_t k = 0; k < 6; ++k) columns.ray[k] = put(ray[k], [k](const Problem& p) { return p.ray[k]; });
         for (std::size_t k = 0; k < row_of(shape).numbers; ++k)
-            columns.solid[k] = put(solid[k], [k](const Problem& p) { return p.solid[k]; });
+            columns.primitive[k] = put(primitive[k], [k](const Problem& p) { return p.primitive[k]; });
         columns.tmin = put(tmin, [](const Problem& p) { return p.tmin; });
         columns.tmax = put(tmax, [](const Problem& p) { return p.tmax; });
         const Problem& first = problems.front();
         if (!first.is_placed) return;
         columns.matrix = {true, first.is_inverse, placement_of(first.matrix).orientation};
         for (std::size_t k = 0; k < first.matrix.size(); ++k)
-            columns.solid[most_numbers + k] =
-                put(solid[most_numbers + k], [k](const Problem& p) { return p.matrix[k]; });
+            columns.primitive[most_numbers + k] =
+                put(primitive[most_numbers + k], [k](const Problem& p) { return p.matrix[k]; });
     }
 };
 
@@ -125,14 +125,14 @@ void ask_interface(std::string_view shape, std::span<const Problem> problems, st
     const std::string name(shape);
     const Problem& p = problems.front();
     lostbits_rays rays{};
-    rays.count = rays.solid_count = problems.size();
+    rays.count = rays.primitive_count = problems.size();
     rays.origin = column(p.ray.data(), 3);
     rays.direction = column(p.ray.data() + 3, 3);
     rays.tmin = column(&p.tmin, 1);
     rays.tmax = column(&p.tmax, 1);
     rays.open_ends = p.open_tmin ? (p.open_tmax ? "both" : "tmin") : p.open_tmax ? "tmax" : "none";
     rays.shape = name.c_str();
-    rays.solids = column(p.solid.data(), most_solid);
+    rays.primitives = column(p.primitive.data(), most_primitive);
     rays.paired = 1;
     if (p.is_placed) rays.matrix = column(p.matrix.data(), p.matrix.size());
     rays.format = "f64";
@@ -167,7 +167,7 @@ void ask(std::string_view shape, Way way, std::span<const Problem> problems, std
         case Way::one_by_one:
             for (std::size_t i = 0; i < problems.size(); ++i) {
                 const Given one(named, problems[i]);
-                answers[i] = answer_of(truth::find_truth(one.ray, one.solid, {}, {}, one.range), one);
+                answers[i] = answer_of(truth::find_truth(one.ray, one.primitive, {}, {}, one.range), one);
             }
             return;
         case Way::interface: return ask_interface(shape, problems, answers);

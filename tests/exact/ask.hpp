@@ -25,11 +25,11 @@ double tightness_of(Way way);
 void ask(std::string_view shape, Way way, std::span<const Problem> problems, std::vector<Answer>& answers);
 
 /// Which of the problems are hits, 0 or 1: of rays that go on without end, by columns, with nothing asked beside. The
-/// open solid, without its rim, is asked where `with_rim` is false.
+/// open primitive, without its rim, is asked where `with_rim` is false.
 void decide(std::string_view shape, Way way, bool with_rim, std::span<const Problem> problems,
             std::vector<std::uint8_t>& hits);
 
-/// The shapes that lostbits has, and how many numbers a solid of each.
+/// The shapes that lostbits has, and how many numbers a primitive of each.
 std::vector<std::pair<std::string_view, std::size_t>> shapes_there_are();
 
 }  // namespace lostbits::exact

@@ -109,7 +109,7 @@ std::string paste(const Shaped& shape, const Problem& p, const Answer& a) {
     text += ": ray";
     for (const double x : p.ray) add(" ", x);
     text += ", solid";
-    for (const double x : p.solid) add(" ", x);
+    for (const double x : p.primitive) add(" ", x);
     if (p.is_placed) {
         text += p.is_inverse ? ", under the inverse" : ", under";
         for (const double x : p.matrix) add(" ", x);

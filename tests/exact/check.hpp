@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "exact/solids.hpp"
+#include "exact/primitives.hpp"
 
 namespace lostbits::exact {
 

@@ -1,4 +1,4 @@
-// The part of a line that is inside of a convex solid, and what of it counts.
+// The part of a line that is inside of a convex primitive, and what of it counts.
 #pragma once
 
 #include <optional>
@@ -28,7 +28,7 @@ Chord<E> common(const Chord<E>& a, const Chord<E>& b) {
     return both;
 }
 
-/// Of parts of one convex solid, each of which has ends: all that they cover.
+/// Of parts of one convex primitive, each of which has ends: all that they cover.
 template <class E>
 Chord<E> joined(const Chord<E>& a, const Chord<E>& b) {
     if (!a || !b) return a ? a : b;
@@ -45,7 +45,7 @@ Chord<E> between(const E& b, const E& m, const E& v) {
     return across > 0 ? Part<E>{at_0, at_v} : Part<E>{at_v, at_0};
 }
 
-/// Where a t² + 2 h t + c ≤ 0 within a part, of a solid that is convex there.
+/// Where a t² + 2 h t + c ≤ 0 within a part, of a primitive that is convex there.
 template <class E>
 Chord<E> below(const Chord<E>& part, const E& a, const E& h, const E& c) {
     if (!part) return part;
@@ -106,7 +106,7 @@ private:
     std::variant<std::monostate, Place<E>, RootOf<E>> at_;
 };
 
-/// The first of the ends that counts: the surface of a solid that the line goes through.
+/// The first of the ends that counts: the surface of a primitive that the line goes through.
 template <class E>
 First<E> first_end(const Chord<E>& chord, const Counted<E>& counted) {
     if (!chord) return std::nullopt;
@@ -114,7 +114,7 @@ First<E> first_end(const Chord<E>& chord, const Counted<E>& counted) {
     const Place<E>& end = near ? *chord->first : *chord->last;
     return counted.has(end) ? First<E>(end) : std::nullopt;
 }
-/// The first of all that counts: of a line that runs along the surface, and of a solid that answers where the ray
+/// The first of all that counts: of a line that runs along the surface, and of a primitive that answers where the ray
 /// begins to one that begins inside.
 template <class E>
 First<E> first_of_all(const Chord<E>& chord, const Counted<E>& counted) {

@@ -24,8 +24,8 @@ std::uint64_t Chance::bits() {
 
 namespace {
 
-/// What the numbers of a solid are: (p)oints of three numbers, (d)irections, (r)adii > 0, (n)o less than 0, (i)nner <
-/// the one before and no less than 0, (m)inor < the one before and > 0, (h)igh corners.
+/// What the numbers of a primitive are: (p)oints of three numbers, (d)irections, (r)adii > 0, (n)o less than 0, (i)nner
+/// < the one before and no less than 0, (m)inor < the one before and > 0, (h)igh corners.
 std::string_view layout_of(std::string_view shape) {
     if (shape == "sphere") return "pr";
     if (shape == "box") return "ph";
@@ -45,19 +45,22 @@ std::size_t numbers_in(std::string_view layout) {
 }
 
 /// Whether the three numbers at k are those at l, or 0 each without an l.
-bool is_zero(const Problem& p, std::size_t k) { return p.solid[k] == 0 && p.solid[k + 1] == 0 && p.solid[k + 2] == 0; }
+bool is_zero(const Problem& p, std::size_t k) {
+    return p.primitive[k] == 0 && p.primitive[k + 1] == 0 && p.primitive[k + 2] == 0;
+}
 bool are_same(const Problem& p, std::size_t k, std::size_t l) {
-    return p.solid[k] == p.solid[l] && p.solid[k + 1] == p.solid[l + 1] && p.solid[k + 2] == p.solid[l + 2];
+    return p.primitive[k] == p.primitive[l] && p.primitive[k + 1] == p.primitive[l + 1] &&
+           p.primitive[k + 2] == p.primitive[l + 2];
 }
 bool are_on_one_line(const Problem& p) {
     const auto point = [&p](std::size_t k) {
-        return Vector<Whole>{Whole(p.solid[k]), Whole(p.solid[k + 1]), Whole(p.solid[k + 2])};
+        return Vector<Whole>{Whole(p.primitive[k]), Whole(p.primitive[k + 1]), Whole(p.primitive[k + 2])};
     };
     const Vector<Whole> n = cross(point(3) - point(0), point(6) - point(0));
     return sign(n.x) == 0 && sign(n.y) == 0 && sign(n.z) == 0;
 }
 
-/// Whether it is a ray and a solid, in numbers of the format, and its range holds a t.
+/// Whether it is a ray and a primitive, in numbers of the format, and its range holds a t.
 template <class S>
 bool is_proper(std::string_view layout, const Problem& p) {
     const auto is_number = [](double x) {
@@ -66,19 +69,19 @@ bool is_proper(std::string_view layout, const Problem& p) {
     for (const double x : p.ray)
         if (!is_number(x)) return false;
     for (std::size_t k = 0; k < numbers_in(layout); ++k)
-        if (!is_number(p.solid[k])) return false;
+        if (!is_number(p.primitive[k])) return false;
     if (p.ray[3] == 0 && p.ray[4] == 0 && p.ray[5] == 0) return false;
     if (!is_number(p.tmin) || !(p.tmin >= 0)) return false;
     if (!(p.tmax == INFINITY || is_number(p.tmax)) || p.tmax < p.tmin) return false;
     if (p.tmax == p.tmin && (p.open_tmin || p.open_tmax)) return false;
     std::size_t k = 0;
     for (const char c : layout) {
-        if ((c == 'r' || c == 'm') && !(p.solid[k] > 0)) return false;
-        if (c == 'n' && !(p.solid[k] >= 0)) return false;
-        if ((c == 'i' || c == 'm') && !(p.solid[k] >= 0 && p.solid[k] < p.solid[k - 1])) return false;
+        if ((c == 'r' || c == 'm') && !(p.primitive[k] > 0)) return false;
+        if (c == 'n' && !(p.primitive[k] >= 0)) return false;
+        if ((c == 'i' || c == 'm') && !(p.primitive[k] >= 0 && p.primitive[k] < p.primitive[k - 1])) return false;
         if (c == 'd' && is_zero(p, k)) return false;
         for (std::size_t i = k; c == 'h' && i < k + 3; ++i)
-            if (p.solid[i] < p.solid[i - 3]) return false;
+            if (p.primitive[i] < p.primitive[i - 3]) return false;
         k += is_triple(c) ? 3 : 1;
     }
     if (layout == "ppp") return !are_on_one_line(p);
@@ -87,28 +90,30 @@ bool is_proper(std::string_view layout, const Problem& p) {
 
 /// Each number through `draw(kind)`, corners in order.
 template <class Draw>
-void draw_solid(std::string_view layout, Problem& p, const Draw& draw) {
+void draw_primitive(std::string_view layout, Problem& p, const Draw& draw) {
     std::size_t k = 0;
     for (const char c : layout)
         for (const std::size_t end = k + (is_triple(c) ? 3 : 1); k < end; ++k) {
-            p.solid[k] = draw(c);
-            if (c == 'h' && p.solid[k] < p.solid[k - 3]) std::swap(p.solid[k], p.solid[k - 3]);
-            if ((c == 'i' || c == 'm') && p.solid[k] > p.solid[k - 1]) std::swap(p.solid[k], p.solid[k - 1]);
+            p.primitive[k] = draw(c);
+            if (c == 'h' && p.primitive[k] < p.primitive[k - 3]) std::swap(p.primitive[k], p.primitive[k - 3]);
+            if ((c == 'i' || c == 'm') && p.primitive[k] > p.primitive[k - 1])
+                std::swap(p.primitive[k], p.primitive[k - 1]);
         }
 }
 
-/// A point of the solid, or one beside it.
+/// A point of the primitive, or one beside it.
 void aim_at(std::string_view layout, const Problem& p, Chance& chance, double (&target)[3]) {
     const double u = (chance.part() + 1) * 0.6 - 0.1, v = (chance.part() + 1) * 0.6 - 0.1;
     for (std::size_t i = 0; i < 3; ++i) {
-        target[i] = p.solid[i];
-        if (layout == "ph") target[i] += ((chance.part() + 1) * 0.6 - 0.1) * (p.solid[i + 3] - p.solid[i]);
-        else if (layout == "ppp") target[i] += u * (p.solid[i + 3] - p.solid[i]) + v * (p.solid[i + 6] - p.solid[i]);
-        else if (layout.starts_with("pp")) target[i] += u * (p.solid[i + 3] - p.solid[i]);
-        if (layout == "pr") target[i] += 1.1 * chance.part() * p.solid[3];
-        else if (layout == "prrr") target[i] += 1.1 * chance.part() * p.solid[3 + i];
-        else if (layout.ends_with('r') || layout.ends_with('n')) target[i] += 1.2 * chance.part() * p.solid[6];
-        else if (layout.starts_with("pdr")) target[i] += 1.2 * chance.part() * p.solid[6];
+        target[i] = p.primitive[i];
+        if (layout == "ph") target[i] += ((chance.part() + 1) * 0.6 - 0.1) * (p.primitive[i + 3] - p.primitive[i]);
+        else if (layout == "ppp")
+            target[i] += u * (p.primitive[i + 3] - p.primitive[i]) + v * (p.primitive[i + 6] - p.primitive[i]);
+        else if (layout.starts_with("pp")) target[i] += u * (p.primitive[i + 3] - p.primitive[i]);
+        if (layout == "pr") target[i] += 1.1 * chance.part() * p.primitive[3];
+        else if (layout == "prrr") target[i] += 1.1 * chance.part() * p.primitive[3 + i];
+        else if (layout.ends_with('r') || layout.ends_with('n')) target[i] += 1.2 * chance.part() * p.primitive[6];
+        else if (layout.starts_with("pdr")) target[i] += 1.2 * chance.part() * p.primitive[6];
     }
 }
 
@@ -116,13 +121,13 @@ template <class S>
 Problem random_problem(std::string_view layout, Ends ends, Chance& chance) {
     Problem p{.ray = {}, .open_tmin = ends.open_tmin, .open_tmax = ends.open_tmax};
     const double size = std::ldexp(1, chance.below(9) - 4);
-    draw_solid(layout, p, [&](char c) {
+    draw_primitive(layout, p, [&](char c) {
         const double x = size * chance.part();
         return stored<S>(c == 'p' || c == 'h' ? 4 * x : c == 'd' ? x : std::fabs(x));
     });
     if (const int thin = 1 + chance.below(40); layout == "pdrm" && chance.below(2) == 0) {  // a wire, or hardly a hole
         const double of_major = chance.below(2) == 0 ? std::ldexp(1, -thin) : 1 - std::ldexp(1, -thin);
-        p.solid[7] = stored<S>(p.solid[6] * of_major);
+        p.primitive[7] = stored<S>(p.primitive[6] * of_major);
     }
     double target[3];
     aim_at(layout, p, chance, target);
@@ -153,9 +158,9 @@ template <class S>
 Problem wild_problem(std::string_view layout, Ends ends, Chance& chance) {
     Problem p{.ray = {}, .open_tmin = ends.open_tmin, .open_tmax = ends.open_tmax};
     const auto any = [&chance] { return any_number<S>(chance); };
-    draw_solid(layout, p, [&](char c) { return c == 'p' || c == 'h' || c == 'd' ? any() : std::fabs(any()); });
+    draw_primitive(layout, p, [&](char c) { return c == 'p' || c == 'h' || c == 'd' ? any() : std::fabs(any()); });
     for (double& x : p.ray) x = any();
-    for (std::size_t i = 0; i < 3 && chance.below(2) == 0; ++i) p.ray[i] = p.solid[i];  // from a point of it
+    for (std::size_t i = 0; i < 3 && chance.below(2) == 0; ++i) p.ray[i] = p.primitive[i];  // from a point of it
     if (chance.below(4) == 0) p.tmin = std::fabs(any());
     return p;
 }
@@ -180,28 +185,30 @@ Problem made_problem(std::string_view layout, Ends ends, Chance& chance) {
     const auto whole = [&](int least) { return static_cast<double>(least + chance.below(reach + 1 - least)); };
     const bool aligned = chance.below(2) == 0;  // the second point is the first moved along an axis
     const std::size_t axis = static_cast<std::size_t>(chance.below(3));
-    draw_solid(layout, p, [&](char c) {
+    draw_primitive(layout, p, [&](char c) {
         return c == 'r' || c == 'm' ? whole(1) : c == 'n' || c == 'i' ? whole(0) : whole(-reach);
     });
     for (std::size_t i = 0; aligned && i < 3; ++i) {
         if (i == axis) continue;
-        if (layout.starts_with("pd")) p.solid[i + 3] = 0;
-        else if (layout.starts_with("pp")) p.solid[i + 3] = p.solid[i];
+        if (layout.starts_with("pd")) p.primitive[i + 3] = 0;
+        else if (layout.starts_with("pp")) p.primitive[i + 3] = p.primitive[i];
     }
     for (std::size_t i = 3; i < 6; ++i) p.ray[i] = chance.below(3) == 0 ? 0 : whole(-reach);
     const double away = static_cast<double>(chance.below(6) - 1);
     const std::size_t from =
         layout.starts_with("pp") || layout == "ph" ? 3 * static_cast<std::size_t>(chance.below(2)) : 0;
-    const double radius = p.solid[layout.starts_with("pp") || layout.starts_with("pdr") ? 6 : 3];
+    const double radius = p.primitive[layout.starts_with("pp") || layout.starts_with("pdr") ? 6 : 3];
     const bool aimed = chance.below(4) != 0, on_edge = chance.below(3) == 0;
     for (std::size_t i = 0; i < 3; ++i) {
-        double at = p.solid[from + i];
-        if (layout == "ph" && chance.below(2) == 0) at = p.solid[3 - from + i];  // a corner, or on an edge or a face
-        else if (on_edge && layout == "ppp") at = p.solid[6 + i];
+        double at = p.primitive[from + i];
+        if (layout == "ph" && chance.below(2) == 0)
+            at = p.primitive[3 - from + i];  // a corner, or on an edge or a face
+        else if (on_edge && layout == "ppp") at = p.primitive[6 + i];
         else if (layout != "ph" && layout != "ppp") {
-            double r = layout == "prrr" ? p.solid[3 + i] : radius;
+            double r = layout == "prrr" ? p.primitive[3 + i] : radius;
             if (layout == "pdrm" && chance.below(2) == 0)  // the top, the hole, and all of it
-                r = chance.below(2) == 0 ? p.solid[7] : r + (chance.below(2) == 0 ? p.solid[7] : -p.solid[7]);
+                r = chance.below(2) == 0 ? p.primitive[7]
+                                         : r + (chance.below(2) == 0 ? p.primitive[7] : -p.primitive[7]);
             at += r * static_cast<double>(chance.below(3) - 1);
         }
         p.ray[i] = aimed ? at - away * p.ray[i + 3] : whole(-reach);
@@ -212,12 +219,12 @@ Problem made_problem(std::string_view layout, Ends ends, Chance& chance) {
     std::size_t k = 0;
     for (const char c : layout)
         for (const std::size_t end = k + (is_triple(c) ? 3 : 1); k < end; ++k)
-            p.solid[k] = std::ldexp(p.solid[k], c == 'd' ? of_direction : unit);
+            p.primitive[k] = std::ldexp(p.primitive[k], c == 'd' ? of_direction : unit);
     for (std::size_t i = 0; i < 6; ++i) p.ray[i] = std::ldexp(p.ray[i], i < 3 ? unit : of_direction);
     p.tmin = std::ldexp(p.tmin, unit - of_direction), p.tmax = std::ldexp(p.tmax, unit - of_direction);
     if (chance.below(4) == 0) {  // one number is moved
         const std::size_t which = static_cast<std::size_t>(chance.below(static_cast<int>(6 + numbers_in(layout))));
-        double& x = which < 6 ? p.ray[which] : p.solid[which - 6];
+        double& x = which < 6 ? p.ray[which] : p.primitive[which - 6];
         const S infinity = std::numeric_limits<S>::infinity();
         x = static_cast<double>(std::nextafter(static_cast<S>(x), chance.below(2) == 0 ? infinity : -infinity));
     }

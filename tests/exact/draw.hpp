@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "exact/solids.hpp"
+#include "exact/primitives.hpp"
 
 namespace lostbits::exact {
 
@@ -42,7 +42,7 @@ struct Ends {
     bool open_tmin = false, open_tmax = false;
 };
 
-/// Rays of any length of direction that are aimed at solids or beside them, from near, from far and from inside, in
+/// Rays of any length of direction that are aimed at primitives or beside them, from near, from far and from inside, in
 /// floats or doubles; a third of the rays have a range.
 void draw_random(const Shaped& shape, bool floats, Ends ends, Chance& chance, std::vector<Problem>& problems);
 
@@ -53,11 +53,11 @@ void draw_made(const Shaped& shape, bool floats, Ends ends, Chance& chance, std:
 
 /// What the matrices of a batch have in common.
 struct Matrices {
-    bool is_inverse = false;  ///< they lead from the world to the solid
+    bool is_inverse = false;  ///< they lead from the world to the primitive
     int orientation = 1;      ///< the sign of their determinants
 };
 
-/// Puts each solid under a matrix, and its ray to where it stands then, rounded to the format: matrices of random
+/// Puts each primitive under a matrix, and its ray to where it stands then, rounded to the format: matrices of random
 /// numbers, of rows that are dependent but for 10⁻¹² of them, that stretch the axes by up to 2^20 and 2^-20, and that
 /// lead 10⁶ away.
 void place_at_random(bool floats, const Matrices& all, Chance& chance, std::vector<Problem>& problems);

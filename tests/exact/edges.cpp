@@ -77,7 +77,7 @@ Passing passing_of(const Points& points, const Direction& direction) {
 
 Passing pass(const Problem& p) {
     std::array<double, 12> points;
-    std::copy_n(p.ray.begin(), 3, points.begin()), std::copy_n(p.solid.begin(), 9, points.begin() + 3);
+    std::copy_n(p.ray.begin(), 3, points.begin()), std::copy_n(p.primitive.begin(), 9, points.begin() + 3);
     const OnGrid<12> at(points);
     const OnGrid<3> along({p.ray[3], p.ray[4], p.ray[5]});
     const int bits = std::max(at.bits, along.bits);
@@ -103,7 +103,7 @@ double power_of_two(Chance& chance, int low, int high) { return std::ldexp(1, lo
 
 /// Corner k of three, from whichever is the first.
 struct Corners {
-    std::array<double, most_solid>& numbers;
+    std::array<double, most_primitive>& numbers;
     std::size_t first;
     [[nodiscard]] double& at(std::size_t k, std::size_t i) const { return numbers[(first + k) % 3 * 3 + i]; }
 };
@@ -124,7 +124,7 @@ void draw_exactly(Chance& chance, Problem& p, const Corners& corner) {
     }
     if (chance.below(4) == 0) return;
     const std::size_t which = static_cast<std::size_t>(chance.below(15));
-    move<S>(which < 6 ? p.ray[which] : p.solid[which - 6], 1 + chance.below(2),
+    move<S>(which < 6 ? p.ray[which] : p.primitive[which - 6], 1 + chance.below(2),
             chance.below(2) == 0 ? HUGE_VAL : -HUGE_VAL);
 }
 
@@ -162,7 +162,7 @@ template <class S>
 void draw_all(Chance& chance, std::vector<Problem>& problems) {
     for (Problem& p : problems) {
         do {
-            const Corners corner{p.solid, static_cast<std::size_t>(chance.below(3))};
+            const Corners corner{p.primitive, static_cast<std::size_t>(chance.below(3))};
             chance.below(16) == 0 ? draw_exactly<S>(chance, p, corner) : draw_nearly<S>(chance, p, corner);
         } while (p.ray[3] == 0 && p.ray[4] == 0 && p.ray[5] == 0);
     }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "exact/draw.hpp"
-#include "exact/solids.hpp"
+#include "exact/primitives.hpp"
 
 namespace lostbits::exact {
 

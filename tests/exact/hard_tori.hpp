@@ -30,27 +30,27 @@ Problem beside_torus(Chance& chance, bool horn) {
     if (chance.below(2) == 0) centre = {whole(99) - 50, whole(99) - 50, whole(99) - 50};
     Problem p{};
     for (std::size_t i = 0; i < 3; ++i)
-        p.ray[i] = scale * (o[i] + centre[i]), p.ray[3 + i] = heads * d[i], p.solid[i] = scale * centre[i];
-    p.solid[5] = side() * whole(3), p.solid[6] = scale * major, p.solid[7] = scale * minor;
+        p.ray[i] = scale * (o[i] + centre[i]), p.ray[3 + i] = heads * d[i], p.primitive[i] = scale * centre[i];
+    p.primitive[5] = side() * whole(3), p.primitive[6] = scale * major, p.primitive[7] = scale * minor;
     if (const std::size_t k = static_cast<std::size_t>(chance.below(72)); k < 12) {
-        double& x = k < 6 ? p.ray[k] : p.solid[k - 6];
+        double& x = k < 6 ? p.ray[k] : p.primitive[k - 6];
         if (x != 0) x = std::nextafter(static_cast<F>(x), chance.below(2) == 0 ? F(0) : std::numeric_limits<F>::max());
     }
     for (double& x : p.ray) x = static_cast<F>(x);
     return p;
 }
 
-/// Numbers of all sizes, of which a solid is one.
+/// Numbers of all sizes, of which a primitive is one.
 template <class F>
 Problem torus_of_any_size(Chance& chance) {
     const int most = sizeof(F) == 4 ? 126 : 300;
     const auto number = [&] { return stored<F>(std::ldexp(chance.part(), chance.below(2 * most) - most)); };
     Problem p{};
     for (double& x : p.ray) x = number();
-    for (std::size_t k = 0; k < 6; ++k) p.solid[k] = chance.below(3) == 0 ? 0 : number();
-    p.solid[5] = number();
+    for (std::size_t k = 0; k < 6; ++k) p.primitive[k] = chance.below(3) == 0 ? 0 : number();
+    p.primitive[5] = number();
     const double one = std::fabs(number()), other = std::fabs(number());
-    p.solid[6] = std::fmax(one, other), p.solid[7] = std::fmin(one, other);
+    p.primitive[6] = std::fmax(one, other), p.primitive[7] = std::fmin(one, other);
     return p;
 }
 

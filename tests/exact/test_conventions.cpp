@@ -1,5 +1,6 @@
-// What the truth says of rays that touch a solid, begin on it or in it, by every convention and with every instruction
-// set: of small whole numbers, against a solid that is smaller by 2^-44 and ranges that leave out the origin.
+// What the truth says of rays that touch a primitive, begin on it or in it, by every convention and with every
+// instruction set: of small whole numbers, against a primitive that is smaller by 2^-44 and ranges that leave out the
+// origin.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -33,17 +34,17 @@ std::vector<Problem> whole_problems(const Shaped& shape, std::size_t count) {
         draw_made(shape, true, {}, chance, some);
         for (Problem& p : some) {
             p.tmin = 0, p.tmax = INFINITY;
-            if (std::ranges::all_of(p.ray, is_small) && std::ranges::all_of(p.solid, is_small)) whole.push_back(p);
+            if (std::ranges::all_of(p.ray, is_small) && std::ranges::all_of(p.primitive, is_small)) whole.push_back(p);
         }
     }
     whole.resize(count);
     return whole;
 }
 
-/// The solid without its surface, or without its rim, but for points within some 2^-44 of that. False where nothing is
-/// left.
+/// The primitive without its surface, or without its rim, but for points within some 2^-44 of that. False where nothing
+/// is left.
 bool shrink(std::string_view shape, Problem& p) {
-    std::array<double, most_solid>& n = p.solid;
+    std::array<double, most_primitive>& n = p.primitive;
     const auto closer = [&n](std::size_t i, std::size_t j, double part = little) {
         for (std::size_t k = 0; k < 3; ++k) {
             const double step = part * (n[j + k] - n[i + k]);
@@ -70,12 +71,12 @@ bool shrink(std::string_view shape, Problem& p) {
 
 bool meets(const Shaped& shape, const Problem& p) { return meet(shape.exactly, p).is_hit(); }
 
-/// Where the ray comes into the open solid: from a little before it begins on, where an exit there counts. What has no
-/// inside is crossed a little later, as a tube is narrower then.
+/// Where the ray comes into the open primitive: from a little before it begins on, where an exit there counts. What has
+/// no inside is crossed a little later, as a tube is narrower then.
 First<Whole> meets_open(const Shaped& shape, Problem p) {
     const Shape kind = *shape_named(shape.name);
     const double later = has_inside(kind) ? 0 : 0x1p-24;
-    const double back = p.open_tmin ? -later : zero_inside(kind) ? 0 : 0x1p-24;
+    const double back = p.open_tmin ? -later : inside_returns_zero(kind) ? 0 : 0x1p-24;
     for (std::size_t i = 0; i < 3; ++i) p.ray[i] -= back * p.ray[3 + i];
     p.tmax += back + (p.open_tmax ? 0 : later);
     return shrink(shape.name, p) ? meet(shape.exactly, p) : First<Whole>(std::nullopt);
@@ -83,17 +84,17 @@ First<Whole> meets_open(const Shaped& shape, Problem p) {
 
 struct Given {
     Ray<double> ray;
-    Solid<double> solid;
+    Primitive<double> primitive;
     Range<double> range;
 
     Given(const Shaped& shape, const Problem& p)
         : ray{{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}},
-          solid(*shape_named(shape.name)),
+          primitive(*shape_named(shape.name)),
           range{p.tmin, p.tmax, {p.open_tmin, p.open_tmax}} {
-        for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = p.solid[k];
+        for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = p.primitive[k];
     }
     [[nodiscard]] Truth truth(const Convention& convention = {}) const {
-        return find_truth(ray, solid, {}, convention, range);
+        return find_truth(ray, primitive, {}, convention, range);
     }
 };
 
@@ -103,12 +104,12 @@ struct Tally {
 
 double number_of(const Truth& truth) { return std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent)); }
 
-/// Whether t is the first there, but for what the open solid is smaller by.
+/// Whether t is the first there, but for what the open primitive is smaller by.
 bool is_about(const First<Whole>& first, double t) {
     return first.side(Whole(t - 0x1p-16)) > 0 && first.side(Whole(t + 0x1p-16)) < 0;
 }
 
-/// What only touches the solid, of a ray that does not begin inside of a torus: it may touch the hole, which grows.
+/// What only touches the primitive, of a ray that does not begin inside of a torus: it may touch the hole, which grows.
 /// Behind the rim of a tube, or a tangent of a torus, it may be met nevertheless.
 void hold_touching(const Shaped& shape, const Problem& p, const Given& given, const Truth& closed, Tally& tally) {
     const First<Whole> through = meets_open(shape, p);
@@ -126,24 +127,24 @@ void hold(const Shaped& shape, const Problem& p, Tally& tally) {
     const Truth closed = given.truth();
     INFO(paste(shape, p, {.hit = closed.is_hit()}));
     REQUIRE(closed.is_hit() == meets(shape, p));
-    const double depth = visit(given.solid, [&](const auto& s) { return s.off_surface(given.ray.origin); });
+    const double depth = visit(given.primitive, [&](const auto& s) { return s.off_surface(given.ray.origin); });
     if (shape.name != "torus" || depth > 0x1p-30) hold_touching(shape, p, given, closed, tally);
     if (!closed.is_hit()) return;
     tally.touching += closed.touches, tally.from_it += closed.on_surface;
-    if (zero_inside(given.solid.shape)) return;
+    if (inside_returns_zero(given.primitive.shape)) return;
     Problem at = p, after = p;
     at.tmax = 0, after.open_tmin = true;
     REQUIRE(closed.on_surface == meets(shape, at));
     has_no_first = false;
     if (const bool ahead = meets(shape, after); !has_no_first) REQUIRE(given.truth(AtOrigin::miss).is_hit() == ahead);
-    if (is_flat(given.solid.shape) || !(depth < -0x1p-30)) return;
+    if (is_flat(given.primitive.shape) || !(depth < -0x1p-30)) return;
     ++tally.inside;
     Convention none;
     none.inside = Inside::miss;
     REQUIRE_FALSE(given.truth(none).is_hit());
 }
 
-/// Where a ray from outside enters and leaves the solid, where doubles hold both and the surface is crossed there.
+/// Where a ray from outside enters and leaves the primitive, where doubles hold both and the surface is crossed there.
 struct Crossed {
     double entry, exit;
 };
@@ -161,13 +162,13 @@ std::optional<Crossed> crossed(const Shaped& shape, Problem p) {
     // What of [exit, …) is met is at its beginning, and behind that nothing is: else no double is where it leaves.
     p.tmin = exit, p.open_tmin = false, has_no_first = false;
     if (!meets(shape, p) || meet(shape.exactly, p).side(Whole(exit)) != 0) return std::nullopt;
-    p.open_tmin = zero_inside(*shape_named(shape.name));
+    p.open_tmin = inside_returns_zero(*shape_named(shape.name));
     if (p.open_tmin && (meets(shape, p) || has_no_first)) return std::nullopt;
     return Crossed{entry, exit};
 }
 
 /// Problems whose ranges end and begin where the line enters and leaves, with open ends and without, and of each
-/// whether the closed and the open solid are met.
+/// whether the closed and the open primitive are met.
 struct AtEnds {
     std::array<std::vector<Problem>, 4> problems;  ///< by which ends are open
     std::array<std::vector<std::uint8_t>, 4> closed, open;
@@ -213,13 +214,13 @@ private:
         INFO(paste(shape, p, {.hit = right}) << (with_rim ? "" : ", open"));
         REQUIRE(given.truth(asked).is_hit() == right);
         (with_rim ? of_closed : of_open) += right;
-        if (is_flat(given.solid.shape)) {
+        if (is_flat(given.primitive.shape)) {
             int sides = 0;
             for (const auto facing : {intersect::Facing::front, intersect::Facing::back})
                 asked.facing = facing, sides += given.truth(asked).is_hit();
             REQUIRE(sides == right);
         }
-        if (p.tmin > 0 || !has_inside(given.solid.shape) || shape.name == "torus") return;
+        if (p.tmin > 0 || !has_inside(given.primitive.shape) || shape.name == "torus") return;
         for (const Inside inside : {Inside::zero, Inside::miss}) {
             asked.inside = inside;
             REQUIRE(given.truth(asked).is_hit() == right);
@@ -229,7 +230,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("exact: a ray that ends where it enters a solid touches it", "[exact]") {
+TEST_CASE("exact: a ray that ends where it enters a primitive touches it", "[exact]") {
     const auto before = intersect::simd::current_isa();
     for (const Shaped& shape : shapes) {
         AtEnds all;
@@ -246,7 +247,7 @@ TEST_CASE("exact: a ray that ends where it enters a solid touches it", "[exact]"
     intersect::simd::set_isa(before);
 }
 
-TEST_CASE("exact: what touches a solid or begins on it or in it is told so, and counts as it is asked", "[exact]") {
+TEST_CASE("exact: what touches a primitive or begins on it or in it is told so, and counts as it is asked", "[exact]") {
     for (const Shaped& shape : shapes) {
         Tally tally;
         const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 10000U : 30000U});
@@ -256,21 +257,21 @@ TEST_CASE("exact: what touches a solid or begins on it or in it is told so, and 
                         << tally.from_it << ", from inside " << tally.inside);
         CHECK((tally.touching > 20) == (shape.name != "plane"));
         CHECK((shape.name != "tube" || tally.behind > 5));
-        CHECK((tally.from_it > 10) == !zero_inside(kind));
-        CHECK((tally.inside > 20) == !(zero_inside(kind) || is_flat(kind) || shape.name == "tube"));
+        CHECK((tally.from_it > 10) == !inside_returns_zero(kind));
+        CHECK((tally.inside > 20) == !(inside_returns_zero(kind) || is_flat(kind) || shape.name == "tube"));
     }
 }
 
 TEST_CASE("exact: behind a rim that does not count the far wall of a tube is met", "[exact]") {
     const Ray<double> given{{3, 2, 3}, {-1, -1, -1}};
-    const Solid<double> tube(Tube<double>{{2, -1, 2}, {-2, -1, 2}, 2});
+    const Primitive<double> tube(Tube<double>{{2, -1, 2}, {-2, -1, 2}, 2});
     CHECK(number_of(find_truth(given, tube)) == 1);
     CHECK(number_of(find_truth(given, tube, {}, Touching::miss)) == 3);
     CHECK_FALSE(find_truth(given, tube, {}, Touching::miss, {0, 2}).is_hit());
 
     // x = −3 + 2 t is −1 on the rim and 1 on the far wall: t = (3 ± r)/2, and κ = (3/2 + t + r/2)/t.
     const Ray<double> ray{{-3, 0, 3}, {2, 0, -1}};
-    const Solid<double> along_z(Tube<double>{{0, 0, 0}, {0, 0, 2}, 1});
+    const Primitive<double> along_z(Tube<double>{{0, 0, 0}, {0, 0, 2}, 1});
     CHECK(number_of(find_truth(ray, along_z, {}, Touching::miss)) == 2);
     CHECK(measure::truth::condition(ray, along_z) == Approx(3));
     CHECK(measure::truth::condition(ray, along_z, Touching::miss) == Approx(2));
@@ -290,7 +291,7 @@ TEST_CASE("exact: t in formats of few bits is the nearest number, and of two the
             const First<Whole> right = meet(shape.exactly, p);
             for (const char* const name : {"bf16", "fp16"}) {
                 const FloatFormat format = find_format(name)->parameters;
-                const double t = round_truth(truth, given.ray, given.solid, format);
+                const double t = round_truth(truth, given.ray, given.primitive, format);
                 if (t == 0 || std::isinf(t)) continue;
                 const int exponent = std::max(std::ilogb(t), format.emin);
                 const double step = std::ldexp(1.0, exponent - format.precision + 1);

@@ -99,7 +99,7 @@ TEST_CASE("exact: every shape of the list is asked here", "[exact]") {
     REQUIRE(there.size() == shapes.size());
     for (const auto& [name, numbers] : there) {
         INFO(name);
-        CHECK(numbers <= most_solid);
+        CHECK(numbers <= most_primitive);
         CHECK(std::ranges::count(shapes, name, &Shaped::name) == 1);
     }
 }
@@ -148,8 +148,8 @@ TEST_CASE("exact: nothing is met under a matrix that is singular", "[exact]") {
 TEST_CASE("exact: an end that is open and nowhere takes no hit of a ray along a side of a cone", "[exact]") {
     // Once answered with a miss: a t² + 2 h t + c has a = 0.
     std::vector<Problem> problems{
-        {.ray = {-3, -3, 1, 1, 1, 0}, .solid = {1, 1, 1, 1, 0, 1, 1, 0}, .tmin = 1.5, .open_tmax = true},
-        {.ray = {0, -2, -2, 0, 2, 1}, .solid = {0, 2, 0, 0, 0, 0, 1, 0}, .tmin = 0.25, .open_tmax = true}};
+        {.ray = {-3, -3, 1, 1, 1, 0}, .primitive = {1, 1, 1, 1, 0, 1, 1, 0}, .tmin = 1.5, .open_tmax = true},
+        {.ray = {0, -2, -2, 0, 2, 1}, .primitive = {0, 2, 0, 0, 0, 0, 1, 0}, .tmin = 0.25, .open_tmax = true}};
     std::vector<Answer> answers;
     for (const Way way : {Way::doubles, Way::one_by_one, Way::interface}) {
         ask("cone", way, problems, answers);
@@ -161,7 +161,7 @@ TEST_CASE("exact: an end that is open and nowhere takes no hit of a ray along a 
 TEST_CASE("exact: a ray through all but the apex of a cone comes in after it, by 2^-1074 of t", "[exact]") {
     // Once the root beside it, of the mirror image: a < 0, and 2 is between the roots.
     const std::vector<Problem> problems{
-        {.ray = {-1, -1, 2, 0, 0x1p-1074, -1}, .solid = {-1, -1, -1, -1, -1, 0, 1, 0}, .tmin = 1.5, .tmax = 3}};
+        {.ray = {-1, -1, 2, 0, 0x1p-1074, -1}, .primitive = {-1, -1, -1, -1, -1, 0, 1, 0}, .tmin = 1.5, .tmax = 3}};
     std::vector<Answer> answers;
     for (const Way way : {Way::doubles, Way::one_by_one}) {
         ask("cone", way, problems, answers);
@@ -174,10 +174,11 @@ TEST_CASE("exact: a ray through all but the apex of a cone comes in after it, by
 TEST_CASE("exact: entries of a box are told apart where their products underflow", "[exact]") {
     // Once the third entry was answered where the second is the largest: n m of the first two lay below 2^-1000, and
     // neither was held against the third.
-    std::vector<Problem> problems{{.ray = {0x1.d3f589a2ffaa4p-350, 0x1.b42c9d43deaa1p-467, -0x1.a8487834180eep-694,
-                                           -0x1.e03c85ef1ab3bp-639, -0x1.68f4b37afe469p-859, -0x1.3f63d3e79a6c3p-321},
-                                   .solid = {-0x1.10076565324f1p+933, -0x1.28ce4fe233f98p-148, -0x1.35ff7bebf3e05p+995,
-                                             0x1.a3003b63c8f8ep-717, -0x1.a24b3f5789123p-395, -0x1.c01be7ec08c84p+60}}};
+    std::vector<Problem> problems{
+        {.ray = {0x1.d3f589a2ffaa4p-350, 0x1.b42c9d43deaa1p-467, -0x1.a8487834180eep-694, -0x1.e03c85ef1ab3bp-639,
+                 -0x1.68f4b37afe469p-859, -0x1.3f63d3e79a6c3p-321},
+         .primitive = {-0x1.10076565324f1p+933, -0x1.28ce4fe233f98p-148, -0x1.35ff7bebf3e05p+995,
+                       0x1.a3003b63c8f8ep-717, -0x1.a24b3f5789123p-395, -0x1.c01be7ec08c84p+60}}};
     std::mt19937_64 engine(11);
     const auto power = [&engine](int low, int high) {
         return std::ldexp(std::uniform_real_distribution<double>(1, 2)(engine),
@@ -187,7 +188,7 @@ TEST_CASE("exact: entries of a box are told apart where their products underflow
         Problem& p = problems.emplace_back();
         for (std::size_t i = 0; i < 3; ++i) {
             p.ray[i] = power(-900, -700), p.ray[3 + i] = power(-900, -300);
-            p.solid[i] = power(-600, 100), p.solid[3 + i] = 0x1p1000;
+            p.primitive[i] = power(-600, 100), p.primitive[3 + i] = 0x1p1000;
         }
     }
     std::vector<Answer> answers;
@@ -203,7 +204,7 @@ TEST_CASE("exact: an answer that is a little wrong is told from the right one, q
     std::vector<Answer> answers;
     for (const Shaped& shape : shapes)
         for (const bool made : {false, true}) {
-            // A torus takes as long as thirty other solids.
+            // A torus takes as long as thirty other primitives.
             std::vector<Problem> problems(shape.name == "torus" ? 500 : 2000);
             (made ? draw_made : draw_random)(shape, false, {}, chance, problems);
             ask(shape.name, Way::doubles, problems, answers);

@@ -11,8 +11,8 @@
 #include "exact/check.hpp"
 #include "exact/draw.hpp"
 #include "exact/hard_tori.hpp"
-#include "intersect/filter/first_met.hpp"
-#include "intersect/filter/first_met_quartic.hpp"
+#include "intersect/filter/first_span_hit.hpp"
+#include "intersect/filter/first_span_hit_quartic.hpp"
 #include "intersect/simd/packed.hpp"
 #include "intersect/table/table.hpp"
 
@@ -23,7 +23,7 @@ using namespace lostbits::exact;
 
 namespace {
 
-using intersect::Way, intersect::simd::Isa, intersect::table::Intersector, intersect::table::Kernel;
+using intersect::FilterArithmetic, intersect::simd::Isa, intersect::table::Intersector, intersect::table::Kernel;
 
 constexpr std::size_t batch = 2000;
 std::size_t rays_of_each() { return rays_or(4'000); }
@@ -39,15 +39,15 @@ void for_each_filter(const Visit& visit) {
 }
 
 template <class F>
-Solid<F> solid_of(const Intersector& form, const Problem& p) {
-    Solid<F> solid(form.shape);
-    for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = static_cast<F>(p.solid[k]);
-    return solid;
+Primitive<F> primitive_of(const Intersector& form, const Problem& p) {
+    Primitive<F> primitive(form.shape);
+    for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = static_cast<F>(p.primitive[k]);
+    return primitive;
 }
 
-/// The rays of problems at one solid, or each at its own.
+/// The rays of problems at one primitive, or each at its own.
 template <class F, class Run>
-std::vector<Hit<F>> ask(const Run& run, std::span<const Problem> problems, std::span<const Solid<F>> solids) {
+std::vector<Hit<F>> ask(const Run& run, std::span<const Problem> problems, std::span<const Primitive<F>> primitives) {
     std::array<std::vector<F>, 7> columns;
     for (const Problem& p : problems) {
         for (std::size_t k = 0; k < 6; ++k) columns[k].push_back(static_cast<F>(p.ray[k]));
@@ -56,7 +56,7 @@ std::vector<Hit<F>> ask(const Run& run, std::span<const Problem> problems, std::
     std::vector<F> t(problems.size()), near = t, far = t;
     std::vector<std::uint8_t> hit(problems.size());
     const auto& [ox, oy, oz, dx, dy, dz, tmax] = columns;
-    run(intersect::table::RayBatch<F>{ox, oy, oz, dx, dy, dz, tmax}, intersect::Target<F>(solids),
+    run(intersect::table::RayBatch<F>{ox, oy, oz, dx, dy, dz, tmax}, intersect::Target<F>(primitives),
         intersect::table::HitBatch<F>{t, near, far, hit});
     std::vector<Hit<F>> found;
     for (std::size_t i = 0; i < hit.size(); ++i) found.push_back({hit[i] != 0, t[i], near[i], far[i]});
@@ -111,7 +111,7 @@ struct Tally {
     std::array<std::size_t, 4> ways{};  ///< of the first batch, which is asked again for it
     std::string first;
 
-    [[nodiscard]] bool go_some(Way way, std::size_t of_a_thousand) const {
+    [[nodiscard]] bool go_some(FilterArithmetic way, std::size_t of_a_thousand) const {
         return 1000 * ways[static_cast<std::size_t>(way)] >= of_a_thousand * first_batch;
     }
 };
@@ -121,7 +121,7 @@ void add_ways(const Intersector& form, std::span<const Problem> problems, Tally&
     const Format format = *find_format(sizeof(F) == 4 ? "f32" : "f64");
     for (const Problem& p : problems) {
         const Ray<double> ray{{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}};
-        ++tally.ways[static_cast<std::size_t>(form.way(format, ray, solid_of<double>(form, p), p.tmax))];
+        ++tally.ways[static_cast<std::size_t>(form.way(format, ray, primitive_of<double>(form, p), p.tmax))];
     }
     tally.first_batch = problems.size();
 }
@@ -136,9 +136,9 @@ std::size_t differing(const Intersector& form, const Problem& p) {
             if (lane > 1) problems[lane].ray[i] -= problems[lane].ray[3 + i];
             if (lane % 2 == 1) problems[lane].ray[3 + i] *= -1;
         }
-    const Solid<F> solid = solid_of<F>(form, p);
-    const std::vector<Hit<F>> alone = ask<F>(kernel_of<F>(form, Isa::scalar), problems, {&solid, 1}),
-                              together = ask<F>(kernel_of<F>(form, Isa::w128), problems, {&solid, 1});
+    const Primitive<F> primitive = primitive_of<F>(form, p);
+    const std::vector<Hit<F>> alone = ask<F>(kernel_of<F>(form, Isa::scalar), problems, {&primitive, 1}),
+                              together = ask<F>(kernel_of<F>(form, Isa::w128), problems, {&primitive, 1});
     const auto same = [](F a, F b) { return a == b ? std::signbit(a) == std::signbit(b) : a != a && b != b; };
     std::size_t differ = 0;
     for (std::size_t i = 0; i < alone.size(); ++i) {
@@ -155,15 +155,15 @@ Tally ask_all(const Intersector& form, const Shaped& shape, std::size_t rays, co
     std::vector<Problem> problems(std::min(batch, rays));
     while (tally.asked < rays) {
         draw(problems);
-        std::vector<Solid<F>> solids;
+        std::vector<Primitive<F>> primitives;
         for (Problem& p : problems) {
             p.tmin = 0;
-            if (!told_end(form.shape)) p.tmax = INFINITY;
-            solids.push_back(solid_of<F>(form, p));
+            if (!takes_tmax(form.shape)) p.tmax = INFINITY;
+            primitives.push_back(primitive_of<F>(form, p));
         }
         if (tally.asked == 0) add_ways<F>(form, problems, tally);
         const ToCheck all(form, sizeof(F) == 4 ? binary32 : binary64, problems,
-                          ask<F>(kernel_of<F>(form, Isa::scalar), problems, solids));
+                          ask<F>(kernel_of<F>(form, Isa::scalar), problems, primitives));
         const Findings f = check(shape, all.problems, all.answers, HUGE_VAL, 200);
         if (tally.wrong == 0 && f.differ > 0) tally.first = all.words_of_first(shape, f);
         tally.hits += all.hits, tally.endless += all.endless;
@@ -204,25 +204,25 @@ constexpr std::array<Shares, 11> least{{{"sphere", 610, 830, 290, 400, 3, 440},
 template <class F>
 void hold(bool made) {
     for_each_filter([made](const Intersector& form, const Shaped& shape) {
-        // What checks a torus takes as long as of thirty other solids, and t of every twentieth is too large.
-        const bool dear = form.shape == Shape::torus;
+        // What checks a torus takes as long as of thirty other primitives, and t of every twentieth is too large.
+        const bool slow = form.shape == Shape::torus;
         Chance chance(made ? 2 : 1);
         const auto draw = [&](std::vector<Problem>& problems) {
             (made ? draw_made : draw_random)(shape, sizeof(F) == 4, {}, chance, problems);
         };
-        const Tally tally = ask_all<F>(form, shape, rays_of_each() / (dear ? 5 : 1), draw);
+        const Tally tally = ask_all<F>(form, shape, rays_of_each() / (slow ? 5 : 1), draw);
         const std::string counts = words_of<F>(form, tally);
         INFO(counts << "; " << tally.first);
         CHECK(tally.wrong == 0);
         CHECK(tally.differ == 0);
-        CHECK(tally.endless < tally.hits / (dear ? 12 : 20));
+        CHECK(tally.endless < tally.hits / (slow ? 12 : 20));
         CHECK((tally.ways[1] > 0) == (sizeof(F) == 4));
         const auto* const row = std::ranges::find(least, shape.name, &Shares::shape);
         REQUIRE(row != least.end());
         CHECK(1000 * tally.hits >= (made ? row->hits : row->random_hits) * tally.asked);
-        CHECK(tally.go_some(Way::own, made ? row->own : row->random_own));
-        CHECK((!made || tally.go_some(Way::two_words, row->two_words)));
-        CHECK((!made || sizeof(F) == 4 || tally.go_some(Way::exact, row->exact)));
+        CHECK(tally.go_some(FilterArithmetic::own, made ? row->own : row->random_own));
+        CHECK((!made || tally.go_some(FilterArithmetic::two_words, row->two_words)));
+        CHECK((!made || sizeof(F) == 4 || tally.go_some(FilterArithmetic::exact, row->exact)));
         if (are_rays_asked()) WARN(counts);
     });
 }
@@ -272,9 +272,9 @@ TEST_CASE("exact: the formula of a filter is wrong without it", "[exact][filtere
             p.tmin = 0, p.tmax = INFINITY;
             const auto number = [&p](std::size_t k) { return static_cast<float>(p.ray[k]); };
             const Ray<float> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
-            visit(solid_of<float>(form, p), [&](const auto& solid) {
-                if constexpr (requires { intersect::filter::first_met(solid.span(ray)); }) {
-                    const auto met = intersect::filter::first_met(solid.span(ray));
+            visit(primitive_of<float>(form, p), [&](const auto& primitive) {
+                if constexpr (requires { intersect::filter::first_span_hit(primitive.span(ray)); }) {
+                    const auto met = intersect::filter::first_span_hit(primitive.span(ray));
                     answers.push_back(answer_of(met.hit, static_cast<double>(met.t), binary32, false));
                 }
             });
@@ -292,15 +292,15 @@ TEST_CASE("exact: filters decide right and keep their bits in formats of 16 bits
             const auto is_held = [&](double x) { return std::fabs(x) < 64 && rounding::to_format(x, 0, format) == x; };
             Chance chance(5);
             std::vector<Problem> some(batch), asked;
-            std::vector<Solid<double>> solids;
+            std::vector<Primitive<double>> primitives;
             draw_made(shape, true, {}, chance, some);
             for (Problem& p : some) {
                 p.tmin = 0, p.tmax = INFINITY;
-                if (!std::ranges::all_of(p.ray, is_held) || !std::ranges::all_of(p.solid, is_held)) continue;
-                asked.push_back(p), solids.push_back(solid_of<double>(form, p));
+                if (!std::ranges::all_of(p.ray, is_held) || !std::ranges::all_of(p.primitive, is_held)) continue;
+                asked.push_back(p), primitives.push_back(primitive_of<double>(form, p));
             }
             const auto in_format = [&](const auto&... batch_of) { form.rounded(format, batch_of...); };
-            const ToCheck all(form, format, asked, ask<double>(in_format, asked, solids));
+            const ToCheck all(form, format, asked, ask<double>(in_format, asked, primitives));
             const Findings f = check(shape, all.problems, all.answers, HUGE_VAL, 20);
             INFO(form.info->name << " in " << name << ": " << all.problems.size() << " rays, " << all.hits << " hits; "
                                  << all.words_of_first(shape, f));

@@ -10,8 +10,8 @@
 #include "counts.hpp"
 #include "exact/check.hpp"
 #include "exact/draw.hpp"
+#include "intersect/form_shape.hpp"
 #include "intersect/table/table.hpp"
-#include "intersect/takes.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/real.hpp"
 #include "shapes/torus/forms/forms.hpp"
@@ -29,18 +29,18 @@ template <class T>
 Ray<T> ray_of(const Problem& p) {
     return {{T(p.ray[0]), T(p.ray[1]), T(p.ray[2])}, {T(p.ray[3]), T(p.ray[4]), T(p.ray[5])}};
 }
-Solid<double> solid_of(const Shaped& shape, const Problem& p) {
-    Solid<double> solid(*shape_named(shape.name));
-    for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = p.solid[k];
-    return solid;
+Primitive<double> primitive_of(const Shaped& shape, const Problem& p) {
+    Primitive<double> primitive(*shape_named(shape.name));
+    for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = p.primitive[k];
+    return primitive;
 }
 
-/// Whether no decision is near: rays to both sides of it, by up to 2^-14 of all lengths, meet the solid or miss it as
-/// it does. A component of the direction that is 0 stays.
+/// Whether no decision is near: rays to both sides of it, by up to 2^-14 of all lengths, meet the primitive or miss it
+/// as it does. A component of the direction that is 0 stays.
 bool is_clear(const Shaped& shape, const Problem& p, Chance& chance) {
     double reach = 0;
     for (std::size_t i = 0; i < 3; ++i) reach = std::fmax(reach, std::fabs(p.ray[i]));
-    for (const double x : p.solid) reach = std::fmax(reach, std::fabs(x));
+    for (const double x : p.primitive) reach = std::fmax(reach, std::fabs(x));
     const auto meets = [&](const std::array<double, 6>& off, double sign) {
         Problem beside = p;
         for (std::size_t k = 0; k < 6; ++k) beside.ray[k] += sign * off[k];
@@ -66,8 +66,8 @@ std::vector<Problem> clear_problems(const Shaped& shape, bool made, std::size_t 
         for (Problem& p : some) {
             p.tmin = 0, p.tmax = INFINITY;
             double least = HUGE_VAL, most = 0;
-            const std::span<const double> ray(p.ray), solid(p.solid);
-            for (const auto& numbers : {ray, solid})
+            const std::span<const double> ray(p.ray), primitive(p.primitive);
+            for (const auto& numbers : {ray, primitive})
                 for (const double x : numbers)
                     if (x != 0) least = std::fmin(least, std::fabs(x)), most = std::fmax(most, std::fabs(x));
             // Some forms compare with 10^-6 or 10^-4, whatever the unit.
@@ -130,14 +130,15 @@ Unrounded unrounded(const Intersector& form, const Shaped& shape, const Problem&
             if (&Form::info != form.info) return;
             found = unrounded_in<Real>(p, made_unit, [&p](const Ray<Real>& ray) {
                 return intersect::intersect_numbers<Form, Real>(
-                    ray, [&p](std::size_t k) { return Real(p.solid[k]); }, Real(HUGE_VAL));
+                    ray, [&p](std::size_t k) { return Real(p.primitive[k]); }, Real(HUGE_VAL));
             });
         });
         return found;
     }
     const Interval::Precision precision(400);
-    const auto solid = transformed(solid_of(shape, p), [](double x) { return Interval(x); });
-    return unrounded_in<Interval>(p, made_unit, [&](const Ray<Interval>& ray) { return form.interval(ray, solid); });
+    const auto primitive = transformed(primitive_of(shape, p), [](double x) { return Interval(x); });
+    return unrounded_in<Interval>(p, made_unit,
+                                  [&](const Ray<Interval>& ray) { return form.interval(ray, primitive); });
 }
 
 struct Tally {
@@ -159,13 +160,13 @@ bool is_asked(const intersect::Info& form, const Shaped& shape, const Problem& p
     if (made && form.name == "box.max_mult") return false;
     // By forms of boxes 0·∞ goes where the order of operands sends it: test_box_known has what follows.
     if (shape.name == "box" && p.ray[3] * p.ray[4] * p.ray[5] == 0) return false;
-    const Solid<double> solid = solid_of(shape, p);
+    const Primitive<double> primitive = primitive_of(shape, p);
     const Ray<double> ray = ray_of<double>(p);
     if (form.facing != Facing::both)
-        return measure::truth::find_truth(ray, solid, {}, form.convention()).is_hit() ==
-               measure::truth::find_truth(ray, solid).is_hit();
+        return measure::truth::find_truth(ray, primitive, {}, form.convention()).is_hit() ==
+               measure::truth::find_truth(ray, primitive).is_hit();
     return form.roots != Roots::near_only ||
-           visit(solid, [&](const auto& s) { return s.off_surface(ray.origin) >= 0; });
+           visit(primitive, [&](const auto& s) { return s.off_surface(ray.origin) >= 0; });
 }
 
 /// Where the ray is met, and, of a form with both roots, where it is met last: first by one that comes back.
@@ -191,13 +192,13 @@ bool contains(const E& x, const Real& v) {
     const mpfr_srcptr p = v.backend().data();
     if (mpfr_nan_p(p) != 0) return x.undefined() != Undefined::never;
     if (mpfr_inf_p(p) != 0) return !x.is_bounded();
-    const Real room = ldexp(abs(v) + 1, -128);
+    const Real slack = ldexp(abs(v) + 1, -128);
     if (x.undefined() == Undefined::always) return false;
     if constexpr (std::same_as<E, Ball>) {
-        return abs(v - Real(x.hi()) - Real(x.lo())) <= Real(x.radius()) + room;
+        return abs(v - Real(x.hi()) - Real(x.lo())) <= Real(x.radius()) + slack;
     } else {
-        return mpfr_cmp(x.lower(), Real(v + room).backend().data()) <= 0 &&
-               mpfr_cmp(x.upper(), Real(v - room).backend().data()) >= 0;
+        return mpfr_cmp(x.lower(), Real(v + slack).backend().data()) <= 0 &&
+               mpfr_cmp(x.upper(), Real(v - slack).backend().data()) >= 0;
     }
 }
 
@@ -221,7 +222,8 @@ struct Enclosures {
     /// Rounding to nearest lies between rounding down and up, so an interval of 53 bits holds the double of every step:
     /// but for forms that bound or pad by the unit roundoff, which is none for intervals, and filters, which take other
     /// steps. That of boxes takes none of these.
-    void hold_double(const Intersector& row, const Problem& p, const Solid<double>& solid, const Hit<Interval>& got) {
+    void hold_double(const Intersector& row, const Problem& p, const Primitive<double>& primitive,
+                     const Hit<Interval>& got) {
         const std::string_view form = row.info->name.substr(row.info->name.find('.') + 1);
         for (const char* const pads : {"pbrt_interval", "pbrt_padded", "embree_robust", "embree_padded", "bvh_robust"})
             if (form == pads) return;
@@ -229,7 +231,7 @@ struct Enclosures {
         Hit<double> want{};
         std::uint8_t hit;
         const auto column = [&p](std::size_t k) { return std::span<const double>(&p.ray[k], 1); };
-        row.native64({column(0), column(1), column(2), column(3), column(4), column(5)}, solid,
+        row.native64({column(0), column(1), column(2), column(3), column(4), column(5)}, primitive,
                      {{&want.t, 1}, {&want.near, 1}, {&want.far, 1}, {&hit, 1}});
         const auto misses = [](const Interval& x, double v) { return !contains(x, Real(v)); };
         ++doubles;
@@ -242,19 +244,19 @@ struct Enclosures {
             for (std::size_t i = 3; i < 6; ++i) p.ray[i] /= size;
         }
         const Unrounded want = unrounded(row, shape, p, false);
-        const auto target = [solid = solid_of(shape, p)]<class E>(const E&) {
-            return transformed(solid, [](double x) { return E(x); });
+        const auto target = [primitive = primitive_of(shape, p)]<class E>(const E&) {
+            return transformed(primitive, [](double x) { return E(x); });
         };
         std::optional<bool> verdict;
         hold(row.ball(ray_of<Ball>(p), target(Ball())), want, verdict);
         for (const long bits : {12, 24, 53, 113, 250}) {
             const Interval::Precision exact(53);
             const Ray<Interval> ray = ray_of<Interval>(p);
-            const Solid<Interval> solid = target(Interval());
+            const Primitive<Interval> primitive = target(Interval());
             const Interval::Precision precision(bits);
-            const Hit<Interval> got = row.interval(ray, solid);
+            const Hit<Interval> got = row.interval(ray, primitive);
             hold(got, want, verdict);
-            if (bits == 53) hold_double(row, p, solid_of(shape, p), got);
+            if (bits == 53) hold_double(row, p, primitive_of(shape, p), got);
         }
         const bool hit = want.hit ? *want.hit : meet(shape.quickly, p).is_hit();
         ++asked[hit], decided[hit] += verdict.has_value();

@@ -42,10 +42,10 @@ std::pair<int, int> roots_in(const Problem& p) {
     return {quartic.all(), quartic.all() - quartic.up_to(E())};
 }
 /// How many roots there are, and how many of them lie ahead.
-std::pair<int, int> roots_of(const Ray<double>& ray, const Solid<double>& solid) {
+std::pair<int, int> roots_of(const Ray<double>& ray, const Primitive<double>& primitive) {
     const Vec<double>&o = ray.origin, &d = ray.direction;
     Problem p{.ray = {o.x, o.y, o.z, d.x, d.y, d.z}};
-    std::ranges::copy(solid.used(), p.solid.begin());
+    std::ranges::copy(primitive.used(), p.primitive.begin());
     in_doubt = false;
     const auto roots = roots_in<Enclosed>(p);
     return in_doubt ? roots_in<Whole>(p) : roots;
@@ -57,7 +57,7 @@ TEST_CASE("a chain of remainders sees a torus where there is none, however wide 
     // In the plane of its top, along which it touches it behind the origin: the quartic is a square.
     const Ray<double> ray{{-1087, 9, -450}, {-3, -4, 0}};
     const Torus<double> torus{{0, 0, 0}, {0, 0, 1}, 875, 450};
-    REQUIRE_FALSE(find_truth(ray, Solid<double>(torus)).is_hit());
+    REQUIRE_FALSE(find_truth(ray, Primitive<double>(torus)).is_hit());
     REQUIRE(roots_of(ray, torus).second == 0);
     CHECK(unrounded<intersect::torus::SturmTorus>(ray, torus).hit);
     CHECK_FALSE(unrounded<intersect::torus::FilteredTorus>(ray, torus).hit);
@@ -73,7 +73,7 @@ TEST_CASE("an absolute threshold makes Quilez's torus wrong without any rounding
         const double hole = 1 - torus.minor_radius;
         const Vec<double> from = torus.centre + 3.0 * torus.axis + hole * rng.vec(-1, 1);
         const Ray<double> ray{from, torus.centre + 1.25 * hole * rng.vec(-1, 1) - from};
-        const Truth truth = find_truth(ray, Solid<double>(torus));
+        const Truth truth = find_truth(ray, Primitive<double>(torus));
         const Hit<Real> h = unrounded<intersect::torus::QuilezTorus>(ray, torus);
         if (!truth.is_hit() || !h.hit) continue;
         ++asked;
@@ -101,16 +101,16 @@ TEST_CASE("what half an ulp of each number moves t of a torus by is within its r
         (made ? draw_made : draw_random)(shapes[10], true, {}, chance, problems);
         for (const Problem& p : problems) {
             const Ray<double> ray = ray_of(p);
-            Solid<double> solid(Shape::torus);
-            std::copy_n(p.solid.begin(), solid.used().size(), solid.numbers.begin());
-            const Truth truth = find_truth(ray, solid);
+            Primitive<double> primitive(Shape::torus);
+            std::copy_n(p.primitive.begin(), primitive.used().size(), primitive.numbers.begin());
+            const Truth truth = find_truth(ray, primitive);
             if (!truth.is_hit() || truth.touches || truth.on_surface) continue;
-            const double reach = test::reach_of_t(ray, solid, truth.t, binary32);
-            const auto roots = roots_of(ray, solid);
+            const double reach = test::reach_of_t(ray, primitive, truth.t, binary32);
+            const auto roots = roots_of(ray, primitive);
             for (int k = 0; k < 4; ++k) {
                 Problem q = p;
                 for (double& x : q.ray) x = moved(x);
-                const Solid<double> other = transformed(solid, moved);
+                const Primitive<double> other = transformed(primitive, moved);
                 // Another root is another answer.
                 if (roots_of(ray_of(q), other) != roots) continue;
                 const Truth there = find_truth(ray_of(q), other);
@@ -132,15 +132,15 @@ TEST_CASE("what half an ulp of each number moves t of a torus by is within its r
 TEST_CASE("how strongly errors act on t of a torus is what its derivatives say", "[truth][torus]") {
     // t = 5 − (R + r) = 2, with derivatives −1 by o.x, −t by d.x, −1 by R and by r; turning the axis moves nothing.
     const Ray<double> ray{{-5, 0, 0}, {1, 0, 0}};
-    CHECK(measure::truth::condition(ray, Solid<double>(Torus<double>{{0, 0, 0}, {0, 0, 1}, 2, 1})) == Approx(5));
+    CHECK(measure::truth::condition(ray, Primitive<double>(Torus<double>{{0, 0, 0}, {0, 0, 1}, 2, 1})) == Approx(5));
     // A line along the top touches: no derivative exists.
     CHECK(measure::truth::condition({{-5, 0, 1}, {1, 0, 0}},
-                                    Solid<double>(Torus<double>{{0, 0, 0}, {0, 0, 1}, 2, 1})) == HUGE_VAL);
+                                    Primitive<double>(Torus<double>{{0, 0, 0}, {0, 0, 1}, 2, 1})) == HUGE_VAL);
 }
 
 TEST_CASE("half-lines and ways meet a torus where they are in it, and not in its hole", "[torus]") {
     using measure::offset::find_meeting, measure::offset::Meeting, measure::offset::passes_through;
-    const Solid<double> torus(Torus<double>{{0, 0, 0}, {0, 0, 3}, 2, 1});
+    const Primitive<double> torus(Torus<double>{{0, 0, 0}, {0, 0, 3}, 2, 1});
     const auto from = [&](const Vec<double>& o, const Vec<double>& d) { return find_meeting({{o, d}, 0}, torus); };
     CHECK(from({0, 0, 0}, {1, 0, 0}) == Meeting{.inside = false, .outside = true, .meets = true});
     CHECK(from({0, 0, 0}, {0, 0, 1}) == Meeting{.inside = false, .outside = true, .meets = false});

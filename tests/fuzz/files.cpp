@@ -73,8 +73,8 @@ void fuzz_scene(std::string_view bytes) {
     answer_or_error([&] {
         const scene::file::SceneFile file(path);
         for (const scene::file::Scene& scene : file.load({.size = std::pair{4, 3}})) {
-            if (scene.solid_count() > 1000) continue;
-            static_cast<void>(scene.solids());
+            if (scene.primitive_count() > 1000) continue;
+            static_cast<void>(scene.primitives());
             static_cast<void>(scene.shapes());
         }
         static_cast<void>(file.load());
@@ -133,7 +133,7 @@ void fuzz_rays(std::string_view bytes) {
         options.columns = (kind & 8) != 0 ? "ox:f32,oy,oz,dx,dy,dz,t:f64,hit:u8" : "ox:f64,oy,oz,dx,dy,dz,t";
     if (!raw) options.columns = std::regex_replace(options.columns, std::regex(":\\w+"), "");
     if ((kind & 16) != 0) options.skip = kind >> 5;
-    if ((kind & 32) != 0) options.solid = Shape::sphere;
+    if ((kind & 32) != 0) options.primitive = Shape::sphere;
     options.keep = (kind & 128) != 0;
     answer_or_error([&] {
         const auto dump = scene::dump::open_dump(path, options);

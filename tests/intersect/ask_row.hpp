@@ -1,4 +1,4 @@
-// One ray at one solid, asked of a row of the table: what is tried over every form is compiled once.
+// One ray at one primitive, asked of a row of the table: what is tried over every form is compiled once.
 #pragma once
 
 #include <limits>
@@ -9,7 +9,7 @@
 namespace lostbits::test {
 
 template <class S>
-Hit<S> ask_row(const intersect::table::Intersector& row, const Ray<S>& ray, const Solid<S>& solid,
+Hit<S> ask_row(const intersect::table::Intersector& row, const Ray<S>& ray, const Primitive<S>& primitive,
                std::type_identity_t<S> tmax = std::numeric_limits<S>::infinity()) {
     const auto one = [](const S& x) { return std::span<const S>(&x, 1); };
     const Vec<S>&o = ray.origin, &d = ray.direction;
@@ -17,8 +17,8 @@ Hit<S> ask_row(const intersect::table::Intersector& row, const Ray<S>& ray, cons
     Hit<S> found{};
     std::uint8_t hit = 0;
     const intersect::table::HitBatch<S> hits{{&found.t, 1}, {&found.near, 1}, {&found.far, 1}, {&hit, 1}};
-    if constexpr (sizeof(S) == sizeof(float)) row.native32(rays, solid, hits);
-    else row.native64(rays, solid, hits);
+    if constexpr (sizeof(S) == sizeof(float)) row.native32(rays, primitive, hits);
+    else row.native64(rays, primitive, hits);
     found.hit = hit != 0;
     return found;
 }

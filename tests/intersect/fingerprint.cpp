@@ -8,7 +8,7 @@
 
 #include "counts.hpp"
 #include "intersect/catalogue.hpp"
-#include "intersect/takes.hpp"
+#include "intersect/form_shape.hpp"
 #include "number/random.hpp"
 
 namespace lostbits::test {

@@ -8,25 +8,25 @@
 #include <string_view>
 
 #include "number/random.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::test {
 
-/// One ray and the solid it is aimed at, numbers of a format.
+/// One ray and the primitive it is aimed at, numbers of a format.
 struct HostileRay {
     Ray<double> ray;
-    Solid<double> solid;
+    Primitive<double> primitive;
     double tmax = HUGE_VAL;
 };
 
-inline constexpr std::array<std::string_view, 12> sphere_families{"near",    "grazing by 2^-1 to 2^-50 radii",
-                                                                  "inside",  "on the surface",
-                                                                  "far",     "behind",
-                                                                  "huge",    "tiny",
-                                                                  "lattice", "tangent to the bit",
-                                                                  "between", "beside tangent by a last place"};
+inline constexpr std::array<std::string_view, 12> sphere_distributions{"near",    "grazing by 2^-1 to 2^-50 radii",
+                                                                       "inside",  "on the surface",
+                                                                       "far",     "behind",
+                                                                       "huge",    "tiny",
+                                                                       "lattice", "tangent to the bit",
+                                                                       "between", "beside tangent by a last place"};
 
-inline constexpr std::array<std::string_view, 8> hostile_box_families{
+inline constexpr std::array<std::string_view, 8> hostile_box_distributions{
     "inside", "edges and corners", "edges by a last place", "far",
     "flat",   "lattice",           "lattice, on a face",    "magnitudes"};
 
@@ -36,8 +36,8 @@ class HostileRays {
 public:
     explicit HostileRays(std::uint64_t seed) : random_(seed) {}
 
-    HostileRay sphere(std::size_t family) {
-        const std::string_view name = sphere_families.at(family);
+    HostileRay sphere(std::size_t distribution) {
+        const std::string_view name = sphere_distributions.at(distribution);
         if (name == "lattice") return lattice_sphere();
         if (name == "tangent to the bit") return tangent(false);
         if (name == "beside tangent by a last place") return tangent(true);
@@ -58,8 +58,8 @@ public:
         return {{o, stored(size * (aimed ? back * w : unit()))}, Sphere<double>{c, stored(r)}, HUGE_VAL};
     }
 
-    HostileRay box(std::size_t family) {
-        const std::string_view name = hostile_box_families.at(family);
+    HostileRay box(std::size_t distribution) {
+        const std::string_view name = hostile_box_distributions.at(distribution);
         const bool whole = name.starts_with("lattice");
         const auto place = [&](double s) { return whole ? whole_number(4) : stored(s * (2 * random_.unit() - 1)); };
         Vec<double> lo(0, 0, 0), hi(0, 0, 0), aim(0, 0, 0), d(0, 0, 0), o(0, 0, 0);
@@ -137,7 +137,7 @@ private:
 };
 
 /// The same situation at another scale, lengths and directions by powers of two from all that the format has: squares
-/// and products under- and overflow on the way, and numbers of the ray and the solid themselves are subnormal.
+/// and products under- and overflow on the way, and numbers of the ray and the primitive themselves are subnormal.
 template <class S>
 HostileRay at_any_scale(HostileRay x, Random& random) {
     constexpr int reach = std::numeric_limits<S>::max_exponent + 20;
@@ -151,10 +151,10 @@ HostileRay at_any_scale(HostileRay x, Random& random) {
         x.ray.origin[k] = scaled(x.ray.origin[k], of_lengths);
         x.ray.direction[k] = scaled(x.ray.direction[k], of_direction);
     }
-    x.solid = transformed(x.solid, [&](double v) { return scaled(v, of_lengths); });
-    for_each_key(x.solid.shape, [&x](const Key& key, std::size_t first) {
+    x.primitive = transformed(x.primitive, [&](double v) { return scaled(v, of_lengths); });
+    for_each_key(x.primitive.shape, [&x](const Key& key, std::size_t first) {
         for (std::size_t k = first; key.limit == Key::Limit::positive && k < first + key.count(); ++k)
-            if (x.solid.numbers[k] == 0) x.solid.numbers[k] = std::numeric_limits<S>::denorm_min();
+            if (x.primitive.numbers[k] == 0) x.primitive.numbers[k] = std::numeric_limits<S>::denorm_min();
     });
     if (x.ray.direction == Vec<double>(0, 0, 0)) x.ray.direction.x = std::numeric_limits<S>::denorm_min();
     return x;

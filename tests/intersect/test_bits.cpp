@@ -1,7 +1,7 @@
 // The rows of the table against each other, to the bit: the machine's own arithmetic and rounded numbers of the same
 // format, on ordinary rays and on every kind of number that a format can hold.
+#include "intersect/form_shape.hpp"
 #include "intersect/simd/packed_scene.hpp"
-#include "intersect/takes.hpp"
 #include "number/error.hpp"
 #include "number/rounded.hpp"
 #include "shapes/sphere/forms/forms.hpp"
@@ -15,7 +15,7 @@ namespace {
 /// The scene in doubles, which hold the numbers of every format.
 template <class S>
 Scene<double> lifted(const Scene<S>& scene) {
-    Scene<double> wide{transformed(scene.solid, [](S x) { return static_cast<double>(x); }), {}, {}};
+    Scene<double> wide{transformed(scene.primitive, [](S x) { return static_cast<double>(x); }), {}, {}};
     for (std::size_t c = 0; c < 6; ++c) wide.column[c].assign(scene.column[c].begin(), scene.column[c].end());
     wide.tmax.assign(scene.tmax.begin(), scene.tmax.end());
     return wide;
@@ -25,7 +25,8 @@ template <class Kernel, class S>
 Answers<S> answers_of(const Kernel& kernel, const Scene<S>& scene) {
     const auto& c = scene.column;
     Answers<S> answers(scene.size());
-    kernel(intersect::table::RayBatch<S>{c[0], c[1], c[2], c[3], c[4], c[5], scene.tmax}, scene.solid, answers.batch());
+    kernel(intersect::table::RayBatch<S>{c[0], c[1], c[2], c[3], c[4], c[5], scene.tmax}, scene.primitive,
+           answers.batch());
     return answers;
 }
 
@@ -95,7 +96,7 @@ TEMPLATE_TEST_CASE("forms of spheres over a fixed format are the bits of their r
             const Answers<S> want = answers_of(native_of<S>(native), scene);
             for (std::size_t i = 0; i < want.size; ++i) {
                 const auto at = [&](std::size_t c) { return T(static_cast<double>(scene.column[c][i])); };
-                const auto number = [&](std::size_t k) { return T(static_cast<double>(scene.solid.numbers[k])); };
+                const auto number = [&](std::size_t k) { return T(static_cast<double>(scene.primitive.numbers[k])); };
                 const Hit<T> got = intersect::intersect_numbers<Form, T>({{at(0), at(1), at(2)}, {at(3), at(4), at(5)}},
                                                                          number, T(HUGE_VAL));
                 const auto differ = [](S a, const T& b) { return !same(static_cast<double>(a), b.value()); };

@@ -29,8 +29,9 @@ Hit<Interval> without_rounding(const Intersector& form, const HostileRay& x) {
     const Interval::Precision precision(700);
     const auto lift = [](double v) { return Interval(v); };
     const auto vec = [&](const Vec<double>& v) { return Vec<Interval>(lift(v.x), lift(v.y), lift(v.z)); };
-    const Solid<Interval> solid = transformed(x.solid, lift);
-    return form.interval(Ray<Interval>{vec(x.ray.origin), vec(x.ray.direction)}, intersect::Target<Interval>(solid));
+    const Primitive<Interval> primitive = transformed(x.primitive, lift);
+    return form.interval(Ray<Interval>{vec(x.ray.origin), vec(x.ray.direction)},
+                         intersect::Target<Interval>(primitive));
 }
 
 /// Whether t is farther than `error` from every point of the interval.
@@ -42,10 +43,10 @@ bool is_farther(double t, double error, const Interval& from) {
 template <class S>
 void check_ray(const Intersector& form, const HostileRay& x, Tally& tally) {
     const Format format = *find_format(sizeof(S) == 4 ? "f32" : "f64");
-    const auto own = form.bounded(format, x.ray, intersect::Target<double>(x.solid), HUGE_VAL);
+    const auto own = form.bounded(format, x.ray, intersect::Target<double>(x.primitive), HUGE_VAL);
     ++tally.asked;
     const auto stored = [](double v) { return static_cast<S>(v); };
-    const Solid<S> solid = transformed(x.solid, stored);
+    const Primitive<S> primitive = transformed(x.primitive, stored);
     const S o[6] = {stored(x.ray.origin.x),    stored(x.ray.origin.y),    stored(x.ray.origin.z),
                     stored(x.ray.direction.x), stored(x.ray.direction.y), stored(x.ray.direction.z)};
     S t, near, far;
@@ -53,8 +54,8 @@ void check_ray(const Intersector& form, const HostileRay& x, Tally& tally) {
     const auto column = [&o](int k) { return std::span<const S>(o + k, 1); };
     const intersect::table::RayBatch<S> rays{column(0), column(1), column(2), column(3), column(4), column(5)};
     const intersect::table::HitBatch<S> hits{{&t, 1}, {&near, 1}, {&far, 1}, {&hit, 1}};
-    if constexpr (sizeof(S) == 4) form.native32(rays, intersect::Target<S>(solid), hits);
-    else form.native64(rays, intersect::Target<S>(solid), hits);
+    if constexpr (sizeof(S) == 4) form.native32(rays, intersect::Target<S>(primitive), hits);
+    else form.native64(rays, intersect::Target<S>(primitive), hits);
     const bool both_nan = std::isnan(t) && std::isnan(own->t);
     tally.other_bits += own->hit != (hit != 0) || !(own->t == static_cast<double>(t) || both_nan);
 
@@ -78,17 +79,18 @@ void check_form(const Intersector& form, std::uint64_t rays, std::uint64_t seed,
         Random scales(seed << 32 | b);
         for (std::uint64_t i = 0; i < std::min(block, rays - b * block); ++i) {
             const bool as_box = form.shape == Shape::box || form.shape == Shape::triangle;
-            HostileRay x = as_box ? draw.box((b + i) % hostile_box_families.size())
-                                  : draw.sphere((b + i) % sphere_families.size());
-            // What is hostile to a sphere is to a solid around the same centre.
+            HostileRay x = as_box ? draw.box((b + i) % hostile_box_distributions.size())
+                                  : draw.sphere((b + i) % sphere_distributions.size());
+            // What is hostile to a sphere is to a primitive around the same centre.
             if (!as_box && form.shape != Shape::sphere)
-                x.solid = transformed(solid_around<double>(form.shape, x.solid.point(0), x.solid.numbers[3]),
-                                      [](double v) { return static_cast<double>(static_cast<S>(v)); });
+                x.primitive =
+                    transformed(primitive_around<double>(form.shape, x.primitive.point(0), x.primitive.numbers[3]),
+                                [](double v) { return static_cast<double>(static_cast<S>(v)); });
             if (any_scale) x = at_any_scale<S>(x, scales);
             if (form.info->direction == intersect::Direction::unit)
                 x.ray.direction = measure::truth::unit_direction(x.ray.direction, sizeof(S) == 4 ? binary32 : binary64);
             // At any scale the ends of an axis may meet, and a normal vanish.
-            if (as_box || form.shape == Shape::sphere || !broken_limit(x.solid)) check_ray<S>(form, x, tally);
+            if (as_box || form.shape == Shape::sphere || !broken_limit(x.primitive)) check_ray<S>(form, x, tally);
         }
     });
 }

@@ -5,8 +5,8 @@
 
 #include "catch.hpp"
 #include "intersect/catalogue.hpp"
+#include "intersect/form_shape.hpp"
 #include "intersect/table/table.hpp"
-#include "intersect/takes.hpp"
 
 namespace lostbits::test {
 

@@ -8,15 +8,15 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "intersect/hostile_rays.hpp"
-#include "measure/blame/attribution.hpp"
-#include "measure/blame/operation_error.hpp"
-#include "measure/blame/recorded_rays.hpp"
+#include "measure/attribution/attribution.hpp"
+#include "measure/attribution/operation_error.hpp"
+#include "measure/attribution/recorded_rays.hpp"
 #include "number/oracle.hpp"
 
 namespace lostbits::test::test_filtered_tapes {
 namespace {
 
-using intersect::Way;
+using intersect::FilterArithmetic;
 using intersect::table::Intersector;
 
 struct Tally {
@@ -26,7 +26,7 @@ struct Tally {
 
 /// Of a box the triangle of three corners, on whose edges the rays through its own edges and corners lie.
 HostileRay at_triangle(const HostileRay& x) {
-    const Box<double> box = x.solid.box();
+    const Box<double> box = x.primitive.box();
     const Vec<double> third(box.lo.x, box.hi.y, box.lo.z);
     return {x.ray, Triangle<double>{box.lo, box.hi, third}};
 }
@@ -40,20 +40,20 @@ bool asks_steps(const Intersector& form) {
 HostileRay in_format(const HostileRay& x, const FloatFormat& format) {
     const auto rounded = [&](double v) { return rounding::to_format(v, 0, format); };
     const auto vec = [&](const Vec<double>& v) { return Vec<double>(rounded(v.x), rounded(v.y), rounded(v.z)); };
-    return {{vec(x.ray.origin), vec(x.ray.direction)}, transformed(x.solid, rounded), rounded(x.tmax)};
+    return {{vec(x.ray.origin), vec(x.ray.direction)}, transformed(x.primitive, rounded), rounded(x.tmax)};
 }
 
 /// Without rounding the exact step gives the decision that it gave, and a t that is 16u from its own at most.
 void check_exact_step(const Tape& tape, const Format& format, bool hit, Tally& tally) {
-    const measure::blame::Attribution found = measure::blame::attribute(tape, {.full = true});
+    const measure::attribution::Attribution found = measure::attribution::attribute(tape, {.full = true});
     ++tally.shared_out;
     tally.turned += found.exact_hit != hit;
     if (found.culprit != no_node) tally.of_constants += tape[found.culprit].op == TapeOp::constant;
     if (!hit) return;
     ++tally.hits;
     const double t = tape[tape.outputs.t].value, off = found[tape.outputs.t].error;
-    const double allowed =
-        16 * std::ldexp(std::fabs(t), -format.parameters.precision) + measure::blame::ulp_at(0, format.parameters);
+    const double allowed = 16 * std::ldexp(std::fabs(t), -format.parameters.precision) +
+                           measure::attribution::ulp_at(0, format.parameters);
     tally.inexact += std::isfinite(t) && !(std::fabs(off) <= allowed);
 }
 
@@ -64,7 +64,7 @@ struct Shares {
 };
 
 void check_ray(const Intersector& form, const Format& format, const HostileRay& x, Shares& shares, Tally& tally) {
-    const Setting s{.ray = x.ray, .solids = {x.solid}, .tmax = x.tmax};
+    const Setting s{.ray = x.ray, .primitives = {x.primitive}, .tmax = x.tmax};
     const Hit<double> want = plain(form, format, s);
     Tape tape;
     form.record(format, s.ray, s.target(form), s.tmax, tape);
@@ -72,8 +72,8 @@ void check_ray(const Intersector& form, const Format& format, const HostileRay& 
     ++tally.asked;
     tally.other_bits += (tape[hit].value != 0) != want.hit || !same_number(tape[t].value, want.t) ||
                         !same_number(tape[near].value, want.near) || !same_number(tape[far].value, want.far);
-    const Way way = form.way(format, s.ray, s.target(form), s.tmax);
-    const bool exact = way == Way::exact || (way != Way::own && !asks_steps(form));
+    const FilterArithmetic way = form.way(format, s.ray, s.target(form), s.tmax);
+    const bool exact = way == FilterArithmetic::exact || (way != FilterArithmetic::own && !asks_steps(form));
     tally.exact += exact;
     tally.other_way += exact == tape.calls.empty();
     if (exact && shares.take(want.hit)) check_exact_step(tape, format, want.hit, tally);
@@ -90,15 +90,15 @@ void check_form(const Intersector& form, const Format& format, std::uint64_t ray
         Shares shares = form.shape != Shape::torus ? Shares{3, 1} : Shares{b % 4 == 0 ? 1 : 0, 0};
         for (std::uint64_t i = 0; i < block; ++i) {
             const bool as_box = form.shape == Shape::box || form.shape == Shape::triangle;
-            HostileRay x = as_box ? draw.box((b + i) % hostile_box_families.size())
-                                  : draw.sphere((b + i) % sphere_families.size());
+            HostileRay x = as_box ? draw.box((b + i) % hostile_box_distributions.size())
+                                  : draw.sphere((b + i) % sphere_distributions.size());
             if (form.shape == Shape::triangle) x = at_triangle(x);
             else if (!asks_steps(form))
-                x.solid = solid_around<double>(form.shape, x.solid.point(0), x.solid.numbers[3]);
+                x.primitive = primitive_around<double>(form.shape, x.primitive.point(0), x.primitive.numbers[3]);
             if (any_scale) x = at_any_scale<S>(x, scales);
             x = in_format(x, format.parameters);
             // At any scale the ends of an axis may meet, and a normal vanish.
-            if (asks_steps(form) || !broken_limit(x.solid)) check_ray(form, format, x, shares, tally);
+            if (asks_steps(form) || !broken_limit(x.primitive)) check_ray(form, format, x, shares, tally);
         }
     });
     INFO(form.info->name << " in " << format.name << (any_scale ? " at any scale" : "") << ": " << tally.asked

@@ -1,4 +1,4 @@
-// What shapes say of points beside them: one test over the closed list, of solids at random.
+// What shapes say of points beside them: one test over the closed list, of primitives at random.
 #include <algorithm>
 #include <cmath>
 
@@ -6,7 +6,7 @@
 #include "measure/seeded.hpp"
 #include "number/format.hpp"
 #include "number/real.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::test::test_nearest {
 namespace {
@@ -18,22 +18,22 @@ Vec<T> lifted(const Vec<double>& v) {
     return {static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z)};
 }
 
-Solid<double> random_solid(const ShapeRow& row, Seeded& rng) {
-    Solid<double> solid(row.shape);
+Primitive<double> random_primitive(const ShapeRow& row, Seeded& rng) {
+    Primitive<double> primitive(row.shape);
     std::size_t k = 0;
     for (const Key& key : row.keys) {
         using Limit = Key::Limit;
         for (const std::size_t end = k + key.count(); k < end; ++k) {
-            double& x = solid.numbers[k];
+            double& x = primitive.numbers[k];
             if (!key.is_length()) x = rng.uniform(-1, 1);
             else if (key.limit == Limit::positive) x = rng.uniform(0.1, 1);
             else if (key.limit == Limit::not_negative) x = rng.coin() ? 0 : rng.uniform(0, 1);
             else
                 x = (key.limit == Limit::below_before && rng.coin() ? 0 : rng.uniform(0.1, 0.99)) *
-                    solid.numbers[k - 1];
+                    primitive.numbers[k - 1];
         }
     }
-    return solid;
+    return primitive;
 }
 
 /// Whether it is an apex, where there is no normal.
@@ -64,8 +64,8 @@ void check_nearest_point(const S<Real>& s, const Vec<double>& q) {
 
 /// A point put onto the surface in float lies within its bound; what is returned is how much of that it takes.
 template <template <class> class S>
-double share_of_bound(const Solid<double>& solid, const Vec<double>& at) {
-    const Solid<float> rounded = transformed(solid, [](double x) { return static_cast<float>(x); });
+double share_of_bound(const Primitive<double>& primitive, const Vec<double>& at) {
+    const Primitive<float> rounded = transformed(primitive, [](double x) { return static_cast<float>(x); });
     const S<float> s = rounded.template as<S>();
     const S<Real> same = transformed(rounded, [](float x) { return Real(x); }).template as<S>();
     // Put back by what rounding moved it: a point near the surface, as hits are.
@@ -78,22 +78,22 @@ double share_of_bound(const Solid<double>& solid, const Vec<double>& at) {
     return static_cast<double>(abs(same.distance(there))) / std::sqrt(allowed);
 }
 
-/// The largest of solids of all sizes, near the origin and far.
+/// The largest of primitives of all sizes, near the origin and far.
 template <template <class> class S>
 double largest_share_of_bound(const ShapeRow& row, Seeded& rng) {
     double largest = 0;
     for (int i = 0; i < 2000; ++i) {
-        Solid<double> solid = scaled(random_solid(row, rng), rng.magnitude(-6, 6));
+        Primitive<double> primitive = scaled(random_primitive(row, rng), rng.magnitude(-6, 6));
         const Vec<double> off = rng.magnitude(-6, 6) * rng.vec(-1, 1);
         std::size_t k = 0;
         for (const Key& key : row.keys) {
-            if (key.kind == Key::Kind::point) solid.set_point(k, solid.point(k) + off);
+            if (key.kind == Key::Kind::point) primitive.set_point(k, primitive.point(k) + off);
             k += key.count();
         }
         const double x = rng.unit(), y = rng.unit(), z = rng.unit();
-        const Vec<double> at = solid.template as<S>().point_at({x, y, z});
-        if (!broken_limit(transformed(solid, [](double v) { return static_cast<float>(v); })))
-            largest = std::max(largest, share_of_bound<S>(solid, at));
+        const Vec<double> at = primitive.template as<S>().point_at({x, y, z});
+        if (!broken_limit(transformed(primitive, [](double v) { return static_cast<float>(v); })))
+            largest = std::max(largest, share_of_bound<S>(primitive, at));
     }
     return largest;
 }
@@ -102,15 +102,15 @@ double largest_share_of_bound(const ShapeRow& row, Seeded& rng) {
 
 TEST_CASE("a shape's distance, normal, nearest point and bounded point belong together", "[shapes]") {
     Seeded rng(0x7a7);
-    Solids::each([&]<template <class> class S>() {
+    Primitives::each([&]<template <class> class S>() {
         const ShapeRow& row = row_of(shape_as<S>);
-        if (row.name == "box" || row.name == "triangle") return;  // test_solids
+        if (row.name == "box" || row.name == "triangle") return;  // test_primitives
         INFO(row.name);
         int inside = 0;
         for (int i = 0; i < 500; ++i) {
-            const Solid<double> solid = random_solid(row, rng);
-            const S<double> plain = solid.as<S>();
-            const S<Real> s = transformed(solid, [](double x) { return Real(x); }).template as<S>();
+            const Primitive<double> primitive = random_primitive(row, rng);
+            const S<double> plain = primitive.as<S>();
+            const S<Real> s = transformed(primitive, [](double x) { return Real(x); }).template as<S>();
             const Vec<double> q = rng.vec(-1.5, 1.5);
             const Real d = s.distance(lifted<Real>(q));
             if (!is_apex(plain, plain.projected({}, q))) check_nearest_point(s, q);

@@ -26,9 +26,9 @@ template <class Form>
 void check_open_sign() {
     const Ball zero(0), half = Ball(1) / Ball(2);
     const Ray<Ball> ray{{half, almost_zero(), zero}, {zero, Ball(1), zero}};
-    const Solid<Ball> solid(Sphere<Ball>{{zero, zero, zero}, Ball(1)});
-    const Hit<Ball> walked = row_of_form<Form>().ball(ray, solid);
-    const Hit<Ball> compiled = intersect::table::enclosed<Form, Ball>(ray, solid);
+    const Primitive<Ball> primitive(Sphere<Ball>{{zero, zero, zero}, Ball(1)});
+    const Hit<Ball> walked = row_of_form<Form>().ball(ray, primitive);
+    const Hit<Ball> compiled = intersect::table::enclosed<Form, Ball>(ray, primitive);
     INFO(Form::info.name);
     REQUIRE((almost_zero() < zero).is_unknown());
     CHECK(walked.hit.is_yes());
@@ -43,15 +43,15 @@ TEST_CASE("every form of the catalogue answers over counted numbers and balls, r
     for (const Intersector& row : intersect::table::catalogue()) {
         if (row.log) continue;  // marches: their target is a field
         INFO(row.info->name);
-        Solid<double> solid(row.shape);
-        solid.numbers.fill(0.5);
+        Primitive<double> primitive(row.shape);
+        primitive.numbers.fill(0.5);
         const Ray<double> ray{{3, 2, 1}, {-1, -0.5, -0.25}};
         const auto as_float = [](double x) { return static_cast<float>(x); };
         const Ray<float> narrow{{3, 2, 1}, {-1, -0.5F, -0.25F}};
-        const OperationCounts counts = row.count(narrow, transformed(solid, as_float), HUGE_VALF);
+        const OperationCounts counts = row.count(narrow, transformed(primitive, as_float), HUGE_VALF);
         CHECK(counts[Operation::add] + counts[Operation::mul] + counts[Operation::fma] > 0);
         CHECK_NOTHROW(row.ball({Vec<Ball>(Ball(3), Ball(2), Ball(1)), Vec<Ball>(Ball(-1), Ball(-0.5), Ball(-0.25))},
-                               transformed(solid, [](double x) { return Ball(x); })));
+                               transformed(primitive, [](double x) { return Ball(x); })));
     }
 }
 

@@ -46,8 +46,8 @@ struct Arguments {
         rays.origin = {origins.data(), 24, 8, 64};
         rays.direction = {directions.data(), 24, 8, 64};
         rays.shape = "sphere";
-        rays.solids = {sphere.data(), 32, 8, 64};
-        rays.solid_count = 1;
+        rays.primitives = {sphere.data(), 32, 8, 64};
+        rays.primitive_count = 1;
     }
     Arguments(const Arguments&) = delete;
     Arguments& operator=(const Arguments&) = delete;
@@ -63,7 +63,7 @@ struct Arguments {
     const char* shape = "sphere";
     std::vector<double> sphere{0, 0, 0, 1};
     const double* numbers = sphere.data();
-    std::size_t solid_count = 1;
+    std::size_t primitive_count = 1;
     std::vector<double> corners{0, 0, 0, 1, 0, 0, 0, 1, 0}, matrix_numbers{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     const double *vertices = corners.data(), *matrix = matrix_numbers.data();
     std::vector<std::uint32_t> places{0, 1, 2};
@@ -99,8 +99,8 @@ struct Arguments {
     const char *study = "consistency", *option = "check=reverse";
     lostbits_words options{&option, 1};
     const lostbits_words* given_options = &options;
-    lostbits_wish wish{8, -1, 0, "max"};
-    const lostbits_wish* given_wish = &wish;
+    lostbits_requirement requirement{8, -1, 0, "max"};
+    const lostbits_requirement* given_requirement = &requirement;
     int x = 2, y = 2;
 
     const lostbits_result* result = nullptr;
@@ -125,9 +125,9 @@ struct Function {
 inline const Function functions[] = {
     {"scene_open", [](Arguments& a, lostbits_error* e) { return lostbits_scene_open(a.name, a.at, a.scene_out, e); }},
     {"scene_text", [](Arguments& a, lostbits_error* e) { return lostbits_scene_text(a.text, a.at, a.scene_out, e); }},
-    {"scene_solids",
+    {"scene_primitives",
      [](Arguments& a, lostbits_error* e) {
-         return lostbits_scene_solids(a.scene, a.shape, a.numbers, a.solid_count, e);
+         return lostbits_scene_primitives(a.scene, a.shape, a.numbers, a.primitive_count, e);
      }},
     {"scene_mesh",
      [](Arguments& a, lostbits_error* e) {
@@ -152,8 +152,8 @@ inline const Function functions[] = {
     {"hits",
      [](Arguments& a, lostbits_error* e) {
          const bool is_right = a.rays.shape != nullptr && std::string_view(a.rays.shape) == "sphere";
-         if (is_right && a.rays.solids.data != nullptr)
-             a.rays.shape = "triangle", a.rays.solids.data = (a.sphere[1] == 0 ? a.corners : a.sphere).data();
+         if (is_right && a.rays.primitives.data != nullptr)
+             a.rays.shape = "triangle", a.rays.primitives.data = (a.sphere[1] == 0 ? a.corners : a.sphere).data();
          return lostbits_hits(a.given_rays, &a.run, a.out, e);
      }},
     {"inside",
@@ -169,10 +169,14 @@ inline const Function functions[] = {
      [](Arguments& a, lostbits_error* e) {
          return lostbits_study(a.study, a.scene, a.given_options, &a.choice, &a.run, a.out, e);
      }},
-    {"choose", [](Arguments& a,
-                  lostbits_error* e) { return lostbits_choose(a.scene, a.given_wish, &a.choice, &a.run, a.out, e); }},
-    {"mend", [](Arguments& a,
-                lostbits_error* e) { return lostbits_mend(a.scene, a.given_wish, 0, &a.choice, &a.run, a.out, e); }},
+    {"choose",
+     [](Arguments& a, lostbits_error* e) {
+         return lostbits_choose(a.scene, a.given_requirement, &a.choice, &a.run, a.out, e);
+     }},
+    {"mend",
+     [](Arguments& a, lostbits_error* e) {
+         return lostbits_mend(a.scene, a.given_requirement, 0, &a.choice, &a.run, a.out, e);
+     }},
     {"result_table", [](Arguments& a, lostbits_error*) { return lostbits_result_table(a.result, 0, a.into_table); }},
     {"result_column",
      [](Arguments& a, lostbits_error*) { return lostbits_result_column(a.result, 0, 0, a.into_column); }},

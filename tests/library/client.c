@@ -30,7 +30,7 @@ static const char* const scene_text =
 static const char* near_root(const lb_batch* batch) {
     for (size_t i = 0; i < batch->size; ++i) {
         const float* const r = (const float*)batch->rays + 6 * i;
-        const float* const s = (const float*)batch->solids + batch->solid_stride * i;
+        const float* const s = (const float*)batch->primitives + batch->primitive_stride * i;
         float* const out = (float*)batch->near_far + 2 * i;
         const float f[3] = {r[0] - s[0], r[1] - s[1], r[2] - s[2]};
         const float a = r[3] * r[3] + r[4] * r[4] + r[5] * r[5], b = f[0] * r[3] + f[1] * r[4] + f[2] * r[5];
@@ -61,12 +61,12 @@ static lostbits_rays three_rays(const void* origin, const void* direction, ptrdi
     memset(&rays, 0, sizeof rays);
     rays.count = 3;
     rays.origin.data = origin, rays.origin.step = step, rays.origin.item_step = item_step, rays.origin.bits = bits;
-    rays.direction = rays.solids = rays.origin;
+    rays.direction = rays.primitives = rays.origin;
     rays.direction.data = direction;
     rays.shape = "sphere";
-    rays.solid_count = 1;
-    rays.solids.data = bits == 32 ? (const void*)in_float : (const void*)in_double;
-    rays.solids.item_step = bits / 8;
+    rays.primitive_count = 1;
+    rays.primitives.data = bits == 32 ? (const void*)in_float : (const void*)in_double;
+    rays.primitives.item_step = bits / 8;
     return rays;
 }
 
@@ -270,7 +270,7 @@ int client_asks_for_studies_and_a_choice(void) {
     lostbits_choice choice = {{forms, 1}, NULL, 0, {NULL, 0}, {NULL, 0}, 0, 0};
     const char* option = "points=computed";
     const lostbits_words points = {&option, 1};
-    lostbits_wish wish = {0, 1e-4, 0, "max"};
+    lostbits_requirement requirement = {0, 1e-4, 0, "max"};
     HOLDS(lostbits_shapes(&result, &error) == LOSTBITS_OK);
     HOLDS(column_named(result, 0, "shape", &column) && strcmp(column.texts[0], "sphere") == 0);
     HOLDS(column_named(result, 0, "numbers", &column) && column.numbers[0] == 3 && column.numbers[1] == 1);
@@ -289,12 +289,12 @@ int client_asks_for_studies_and_a_choice(void) {
     HOLDS(lostbits_study("consistency", scene, NULL, NULL, NULL, &result, &error) == LOSTBITS_OK);
     HOLDS(column_named(result, 0, "check", &column) && strcmp(column.texts[0], "beyond") == 0);
     lostbits_result_free(result);
-    HOLDS(lostbits_choose(scene, &wish, &choice, NULL, &result, &error) == LOSTBITS_OK);
+    HOLDS(lostbits_choose(scene, &requirement, &choice, NULL, &result, &error) == LOSTBITS_OK);
     HOLDS(column_named(result, 0, "distance_error", &column) && column.numbers[0] > 0 && column.numbers[0] <= 1e-4);
     lostbits_result_free(result);
-    HOLDS(lostbits_mend(scene, &wish, 0, &choice, NULL, &result, &error) == LOSTBITS_BAD_INPUT);
-    wish.tolerance = 0;
-    HOLDS(lostbits_choose(scene, &wish, &choice, NULL, &result, &error) == LOSTBITS_NO);
+    HOLDS(lostbits_mend(scene, &requirement, 0, &choice, NULL, &result, &error) == LOSTBITS_BAD_INPUT);
+    requirement.tolerance = 0;
+    HOLDS(lostbits_choose(scene, &requirement, &choice, NULL, &result, &error) == LOSTBITS_NO);
     HOLDS(strstr(lostbits_result_text(result, 0), "Nothing meets the requirement") != NULL);
     lostbits_result_free(result);
     lostbits_scene_free(scene);
@@ -314,10 +314,10 @@ int client_stops(void) {
     lostbits_run run = {0, &stopped, NULL, NULL}, later = {0, &stops_later, stop_after_some, &stops_later};
     const char *const forms[] = {"sphere.half_b"}, *const formats[] = {"f32"};
     lostbits_choice choice = {{forms, 1}, NULL, 0, {formats, 1}, {NULL, 0}, 0, 0};
-    lostbits_wish wish = {24, -1, 0, "max"};
+    lostbits_requirement requirement = {24, -1, 0, "max"};
     HOLDS(lostbits_scene_text(scene_text, NULL, &scene, &error) == LOSTBITS_OK);
     HOLDS(lostbits_map(scene, NULL, &run, &result, &error) == LOSTBITS_INTERRUPTED);
-    HOLDS(lostbits_mend(scene, &wish, 0, &choice, &later, &result, &error) == LOSTBITS_INTERRUPTED);
+    HOLDS(lostbits_mend(scene, &requirement, 0, &choice, &later, &result, &error) == LOSTBITS_INTERRUPTED);
     HOLDS(stops_later == 1 && result == NULL);
     HOLDS(lostbits_map(scene, NULL, NULL, &result, &error) == LOSTBITS_OK); /* and goes on */
     lostbits_result_free(result);

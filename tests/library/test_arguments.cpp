@@ -33,18 +33,18 @@ struct Row {
 const std::vector<std::string> choosing{"map", "judge", "answers", "sweep", "explain", "study", "choose", "mend"},
     aiming{"judge", "answers", "truth", "hits"},
     running{"map", "judge", "answers", "truth", "hits", "inside", "sweep", "study", "choose", "mend"},
-    opening{"scene_open", "scene_text"}, wishing{"choose", "mend"};
+    opening{"scene_open", "scene_text"}, with_requirement{"choose", "mend"};
 
 const std::vector<Row> null_rows{
     {"name", {"scene_open"}, [](Arguments& a) { a.name = nullptr; }},
     {"text", {"scene_text"}, [](Arguments& a) { a.text = nullptr; }},
     {"scene to make", opening, [](Arguments& a) { a.scene_out = nullptr; }},
     {"scene",
-     {"scene_solids", "scene_mesh", "scene_transform", "scene_rays", "map", "inside", "explain", "study", "choose",
+     {"scene_primitives", "scene_mesh", "scene_transform", "scene_rays", "map", "inside", "explain", "study", "choose",
       "mend"},
      [](Arguments& a) { a.scene = nullptr; }},
-    {"shape", {"scene_solids"}, [](Arguments& a) { a.shape = nullptr; }},
-    {"numbers", {"scene_solids"}, [](Arguments& a) { a.numbers = nullptr; }},
+    {"shape", {"scene_primitives"}, [](Arguments& a) { a.shape = nullptr; }},
+    {"numbers", {"scene_primitives"}, [](Arguments& a) { a.numbers = nullptr; }},
     {"vertices", {"scene_mesh"}, [](Arguments& a) { a.vertices = nullptr; }},
     {"faces", {"scene_mesh"}, [](Arguments& a) { a.faces = nullptr; }},
     {"matrix", {"scene_transform"}, [](Arguments& a) { a.matrix = nullptr; }},
@@ -65,10 +65,10 @@ const std::vector<Row> null_rows{
     {"origin", aiming, [](Arguments& a) { a.rays.origin.data = nullptr; }},
     {"direction", aiming, [](Arguments& a) { a.rays.direction.data = nullptr; }},
     {"rays' shape", aiming, [](Arguments& a) { a.rays.shape = nullptr; }},
-    {"rays' solids", aiming, [](Arguments& a) { a.rays.solids.data = nullptr; }},
+    {"rays' primitives", aiming, [](Arguments& a) { a.rays.primitives.data = nullptr; }},
     {"sweep", {"sweep"}, [](Arguments& a) { a.sweep = nullptr; }},
     {"study", {"study"}, [](Arguments& a) { a.study = nullptr; }},
-    {"wish", wishing, [](Arguments& a) { a.given_wish = nullptr; }},
+    {"requirement", with_requirement, [](Arguments& a) { a.given_requirement = nullptr; }},
     {"table to fill", {"result_table"}, [](Arguments& a) { a.into_table = nullptr; }},
     {"column to fill", {"result_column"}, [](Arguments& a) { a.into_column = nullptr; }},
     {"own with a count", choosing, [](Arguments& a) { a.choice.own_count = 1; }},
@@ -118,7 +118,7 @@ std::vector<Row> count_rows() {
     std::vector<Row> rows;
     for (const std::size_t n : vast_counts) {
         const std::string of = " of " + std::to_string(n);
-        rows.push_back({"solids" + of, {"scene_solids"}, [n](Arguments& a) { a.solid_count = n; }});
+        rows.push_back({"primitives" + of, {"scene_primitives"}, [n](Arguments& a) { a.primitive_count = n; }});
         rows.push_back({"vertices" + of, {"scene_mesh"}, [n](Arguments& a) { a.vertex_count = n; }});
         rows.push_back({"faces" + of, {"scene_mesh"}, [n](Arguments& a) { a.face_count = n; }});
         rows.push_back({"forms" + of, {"form_make"}, [n](Arguments& a) { a.form_count = n; }});
@@ -128,20 +128,20 @@ std::vector<Row> count_rows() {
         rows.push_back({"points" + of, {"inside"}, [n](Arguments& a) { a.rays.count = n; }});
         rows.push_back({"rays of one" + of, aiming,
                         [n](Arguments& a) { a.rays.count = n, a.rays.origin.step = a.rays.direction.step = 0; }});
-        rows.push_back({"rays' solids" + of, aiming, [n](Arguments& a) { a.rays.solid_count = n; }});
+        rows.push_back({"rays' primitives" + of, aiming, [n](Arguments& a) { a.rays.primitive_count = n; }});
     }
     for (const std::ptrdiff_t n : {PTRDIFF_MAX, PTRDIFF_MIN, PTRDIFF_MAX / 2}) {
         rows.push_back({"step", aiming, [n](Arguments& a) { a.rays.origin.step = n; }});
         rows.push_back({"step of points", {"inside"}, [n](Arguments& a) { a.rays.origin.step = n; }});
         rows.push_back({"item_step", aiming, [n](Arguments& a) { a.rays.direction.item_step = n; }});
-        rows.push_back({"item_step of solids", aiming, [n](Arguments& a) { a.rays.solids.item_step = n; }});
+        rows.push_back({"item_step of primitives", aiming, [n](Arguments& a) { a.rays.primitives.item_step = n; }});
     }
-    rows.push_back({"no solids", {"scene_solids"}, [](Arguments& a) { a.solid_count = 0; }});
+    rows.push_back({"no primitives", {"scene_primitives"}, [](Arguments& a) { a.primitive_count = 0; }});
     rows.push_back({"no faces", {"scene_mesh"}, [](Arguments& a) { a.face_count = 0; }});
     rows.push_back({"no vertices", {"scene_mesh"}, [](Arguments& a) { a.vertex_count = 0; }});
     rows.push_back({"no forms", {"form_make"}, [](Arguments& a) { a.form_count = 0; }});
     rows.push_back({"no operations", {"form_write"}, [](Arguments& a) { a.operation_count = 0; }});
-    rows.push_back({"no solids of rays", aiming, [](Arguments& a) { a.rays.solid_count = 0; }});
+    rows.push_back({"no primitives of rays", aiming, [](Arguments& a) { a.rays.primitive_count = 0; }});
     return rows;
 }
 
@@ -151,7 +151,7 @@ std::vector<Row> text_rows() {
         const std::string is = " is " + std::string(text).substr(0, 20);
         rows.push_back({"name" + is, {"scene_open"}, [text](Arguments& a) { a.name = text; }});
         rows.push_back({"text" + is, {"scene_text"}, [text](Arguments& a) { a.text = text; }});
-        rows.push_back({"shape" + is, {"scene_solids"}, [text](Arguments& a) { a.shape = text; }});
+        rows.push_back({"shape" + is, {"scene_primitives"}, [text](Arguments& a) { a.shape = text; }});
         rows.push_back({"form's name" + is,
                         {"form_make"},
                         [text](Arguments& a) { a.forms[0].name = text; },
@@ -166,7 +166,7 @@ std::vector<Row> text_rows() {
         rows.push_back({"sweep" + is, {"sweep"}, [text](Arguments& a) { a.sweep = text; }});
         rows.push_back({"study" + is, {"study"}, [text](Arguments& a) { a.study = text; }});
         rows.push_back({"option" + is, {"study"}, [text](Arguments& a) { a.option = text; }});
-        rows.push_back({"wish at" + is, wishing, [text](Arguments& a) { a.wish.at = text; }});
+        rows.push_back({"requirement at" + is, with_requirement, [text](Arguments& a) { a.requirement.at = text; }});
         // No folder named is the usual one.
         rows.push_back({"data" + is,
                         {"scene_open", "sweep"},
@@ -191,7 +191,7 @@ std::vector<Row> number_rows() {
         rows.push_back({"y" + is, {"explain"}, [n](Arguments& a) { a.y = n; }});
         rows.push_back({"bits of an array" + is, aiming, [n](Arguments& a) { a.rays.origin.bits = n; }});
         rows.push_back({"bits of points" + is, {"inside"}, [n](Arguments& a) { a.rays.origin.bits = n; }});
-        rows.push_back({"bits of solids" + is, aiming, [n](Arguments& a) { a.rays.solids.bits = n; }});
+        rows.push_back({"bits of primitives" + is, aiming, [n](Arguments& a) { a.rays.primitives.bits = n; }});
         rows.push_back({"form's shape" + is, {"form_make"}, [n](Arguments& a) { a.forms[0].shape = n; }});
         rows.push_back({"form's format" + is, {"form_make"}, [n](Arguments& a) { a.forms[0].format = n; }});
         rows.push_back({"form's direction" + is, {"form_make"}, [n](Arguments& a) { a.forms[0].direction = n; }});
@@ -208,18 +208,19 @@ std::vector<Row> number_rows() {
     }
     for (const double x : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
         const std::string is = " is " + std::to_string(x);
-        rows.push_back({"a number" + is, {"scene_solids"}, [x](Arguments& a) { a.sphere[1] = x; }});
+        rows.push_back({"a number" + is, {"scene_primitives"}, [x](Arguments& a) { a.sphere[1] = x; }});
         rows.push_back({"a vertex" + is, {"scene_mesh"}, [x](Arguments& a) { a.corners[1] = x; }});
         rows.push_back(
             {"a number of the matrix" + is, {"scene_transform"}, [x](Arguments& a) { a.matrix_numbers[1] = x; }});
         rows.push_back({"a number of a ray" + is, aiming, [x](Arguments& a) { a.origins[4] = x; }});
         rows.push_back({"a number of a point" + is, {"inside"}, [x](Arguments& a) { a.origins[4] = x; }});
-        rows.push_back({"a solid of rays" + is, aiming, [x](Arguments& a) { a.sphere[1] = x; }});
-        rows.push_back({"bits of a wish" + is, wishing, [x](Arguments& a) { a.wish.bits = x; }});
-        rows.push_back({"wrong of a wish" + is, wishing, [x](Arguments& a) { a.wish.wrong = x; }});
+        rows.push_back({"a primitive of rays" + is, aiming, [x](Arguments& a) { a.sphere[1] = x; }});
+        rows.push_back({"bits of a requirement" + is, with_requirement, [x](Arguments& a) { a.requirement.bits = x; }});
+        rows.push_back(
+            {"wrong of a requirement" + is, with_requirement, [x](Arguments& a) { a.requirement.wrong = x; }});
     }
-    rows.push_back(
-        {"a tolerance that is not a number", wishing, [](Arguments& a) { a.wish.tolerance = std::nan(""); }});
+    rows.push_back({"a tolerance that is not a number", with_requirement,
+                    [](Arguments& a) { a.requirement.tolerance = std::nan(""); }});
     rows.push_back({"a face's place", {"scene_mesh"}, [](Arguments& a) { a.places[1] = UINT32_MAX; }});
     return rows;
 }
@@ -277,7 +278,7 @@ TEST_CASE("every function of lostbits.h takes right arguments, and those that ma
         for (const bool without : {false, true}) {
             Arguments arguments;
             if (without) arguments.at = nullptr, arguments.given_options = nullptr;
-            if (without) arguments.wish.at = nullptr;
+            if (without) arguments.requirement.at = nullptr;
             if (without && std::string_view(function.name) == "scene_open")
                 arguments.name = LOSTBITS_DATA_DIR "/scenes/near-benign.toml";
             lostbits_error error{};

@@ -55,10 +55,10 @@ inline std::vector<measure::evaluate::TestedForm> all_rows(Shape shape,
     return rows;
 }
 
-/// The t that a form answers about one ray and one solid alone; nothing where it misses.
+/// The t that a form answers about one ray and one primitive alone; nothing where it misses.
 inline std::optional<double> asked_alone(const measure::evaluate::TestedForm& row, const Ray<double>& ray,
-                                         const Solid<double>& solid, double tmax = HUGE_VAL) {
-    return measure::answer::ask_one(*row.form, row.format, ray, solid, tmax);
+                                         const Primitive<double>& primitive, double tmax = HUGE_VAL) {
+    return measure::answer::evaluate_one(*row.form, row.format, ray, primitive, tmax);
 }
 
 inline const std::vector<const measure::metric::Metric*> case_metrics{measure::metric::find_metric("lost_bits"),

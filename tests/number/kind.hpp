@@ -94,7 +94,7 @@ struct Kind<T> {
         explicit Setting(Random& random) {
             if constexpr (std::same_as<T, RoundedAny>)
                 scope = std::make_unique<CurrentFormat::Scope>(any_format(random));
-            else if constexpr (tells_of_operations<T>)
+            else if constexpr (traces_operations<T>)
                 recorder = std::make_unique<number::recorders::TapeRecorder>(tape, any_format(random));
         }
         Tape tape;

@@ -141,7 +141,7 @@ TEMPLATE_LIST_TEST_CASE("the undefined spreads and never decides", "[number]", R
 
 TEMPLATE_LIST_TEST_CASE("neighbours of a number", "[number]", RunnableNumbers) {
     using T = TestType;
-    if constexpr (stands_for_exact<T>) {
+    if constexpr (is_exact<T>) {
         CHECK(Kind<T>::is(next_up(T(3)), 3));
         CHECK(Kind<T>::is(next_down(T(3)), 3));
     } else {

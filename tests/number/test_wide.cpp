@@ -3,7 +3,7 @@
 #include "number/oracle.hpp"
 #include "number/random.hpp"
 #include "number/wide/exact_sum.hpp"
-#include "number/wide/ladder.hpp"
+#include "number/wide/widening.hpp"
 
 namespace lostbits::test {
 namespace {

@@ -281,7 +281,7 @@ class Bits(unittest.TestCase):
                 hits += 1
                 self.assertLess(abs(F(of_scene.t[i]) + F(of_scene.t_lo[i]) - t), abs(t) / 2**70)
         self.assertGreater(hits, 30)
-        judged = lb.judge(o, d, of_scene.t, solids=vertices.reshape(1, 9), shape="triangle",
+        judged = lb.judge(o, d, of_scene.t, primitives=vertices.reshape(1, 9), shape="triangle",
                           matrix=np.repeat(move[:3].reshape(1, 12), 300, axis=0), forms="triangle.undivided@relative",
                           progress=False)
         self.assertEqual(judged.summary["form"][1], "triangle.undivided@relative")

@@ -128,7 +128,7 @@ class Requirements(unittest.TestCase):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", lb.Suspicious)
             summary = lb.map(small(), own, "f32", progress=False).summary
-            missed = int(summary["false_miss"][0] + summary["wrong_object"][0])
+            missed = int(summary["false_miss"][0] + summary["wrong_primitive"][0])
             self.assertGreater(missed, 0)
             self.assertFalse(lb.check(own, small()))
             self.assertFalse(lb.check(own, small(), wrong=(missed - 0.5) / (48 * 32)))
@@ -151,31 +151,31 @@ class Suspicions(unittest.TestCase):
             return np.where(disc < 0, o.dtype.type(np.nan), t * o.dtype.type(2))
         with self.assertWarnsRegex(lb.Suspicious, r"py\.f f32: .*wrong on \d+ of the \d+ rays"):
             lb.map(small(), form(doubled), "f32", progress=False)
-        o, d, solids = small().arrays()
-        truth = lb.truth(o, d, spheres=solids)
+        o, d, primitives = small().arrays()
+        truth = lb.truth(o, d, spheres=primitives)
         with self.assertWarnsRegex(lb.Suspicious, r"wrong on \d+ of the \d+ rays"):
-            lb.judge(o, d, (2 * truth.t).astype(F), truth.hit, solids, progress=False)
+            lb.judge(o, d, (2 * truth.t).astype(F), truth.hit, primitives, progress=False)
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             lb.map(small(), form(marks(np.nan)), "f32", progress=False)
-            lb.judge(o, d, truth.t.astype(F), truth.hit, solids, progress=False)
+            lb.judge(o, d, truth.t.astype(F), truth.hit, primitives, progress=False)
 
 
 class Keywords(unittest.TestCase):
-    def test_primitives_are_taken_by_their_plural_and_as_solids(self):
-        o, d, solids = small().arrays()
-        one = lb.truth(o, d, solids)
-        np.testing.assert_array_equal(lb.truth(o, d, spheres=solids).t, one.t)
-        np.testing.assert_array_equal(lb.ask("sphere.unified", o, d, spheres=solids).hit,
-                                      lb.ask("sphere.unified", o, d, solids).hit)
+    def test_primitives_are_taken_by_their_plural_and_as_primitives(self):
+        o, d, primitives = small().arrays()
+        one = lb.truth(o, d, primitives)
+        np.testing.assert_array_equal(lb.truth(o, d, spheres=primitives).t, one.t)
+        np.testing.assert_array_equal(lb.ask("sphere.unified", o, d, spheres=primitives).hit,
+                                      lb.ask("sphere.unified", o, d, primitives).hit)
         camera = {"kind": "orthographic", "eye": [0, 0, 5], "look_at": [0, 0, 0], "width": 3}
         boxes = np.array([[-1.0, -1, -1, 1, 1, 1]])
-        for scene in (lb.scene(camera=camera, boxes=boxes), lb.scene(camera=camera, solids=boxes, shape="box")):
+        for scene in (lb.scene(camera=camera, boxes=boxes), lb.scene(camera=camera, primitives=boxes, shape="box")):
             self.assertEqual(list(scene.rays), ["rays", "box"])
         with self.assertRaisesRegex(lb.InputError, "given twice"):
-            lb.truth(o, d, solids, spheres=solids)
+            lb.truth(o, d, primitives, spheres=primitives)
         with self.assertRaisesRegex(lb.InputError, "spherez"):
-            lb.truth(o, d, spherez=solids)
+            lb.truth(o, d, spherez=primitives)
 
 
 if __name__ == "__main__":

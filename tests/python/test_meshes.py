@@ -61,7 +61,7 @@ class Hits(unittest.TestCase):
                     expected.append((met[0], k, met[1], met[2]))
             expected.sort()
             at = found.of(i)
-            self.assertEqual(list(found.solid[at]), [k for _, k, _, _ in expected])
+            self.assertEqual(list(found.primitive[at]), [k for _, k, _, _ in expected])
             self.assertEqual(list(found.front[at]), [front for _, _, front, _ in expected])
             self.assertEqual(list(found.at_rim[at]), [rim for _, _, _, rim in expected])
             places = {t: place for place, t in enumerate(sorted({t for t, _, _, _ in expected}))}
@@ -81,7 +81,7 @@ class Hits(unittest.TestCase):
         scene = lb.scene(camera={"kind": "orthographic", "eye": [0, 0, 5], "look_at": [0, 0, 0], "width": 3},
                          mesh=(CUBE, FACES))
         for other in (lb.hits(o, d, scene), lb.hits(o, d, (CUBE, FACES), threads=1)):
-            for name in ("ray", "place", "solid", "t", "t_lo", "front", "at_rim"):
+            for name in ("ray", "place", "primitive", "t", "t_lo", "front", "at_rim"):
                 np.testing.assert_array_equal(getattr(array, name), getattr(other, name))
 
     def test_numbers_that_float32_does_not_hold_stay_as_they_are(self):

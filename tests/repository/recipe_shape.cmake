@@ -31,18 +31,18 @@ file(WRITE ${list} "${text}")
 file(WRITE ${WORK}/shapes.cpp [=[
 #include <cstdio>
 #include "intersect/catalogue.hpp"
-#include "intersect/takes.hpp"
+#include "intersect/form_shape.hpp"
 #include "number/ball.hpp"
 int main() {
     using namespace lostbits;
     for (const ShapeRow& row : shape_rows) std::printf("%s: %zu\n", row.name.data(), row.numbers);
     const HalfSpace<double> half{{0, 0, 3}, {0, 0, -2}};
-    const Solid<double> solid(half);
-    std::printf("%s of %zu numbers, last %g\n", name_of(solid.shape).data(), solid.used().size(), solid.used().back());
+    const Primitive<double> primitive(half);
+    std::printf("%s of %zu numbers, last %g\n", name_of(primitive.shape).data(), primitive.used().size(), primitive.used().back());
     intersect::for_each_form([&]<class Form>() {
         if constexpr (intersect::shape_of<Form> == Shape::half_space)
             std::printf("%s hits at %g\n", Form::info.name.data(),
-                        intersect::intersect_solid<Form>(Ray<double>{{0, 1, 1}, {0, 0, 0.5}}, half, 0.0).t);
+                        intersect::intersect_primitive<Form>(Ray<double>{{0, 1, 1}, {0, 0, 0.5}}, half, 0.0).t);
     });
     const HalfSpace<Ball> exact{{Ball(0), Ball(0), Ball(3)}, {Ball(0), Ball(0), Ball(-2)}};
     for (const double side : {-1, 1}) {
@@ -143,7 +143,7 @@ say("^0\n" sweep lower.toml -i half_space.* -f f32 -o sweep)
 hold(sweep/lower/samples.csv "\n65536,0x1p.16,half_space\\.quotient,f32,256,199,57,0,0,0,0,")
 say("^0\n.*file\\.rays +f64 +2 +0 +0 +0 +0 +0\\.00 +50\\.00" judge rays.csv -o judge)
 # Test random rays from the ray distribution in its folder, and time them.
-file(WRITE ${WORK}/size.toml "schema = \"lostbits-sweep/1\"\n${head}[half_space_family]\nviews = 64\n"
+file(WRITE ${WORK}/size.toml "schema = \"lostbits-sweep/1\"\n${head}[half_space_rays]\nviews = 64\n"
     "[[axis]]\nname = \"distance\"\nunit = \"sizes\"\nspacing = \"log2\"\nfrom = 1\nto = 65536\nsteps = 2\n"
     "set = [\"distance\"]\n")
 say("^0\n" sweep size.toml -i half_space.* -f f32 -o family)
@@ -154,7 +154,7 @@ file(WRITE ${WORK}/outside.c [=[
 #include <lostbits_plugin.h>
 static const char* run(const lb_batch* b) {
     for (size_t i = 0; i < b->size; ++i) {
-        const double *r = (const double*)b->rays + 6 * i, *p = (const double*)b->solids + b->solid_stride * i;
+        const double *r = (const double*)b->rays + 6 * i, *p = (const double*)b->primitives + b->primitive_stride * i;
         double n = 0, m = 0;
         for (int k = 0; k < 3; ++k) n += p[3 + k] * (p[k] - r[k]), m += p[3 + k] * r[3 + k];
         ((double*)b->near_far)[2 * i] = n >= 0 ? 0 : n / m;

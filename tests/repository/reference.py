@@ -113,9 +113,9 @@ def page(program):
     for title, what, columns in (
             ("Formats", "formats", ("name", "meaning")),
             ("Metrics", "metrics", ("name", "unit", "layer", "default", "meaning")),
-            ("Transform methods", "spaces", ("name", "title", "direction", "source")),
-            ("Ray generators", "makers", ("name", "title", "begins", "source")),
-            ("Bounding boxes", "hulls", ("name", "title", "source")),
+            ("Transform methods", "transforms", ("name", "title", "direction", "source")),
+            ("Ray generators", "generators", ("name", "title", "begins", "source")),
+            ("Bounding boxes", "boxes", ("name", "title", "source")),
             ("Offset strategies", "strategies", ("name", "title", "source")),
             ("Consistency checks", "checks", ("name", "title", "first", "second"))):
         lines += ["", f"## {title}", "", *listed(program, what, columns)]

@@ -208,5 +208,5 @@ def file_length(path, text):
 def names_of_shapes(text):
     """Counts lines that name a shape by `Shape::` or by its struct, also in comments and strings."""
     structs = re.findall(r"    line\(\w+, (\w+)\)", read("src/shapes/list.hpp"))
-    name = re.compile("|".join(["Shape::", *(s + "<" for s in structs)]))
+    name = re.compile("|".join(["Shape::", *(rf"\b{s}<" for s in structs)]))
     return sum(bool(name.search(line)) for line in text.split("\n"))

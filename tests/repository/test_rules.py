@@ -54,16 +54,16 @@ class Tree(unittest.TestCase):
         guesses = "words by which the code of users names shapes and their parts"
         march = "a march takes all primitives together, and has a name among the shapes"
         reasons = {
-            "analysis/selection/ray_words.cpp": march,
+            "analysis/selection/ray_options.cpp": march,
             "analysis/selection/sets.hpp": march,
             "analysis/judge.cpp": march,
-            "src/intersect/doors/formula_of.hpp": "compiler errors for authors of forms: two examples and a march",
+            "src/intersect/external/formula_of.hpp": "compiler errors for authors of forms: two examples and a march",
             "src/intersect/simd/packed_many_kernels.hpp": "a hand-written loop over the planes of a box",
             "src/intersect/simd/plain_many_w256.cpp": "loops over boxes as other projects write them",
             "src/intersect/conventions.hpp": conventions,
             "src/intersect/function/common_names.hpp": guesses,
             "src/intersect/function/signature.cpp": guesses,
-            "src/intersect/takes.hpp": march,
+            "src/intersect/form_shape.hpp": march,
             "src/intersect/target.hpp": march,
             "src/scene/file/scene.cpp": march,
             "src/scene/sweep/sweep_file.hpp": march}

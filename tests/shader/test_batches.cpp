@@ -13,35 +13,35 @@ using namespace lostbits::intersect;
 using namespace lostbits::intersect::shader;
 using device::Buffer;
 using device::Device;
+using device::DeviceDescription;
 using device::DeviceLimits;
-using device::DeviceWords;
 
 namespace {
 
-/// Answers each ray with its origin's x plus its solid's last number, and counts what it is asked.
+/// Answers each ray with its origin's x plus its primitive's last number, and counts what it is asked.
 class Echo : public Device {
 public:
     explicit Echo(DeviceLimits limits) : limits_(limits) {}
-    [[nodiscard]] const DeviceWords& words() const override { return words_; }
+    [[nodiscard]] const DeviceDescription& words() const override { return words_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
     [[nodiscard]] std::unique_ptr<device::Program> compile_here(const std::string&, device::Language) override {
         return std::make_unique<device::Program>();
     }
     void run_here(device::Program&, std::span<const Buffer> buffers, std::size_t groups) override {
         KernelHead head;
-        std::memcpy(&head, buffers[BufferPlace::head].bytes.data(), sizeof head);
+        std::memcpy(&head, buffers[BufferBinding::head].bytes.data(), sizeof head);
         for (const Buffer& b : buffers) {
             REQUIRE_FALSE(b.bytes.empty());
             REQUIRE(b.bytes.size() <= limits_.buffer_bytes);
         }
         REQUIRE(groups <= limits_.groups);
         REQUIRE(groups * device::group_size >= head.rays);
-        const auto* const rays = reinterpret_cast<const float*>(buffers[BufferPlace::rays].bytes.data());
-        const auto* const solids = reinterpret_cast<const float*>(buffers[BufferPlace::solids].bytes.data());
-        auto* const answers = reinterpret_cast<float*>(buffers[BufferPlace::answers].bytes.data());
+        const auto* const rays = reinterpret_cast<const float*>(buffers[BufferBinding::rays].bytes.data());
+        const auto* const primitives = reinterpret_cast<const float*>(buffers[BufferBinding::primitives].bytes.data());
+        auto* const answers = reinterpret_cast<float*>(buffers[BufferBinding::answers].bytes.data());
         for (std::uint32_t i = 0; i < head.rays; ++i)
-            answers[2 * i] = answers[2 * i + 1] = rays[6 * i] + solids[head.stride * i + 3];
-        auto* const hits = reinterpret_cast<std::uint32_t*>(buffers[BufferPlace::hits].bytes.data());
+            answers[2 * i] = answers[2 * i + 1] = rays[6 * i] + primitives[head.stride * i + 3];
+        auto* const hits = reinterpret_cast<std::uint32_t*>(buffers[BufferBinding::hits].bytes.data());
         std::fill_n(hits, loses ? head.rays - 1 : head.rays, 1U);
         ++runs;
     }
@@ -49,7 +49,7 @@ public:
     bool loses = false;  ///< the last ray of each run
 
 private:
-    DeviceWords words_{"echo", "Echo", "-", "1", "-"};
+    DeviceDescription words_{"echo", "Echo", "-", "1", "-"};
     DeviceLimits limits_;
 };
 
@@ -64,13 +64,14 @@ ShaderSource some_shader() {
 
 }  // namespace
 
-TEST_CASE("shader: a batch larger than the device takes is answered in parts, each ray by its own solid", "[shader]") {
+TEST_CASE("shader: a batch larger than the device takes is answered in parts, each ray by its own primitive",
+          "[shader]") {
     constexpr std::size_t n = 1000;
-    std::vector<float> rays(6 * n), solids(4 * n), near_far(2 * n);
+    std::vector<float> rays(6 * n), primitives(4 * n), near_far(2 * n);
     std::vector<unsigned char> hit(n, 7);
     for (std::size_t i = 0; i < n; ++i) {
         rays[6 * i] = static_cast<float>(i);
-        solids[4 * i + 3] = i % 2 == 0 ? 1 : -2000;
+        primitives[4 * i + 3] = i % 2 == 0 ? 1 : -2000;
     }
     for (const std::size_t stride : {std::size_t(0), std::size_t(4)}) {
         const auto echo = std::make_shared<Echo>(DeviceLimits{.buffer_bytes = 24 * 100, .groups = 1});
@@ -79,7 +80,7 @@ TEST_CASE("shader: a batch larger than the device takes is answered in parts, ea
         CHECK(forms[0].contract.name == "shader.a.echo");
         CHECK(forms[0].contract.source == "a.glsl:1 on words");
         forms[0].answer(
-            {n, rays.data(), nullptr, solids.data(), stride, near_far.data(), hit.data(), nullptr, nullptr});
+            {n, rays.data(), nullptr, primitives.data(), stride, near_far.data(), hit.data(), nullptr, nullptr});
         CHECK(echo->runs == 16);  // of 64 rays, since one group is all that it takes
         std::size_t wrong = 0;
         for (std::size_t i = 0; i < n; ++i) {
@@ -93,13 +94,13 @@ TEST_CASE("shader: a batch larger than the device takes is answered in parts, ea
 TEST_CASE("shader: a ray that the device does not answer is an error, not a miss", "[shader]") {
     const auto echo = std::make_shared<Echo>(DeviceLimits{.buffer_bytes = 1 << 20, .groups = 100});
     echo->loses = true;
-    const std::vector<float> rays(6 * 100), solids(4);
+    const std::vector<float> rays(6 * 100), primitives(4);
     std::vector<float> near_far(2 * 100);
     std::vector<unsigned char> hit(100);
     const auto forms = forms_of(some_shader(), echo, false, "");
-    CHECK_THROWS_WITH(
-        forms[0].answer({100, rays.data(), nullptr, solids.data(), 0, near_far.data(), hit.data(), nullptr, nullptr}),
-        "echo: the device is lost: it wrote no answer; does the shader run too long?");
+    CHECK_THROWS_WITH(forms[0].answer({100, rays.data(), nullptr, primitives.data(), 0, near_far.data(), hit.data(),
+                                       nullptr, nullptr}),
+                      "echo: the device is lost: it wrote no answer; does the shader run too long?");
 }
 
 TEST_CASE("shader: doubles are refused or left out where the device has none", "[shader]") {

@@ -15,7 +15,7 @@
 #include "measure/choice/candidates.hpp"
 #include "measure/rows.hpp"
 #include "measure/tape/tape_form.hpp"
-#include "output/mend/form_code.hpp"
+#include "output/repair/form_code.hpp"
 #include "scene/file/scene.hpp"
 
 namespace test_mended {
@@ -87,7 +87,7 @@ TEST_CASE("shader bits: a mended form has on the driver the bits of its tape", "
                     id += std::string("_") + arithmetic + std::to_string(every);
                     const std::string file = folder.write(
                         id + ".glsl",
-                        output::mend::shader_code(made, form, {.name = id, .title = id, .source = {}, .head = {}}));
+                        output::repair::shader_code(made, form, {.name = id, .title = id, .source = {}, .head = {}}));
                     words += " --shader " + file;
                     cases.push_back({id, answers_of(made, form, scene)});
                 }
@@ -123,7 +123,7 @@ TEST_CASE("shader bits: what GLSL has not is refused with what has it", "[shader
     const auto& form = test::form_named("sphere.kahan_discriminant");
     const Tape plain = tape::tape_of(form, *find_format("f32"));
     const auto code = [&](const Tape& made) {
-        return output::mend::shader_code(made, form, {.name = "f", .title = "f", .source = {}, .head = {}});
+        return output::repair::shader_code(made, form, {.name = "f", .title = "f", .source = {}, .head = {}});
     };
     CHECK_THROWS_WITH(code(tape::widened(plain, some_of(plain, 1), binary64)), Catch::Contains("fma of doubles"));
     CHECK_THROWS_WITH(code(tape::tape_of(form, *find_format("f64"))), Catch::Contains("a shader computes in floats"));

@@ -6,7 +6,7 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace test_ranges {
 
@@ -17,27 +17,27 @@ namespace {
 
 const std::string examples = std::string(LOSTBITS_SOURCE_DIR) + "/examples/shaders/";
 
-std::string scene(const std::string& range, const std::string& solid) {
-    return scene_text("[rays]\n" + range + "\n" + solid, "inputs = \"shared\"\n");
+std::string scene(const std::string& range, const std::string& primitive) {
+    return scene_text("[rays]\n" + range + "\n" + primitive, "inputs = \"shared\"\n");
 }
 
 const std::string sphere = "[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n";
 
-/// A solid in a scene, the parameters that a function takes it by, and whether these have the numbers of it.
+/// A primitive in a scene, the parameters that a function takes it by, and whether these have the numbers of it.
 struct Written {
     std::string toml, parameters, holds = "true";
 
-    explicit Written(const Solid<double>& solid) : toml("[[" + std::string(name_of(solid.shape)) + "]]\n") {
+    explicit Written(const Primitive<double>& primitive) : toml("[[" + std::string(name_of(primitive.shape)) + "]]\n") {
         const auto text = [](double x) {
             char digits[40];
             std::snprintf(digits, sizeof digits, "%.9f", x);
             return std::string(digits);
         };
-        for_each_key(solid.shape, [&](const Key& key, std::size_t first) {
+        for_each_key(primitive.shape, [&](const Key& key, std::size_t first) {
             const std::string name(key.name);
             std::string numbers;
             for (std::size_t k = 0; k < key.count(); ++k)
-                numbers += (k == 0 ? "" : ", ") + text(solid.numbers[first + k]);
+                numbers += (k == 0 ? "" : ", ") + text(primitive.numbers[first + k]);
             const bool one = key.count() == 1;
             toml += name + " = " + (one ? numbers : "[" + numbers + "]") + "\n";
             parameters += (one ? "float " : "vec3 ") + name + ", ";
@@ -89,17 +89,17 @@ TEST_CASE("shader ranges: rays that begin and end are met in their range, on eve
               "a range that begins behind the primitive, at t = 8, hits; it should miss: `starts` says where"));
 }
 
-TEST_CASE("shader ranges: a solid of every shape comes with its range, in floats and doubles", "[shader-device]") {
+TEST_CASE("shader ranges: a primitive of every shape comes with its range, in floats and doubles", "[shader-device]") {
     for (const ShapeRow& row : shape_rows) {
         const Scratch folder;
-        const Written solid(solid_around(row.shape, Vec<double>(0.25, -0.5, 0.125), 1.5));
-        folder.write("one.toml", scene("tmin = 0.5\ntmax = 64", solid.toml));
+        const Written primitive(primitive_around(row.shape, Vec<double>(0.25, -0.5, 0.125), 1.5));
+        folder.write("one.toml", scene("tmin = 0.5\ntmax = 64", primitive.toml));
         // 5/8 where all is as it should be.
         folder.write("told.glsl", "// lostbits: roots=first flags=range direction=any format=both\nfloat told(" +
-                                      solid.parameters +
+                                      primitive.parameters +
                                       "vec3 ro, vec3 rd, float tmin, float tmax) {\n"
                                       "    return ro.z == 5.0 && rd.z < 0.0 && " +
-                                      solid.holds + " ? tmin + tmax / 512.0 : tmin;\n}\n");
+                                      primitive.holds + " ? tmin + tmax / 512.0 : tmin;\n}\n");
         must("map one.toml --size 4x3 --pixels csv -o out --shader told.glsl -i 'shader.*' -f f32 -f f64",
              folder.path());
         std::size_t pixels = 0;

@@ -56,16 +56,16 @@ TEST_CASE("shader: the functions of shader sites are recognised by their types",
         Roots roots;
         Direction direction;
     };
-    const std::string sphere = "vec4(lb_centre, lb_solid[3])";
+    const std::string sphere = "vec4(lb_centre, lb_primitive[3])";
     for (const Known& k : std::initializer_list<Known>{
              {"vec2 f(vec3 ro, vec3 rd, vec4 s)", "lb_origin lb_direction " + sphere, Shape::sphere, Roots::both,
               Direction::unit},
              {"float f(in vec4 s, in vec3 ro, in vec3 rd)", sphere + " lb_origin lb_direction", Shape::sphere,
               Roots::near_only, Direction::unit},
-             {"float f(vec3 ro, vec3 rd, vec3 center, float radius)", "lb_origin lb_direction lb_centre lb_solid[3]",
+             {"float f(vec3 ro, vec3 rd, vec3 center, float radius)",
+              "lb_origin lb_direction lb_centre lb_primitive[3]", Shape::sphere, Roots::near_only, Direction::unit},
+             {"float f(vec3 c, float r, vec3 o, vec3 d)", "lb_centre lb_primitive[3] lb_origin lb_direction",
               Shape::sphere, Roots::near_only, Direction::unit},
-             {"float f(vec3 c, float r, vec3 o, vec3 d)", "lb_centre lb_solid[3] lb_origin lb_direction", Shape::sphere,
-              Roots::near_only, Direction::unit},
              {"float f(vec3 rd, vec3 ro, vec4 s)", "lb_direction lb_origin " + sphere, Shape::sphere, Roots::near_only,
               Direction::unit},
              {"bool f(vec3 a, vec3 b, vec4 s)", "lb_origin lb_direction " + sphere, Shape::sphere, Roots::none,
@@ -78,7 +78,7 @@ TEST_CASE("shader: the functions of shader sites are recognised by their types",
              {"bool f(vec3 bmin, vec3 bmax, vec3 orig, vec3 invDir, float tmax, out float tn, out float tf)",
               "lb_lo lb_hi lb_origin (1.0 / lb_direction) lb_tmax lb_out_5 lb_out_6", Shape::box, Roots::both,
               Direction::any},
-             {"dvec2 f(dvec3 ro, dvec3 rd, dvec4 s)", "lb_origin lb_direction dvec4(lb_centre, lb_solid[3])",
+             {"dvec2 f(dvec3 ro, dvec3 rd, dvec4 s)", "lb_origin lb_direction dvec4(lb_centre, lb_primitive[3])",
               Shape::sphere, Roots::both, Direction::unit},
              {"float map(vec3 p)", "lb_point", Shape::sphere, Roots::near_only, Direction::unit},
              {"float sdScene(vec3 p, vec4 s)", "lb_point " + sphere, Shape::sphere, Roots::near_only, Direction::unit},
@@ -98,13 +98,13 @@ TEST_CASE("shader: the functions of shader sites are recognised by their types",
     }
 }
 
-TEST_CASE("shader: a solid of every shape, and where rays begin and end, are recognised in any order", "[shader]") {
+TEST_CASE("shader: a primitive of every shape, and where rays begin and end, are recognised in any order", "[shader]") {
     for (const ShapeRow& row : shape_rows) {
         std::string parameters, arguments;
         for_each_key(row.shape, [&](const Key& key, std::size_t k) {
             const bool one = key.count() == 1;
             parameters += (one ? "float " : "vec3 ") + std::string(key.name) + ", ";
-            arguments += one ? "lb_solid[" + std::to_string(k) + "] " : "lb_" + std::string(key.name) + " ";
+            arguments += one ? "lb_primitive[" + std::to_string(k) + "] " : "lb_" + std::string(key.name) + " ";
         });
         INFO(row.name);
         for (const bool last : {false, true}) {

@@ -14,7 +14,7 @@
 namespace lostbits::intersect::device {
 
 /// A driver's description of itself.
-struct DeviceWords {
+struct DeviceDescription {
     std::string kind;  ///< one of `device_kinds`
     std::string renderer, vendor, version, driver;
 };
@@ -60,7 +60,7 @@ public:
     Device& operator=(const Device&) = delete;
     virtual ~Device() = default;
 
-    [[nodiscard]] virtual const DeviceWords& words() const = 0;
+    [[nodiscard]] virtual const DeviceDescription& words() const = 0;
     [[nodiscard]] virtual const DeviceLimits& limits() const = 0;
     /// A compute program. CompileError if the compiler rejects it; EnvironmentError if the compiler itself fails or
     /// does not know the language.

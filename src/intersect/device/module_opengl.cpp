@@ -110,7 +110,7 @@ public:
                    .glsl = 430};
     }
 
-    [[nodiscard]] const DeviceWords& words() const override { return words_; }
+    [[nodiscard]] const DeviceDescription& words() const override { return words_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
 
     [[nodiscard]] std::unique_ptr<Program> compile_here(const std::string& glsl, Language language) override {
@@ -170,7 +170,7 @@ private:
         return log;
     }
 
-    DeviceWords words_;
+    DeviceDescription words_;
     DeviceLimits limits_;
     std::vector<GLuint> names_;
 };

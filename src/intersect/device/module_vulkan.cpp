@@ -107,18 +107,18 @@ public:
         require(vkCreateBuffer(device, &info, nullptr, &buffer_), "create a buffer");
         VkMemoryRequirements needs;
         vkGetBufferMemoryRequirements(device, buffer_, &needs);
-        VkMemoryAllocateInfo room{};
-        room.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
-        room.allocationSize = needs.size;
+        VkMemoryAllocateInfo allocation{};
+        allocation.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+        allocation.allocationSize = needs.size;
         constexpr VkMemoryPropertyFlags wanted =
             VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-        while (room.memoryTypeIndex < kinds.memoryTypeCount &&
-               ((needs.memoryTypeBits >> room.memoryTypeIndex & 1U) == 0 ||
-                (kinds.memoryTypes[room.memoryTypeIndex].propertyFlags & wanted) != wanted))
-            ++room.memoryTypeIndex;
-        if (room.memoryTypeIndex == kinds.memoryTypeCount)
+        while (allocation.memoryTypeIndex < kinds.memoryTypeCount &&
+               ((needs.memoryTypeBits >> allocation.memoryTypeIndex & 1U) == 0 ||
+                (kinds.memoryTypes[allocation.memoryTypeIndex].propertyFlags & wanted) != wanted))
+            ++allocation.memoryTypeIndex;
+        if (allocation.memoryTypeIndex == kinds.memoryTypeCount)
             lacking("the device has no memory that the processor can access");
-        require(vkAllocateMemory(device, &room, nullptr, &memory_), "allocate memory");
+        require(vkAllocateMemory(device, &allocation, nullptr, &memory_), "allocate memory");
         require(vkBindBufferMemory(device, buffer_, memory_, 0), "bind memory");
         require(vkMapMemory(device, memory_, 0, VK_WHOLE_SIZE, 0, &mapped_), "map memory");
         size_ = bytes;
@@ -172,7 +172,7 @@ public:
         make_commands();
     }
 
-    [[nodiscard]] const DeviceWords& words() const override { return words_; }
+    [[nodiscard]] const DeviceDescription& words() const override { return words_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
 
     [[nodiscard]] std::unique_ptr<Program> compile_here(const std::string& text, Language language) override {
@@ -316,7 +316,7 @@ private:
     VkInstance instance_;
     Found found_;
     VkPhysicalDeviceMemoryProperties memory_kinds_{};
-    DeviceWords words_;
+    DeviceDescription words_;
     DeviceLimits limits_;
     VkDevice device_ = VK_NULL_HANDLE;
     VkQueue queue_ = VK_NULL_HANDLE;

@@ -253,7 +253,7 @@ Arithmetic probe(Device& device) {
     return all;
 }
 
-std::string line_of(const DeviceWords& words, const Arithmetic& arithmetic) {
+std::string line_of(const DeviceDescription& words, const Arithmetic& arithmetic) {
     std::array<char, 17> digest{};
     std::snprintf(digest.data(), digest.size(), "%016llx", static_cast<unsigned long long>(arithmetic.digest));
     return words.renderer + ", " + words.version + ", arithmetic " + digest.data();

@@ -32,6 +32,6 @@ struct Arithmetic {
 Arithmetic probe(Device& device);
 
 /// One line for the results: `llvmpipe (LLVM 15.0.6), OpenGL 4.5, arithmetic 0123456789abcdef`.
-std::string line_of(const DeviceWords& words, const Arithmetic& arithmetic);
+std::string line_of(const DeviceDescription& words, const Arithmetic& arithmetic);
 
 }  // namespace lostbits::intersect::device

@@ -2,15 +2,15 @@
 // serves all formats and the lanes of packs, so it is compiled once.
 #pragma once
 
-#include "intersect/way.hpp"
-#include "shapes/solid.hpp"
+#include "intersect/filter_arithmetic.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::intersect::filter {
 
 struct Beyond {
     bool hit;
-    double t;  ///< −1 for a miss
-    Way way;   ///< the arithmetic that proved it
+    double t;              ///< −1 for a miss
+    FilterArithmetic way;  ///< the arithmetic that proved it
 };
 
 /// Settles a ray and a primitive of a shape whose form filters by its span. `numbers` holds the origin and direction of

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "intersect/filter/beyond.hpp"
-#include "intersect/filter/first_met.hpp"
-#include "intersect/filter/first_met_quartic.hpp"
+#include "intersect/filter/first_span_hit.hpp"
+#include "intersect/filter/first_span_hit_quartic.hpp"
 #include "number/wide/proving.hpp"
 
 namespace lostbits::intersect::filter {
@@ -26,8 +26,8 @@ template <template <class> class S, class T, class P>
     using E = number::wide::Proving<T>;
     const auto number = [numbers](std::size_t i) { return E(numbers[i]); };
     const Ray<E> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
-    const auto met = first_met(solid_from<S, E>([&](std::size_t i) { return number(6 + i); }).span(ray));
-    const P u = number::wide::roundoff_of<P>(), t = number::wide::untold(met.t.word());
+    const auto met = first_span_hit(primitive_from<S, E>([&](std::size_t i) { return number(6 + i); }).span(ray));
+    const P u = number::wide::roundoff_of<P>(), t = number::wide::value_of(met.t.word());
     const mask_t<P> fine = P(1024) * u <= P(1) / P(1024), kept = met.t.radius() <= P(62) * u * t;
     return {fine && (met.hit.no() || (met.hit.yes() && kept)), met.hit.yes(), named("t", met.t.word())};
 }
@@ -78,10 +78,10 @@ Hit<T> settled(std::string_view form, Shape shape, const std::array<T, n>& numbe
     const Beyond found = beyond(shape, one, as_double(unit_roundoff<P>()));
     watch(found.way);
     const P t = static_cast<P>(found.t);
-    if constexpr (tells_of_operations<T>) {
-        using number::wide::told_of_call;
-        const T decision = told_of_call<T>({form, CallAnswer::decision}, numbers, P(found.hit ? 1 : -1));
-        return answered(decision > T(0), told_of_call<T>({form, CallAnswer::t}, numbers, t));
+    if constexpr (traces_operations<T>) {
+        using number::wide::record_call;
+        const T decision = record_call<T>({form, CallAnswer::decision}, numbers, P(found.hit ? 1 : -1));
+        return answered(decision > T(0), record_call<T>({form, CallAnswer::t}, numbers, t));
     } else {
         return answered<T>(found.hit, t);
     }
@@ -89,24 +89,24 @@ Hit<T> settled(std::string_view form, Shape shape, const std::array<T, n>& numbe
 
 /// Evaluates the form of this name. `watch(way)` is called for every arithmetic used beyond the first.
 template <template <class> class S, Number T, class Watch>
-Hit<T> by_span(std::string_view form, const Ray<T>& ray, const S<T>& solid, Watch& watch) {
-    if constexpr (stands_for_exact<T>) {
-        const FirstMet<T> met = first_met(solid.span(ray));
+Hit<T> by_span(std::string_view form, const Ray<T>& ray, const S<T>& primitive, Watch& watch) {
+    if constexpr (is_exact<T>) {
+        const FirstSpanHit<T> met = first_span_hit(primitive.span(ray));
         return answered(met.hit, named("t", met.t));
     } else {
-        using P = decltype(number::wide::untold(ray.origin.x));
+        using P = decltype(number::wide::value_of(ray.origin.x));
         const Vec<T>&o = ray.origin, &d = ray.direction;
         const auto numbers = [&]<std::size_t... i>(std::index_sequence<i...>) {
             std::array<T, 6 + sizeof...(i)> all{o.x, o.y, o.z, d.x, d.y, d.z, (static_cast<void>(i), o.x)...};
             std::size_t k = 6;
-            each_number(solid, [&](const T& x) { all[k++] = x; });
+            each_number(primitive, [&](const T& x) { all[k++] = x; });
             return all;
         }
         (std::make_index_sequence<row_of(shape_as<S>).numbers>());
         const FirstStep<T, P> known = prove<S, T, P>(numbers.data());
-        if (any_of(number::wide::taken_for_granted<T>(!known.proved)))
+        if (any_of(number::wide::constant_mask<T>(!known.proved)))
             return settled<T>(form, shape_as<S>, numbers, known, watch);
-        return answered(number::wide::taken_for_granted<T>(known.hit), known.t);
+        return answered(number::wide::constant_mask<T>(known.hit), known.t);
     }
 }
 
@@ -122,14 +122,14 @@ inline constexpr std::string_view source_by_span =
 template <class F, template <class> class S>
 struct FiltersBySpan {
     template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const S<T>& solid) {
+    static Hit<T> intersect(const Ray<T>& ray, const S<T>& primitive) {
         NoWatch watch;
-        return intersect(ray, solid, watch);
+        return intersect(ray, primitive, watch);
     }
     /// `watch(way)` is called for every arithmetic used beyond the first.
     template <Number T, class Watch>
-    static Hit<T> intersect(const Ray<T>& ray, const S<T>& solid, Watch& watch) {
-        return by_span<S>(F::info.name, ray, solid, watch);
+    static Hit<T> intersect(const Ray<T>& ray, const S<T>& primitive, Watch& watch) {
+        return by_span<S>(F::info.name, ray, primitive, watch);
     }
 };
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::intersect::function {
 

@@ -15,9 +15,9 @@
 #include <sstream>
 
 #include "intersect/device/temporary_folder.hpp"
-#include "intersect/doors/guard.hpp"
-#include "intersect/doors/pipe_header.hpp"
-#include "intersect/doors/plugin.hpp"
+#include "intersect/external/guard.hpp"
+#include "intersect/external/pipe_header.hpp"
+#include "intersect/external/plugin.hpp"
 #include "intersect/function/signature.hpp"
 #include "intersect/function/walk.hpp"
 #include "intersect/process/child.hpp"
@@ -114,7 +114,7 @@ public:
     /// The LLVM IR of a file that ends in `text`.
     std::string ir(const std::string& text, bool optimised) {
         const fs::path source = write(text), made = folder_.path / "function.ll";
-        process::ProgramWords words{program_};
+        process::ProgramArguments words{program_};
         if (language_ == SourceLanguage::rust) {
             add_rust(words);
             words.insert(words.end(), {"--emit=llvm-ir", "-Cdebuginfo=2", optimised ? "-Copt-level=1" : "-Copt-level=0",
@@ -127,9 +127,9 @@ public:
         return text_of(made);
     }
 
-    doors::Library library(const std::string& text) {
+    external::Library library(const std::string& text) {
         const fs::path source = write(text), made = folder_.path / "function.so";
-        process::ProgramWords words{program_};
+        process::ProgramArguments words{program_};
         if (language_ == SourceLanguage::rust) {
             add_rust(words);
             words.insert(words.end(), {"--crate-type=cdylib", "-Copt-level=3"});
@@ -138,7 +138,7 @@ public:
             words.insert(words.end(), {"-O2", "-shared", "-fPIC"});
         }
         run(words, source, made, language_ == SourceLanguage::rust ? "" : "-lm");
-        return doors::load_library(made);
+        return external::load_library(made);
     }
 
     [[nodiscard]] const fs::path& file() const { return file_; }
@@ -152,19 +152,20 @@ private:
         write_text(source, text);
         return source;
     }
-    void add_c(process::ProgramWords& words) const {
+    void add_c(process::ProgramArguments& words) const {
         words.insert(words.end(), {"-ffp-contract=off", "-fno-fast-math", "-fno-math-errno", "-fno-strict-aliasing",
                                    "-w", "-I" + file_.parent_path().string()});
         if (language_ == SourceLanguage::cpp) words.insert(words.end(), {"-std=gnu++20", "-xc++"});
     }
-    void add_rust(process::ProgramWords& words) const {
+    void add_rust(process::ProgramArguments& words) const {
         words.insert(
             words.end(),
             {"--edition=2021", "-Awarnings", "-Cpanic=abort", "-Ccodegen-units=1", "--crate-name=lostbits_function",
              "--remap-path-prefix=" + folder_.path.string() + "=" + file_.parent_path().string()});
         if (std::ranges::find(words, "--crate-type=cdylib") == words.end()) words.push_back("--crate-type=lib");
     }
-    void run(process::ProgramWords words, const fs::path& source, const fs::path& made, const std::string& last = {}) {
+    void run(process::ProgramArguments words, const fs::path& source, const fs::path& made,
+             const std::string& last = {}) {
         if (std::ranges::find(words, "--crate-type=cdylib") != words.end()) std::erase(words, "--crate-type=lib");
         words.insert(words.end(), {"-o", made.string(), source.string()});
         if (!last.empty()) words.push_back(last);
@@ -269,13 +270,13 @@ template <class S>
 void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& sentinel, std::size_t numbers,
                   const lb_batch& batch) {
     const auto* const rays = static_cast<const S*>(batch.rays);
-    const auto* const solids = static_cast<const S*>(batch.solids);
+    const auto* const primitives = static_cast<const S*>(batch.primitives);
     const auto* const ends = static_cast<const S*>(batch.ends);
     auto* const near_far = static_cast<S*>(batch.near_far);
     for (std::size_t i = 0; i < batch.size; ++i) {
         std::array<S, 64> in{};
         std::copy_n(rays + 6 * i, 6, in.begin());
-        std::copy_n(solids + batch.solid_stride * i, numbers, in.begin() + 6);
+        std::copy_n(primitives + batch.primitive_stride * i, numbers, in.begin() + 6);
         in[6 + numbers] = ends != nullptr ? ends[i] : std::numeric_limits<S>::infinity();
         std::array<S, 2> out{};
         int hit = 0;
@@ -285,13 +286,13 @@ void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& sentinel, 
     }
 }
 
-/// The answer of the table from that of the function, as `doors::hit_of` makes it of compiled answers.
+/// The answer of the table from that of the function, as `external::hit_of` makes it of compiled answers.
 struct Outputs {
     Mask hit;
     NodeId t, near, far;
 };
 
-Outputs outputs_of(Nodes& nodes, const doors::Contract& c, const Walk::Answer& answer, Mask hit) {
+Outputs outputs_of(Nodes& nodes, const external::Contract& c, const Walk::Answer& answer, Mask hit) {
     const NodeId zero = nodes.constant(0, false);
     if (c.roots == Roots::none) return {hit, zero, zero, zero};
     const NodeId near = answer.t;
@@ -301,8 +302,8 @@ Outputs outputs_of(Nodes& nodes, const doors::Contract& c, const Walk::Answer& a
     const NodeId far = answer.far;
     const TapeOp ahead_op = c.at_origin == AtOrigin::hit ? TapeOp::greater_equal : TapeOp::greater;
     const Mask ahead = nodes.either(nodes.is_nan(near), nodes.compare(ahead_op, near, zero));
-    const Inside inside = doors::inside_of(c);
-    const bool at_0 = inside == Inside::zero || (inside == Inside::usual && zero_inside(c.shape));
+    const Inside inside = external::inside_of(c);
+    const bool at_0 = inside == Inside::zero || (inside == Inside::usual && inside_returns_zero(c.shape));
     if (inside == Inside::miss) hit = nodes.both(hit, ahead);
     if (c.at_origin == AtOrigin::miss)
         hit = nodes.both(hit, nodes.opposite(nodes.compare(TapeOp::less_equal, far, zero)));
@@ -322,35 +323,36 @@ void require_same(const table::Kernel<S>& native, const table::Kernel<S>& writte
     constexpr std::size_t count = 4096;
     std::mt19937_64 random(1);
     const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1; };  // -1 to 1
-    std::vector<Solid<S>> solids;
+    std::vector<Primitive<S>> primitives;
     std::array<std::vector<S>, 6> columns;
     for (std::size_t i = 0; i < count; ++i) {
-        Solid<S> solid(shape);
+        Primitive<S> primitive(shape);
         std::size_t at = 0;
         const double scale = std::ldexp(1.0, static_cast<int>(random() % 12));
         for (const Key& key : row_of(shape).keys)
             for (std::size_t k = 0; k < key.count(); ++k, ++at) {
                 double x = key.is_length() ? std::fabs(uniform()) + 0x1p-10 : 2 * uniform();
                 if (key.limit == Key::Limit::at_least_before)
-                    x = static_cast<double>(solid.numbers[at - 3]) + std::fabs(x);
-                if (key.limit == Key::Limit::below_before) x = static_cast<double>(solid.numbers[at - 1]) * 0.5 * x;
-                solid.numbers[at] = static_cast<S>(x);
+                    x = static_cast<double>(primitive.numbers[at - 3]) + std::fabs(x);
+                if (key.limit == Key::Limit::below_before) x = static_cast<double>(primitive.numbers[at - 1]) * 0.5 * x;
+                primitive.numbers[at] = static_cast<S>(x);
             }
         for (std::size_t k = 0; k < 3; ++k) {
             const double o = scale * uniform();
             columns[k].push_back(static_cast<S>(o));
             // Every second ray goes near the first point of the primitive.
             columns[k + 3].push_back(static_cast<S>(
-                i % 2 == 0 ? uniform() : (static_cast<double>(solid.numbers[k]) + 0.3 * uniform() - o) / (1 + scale)));
+                i % 2 == 0 ? uniform()
+                           : (static_cast<double>(primitive.numbers[k]) + 0.3 * uniform() - o) / (1 + scale)));
         }
-        solids.push_back(solid);
+        primitives.push_back(primitive);
     }
     const table::RayBatch<S> rays{columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]};
     std::array<std::vector<S>, 6> numbers;
     for (auto& column : numbers) column.resize(count);
     std::array<std::vector<std::uint8_t>, 2> hits{std::vector<std::uint8_t>(count), std::vector<std::uint8_t>(count)};
-    native(rays, Target<S>(std::span<const Solid<S>>(solids)), {numbers[0], numbers[1], numbers[2], hits[0]});
-    written(rays, Target<S>(std::span<const Solid<S>>(solids)), {numbers[3], numbers[4], numbers[5], hits[1]});
+    native(rays, Target<S>(std::span<const Primitive<S>>(primitives)), {numbers[0], numbers[1], numbers[2], hits[0]});
+    written(rays, Target<S>(std::span<const Primitive<S>>(primitives)), {numbers[3], numbers[4], numbers[5], hits[1]});
     for (std::size_t i = 0; i < count; ++i) {
         if (hits[0][i] == hits[1][i] && (hits[0][i] == 0 || !tells_t || same(numbers[0][i], numbers[3][i]))) continue;
         std::ostringstream text;
@@ -358,7 +360,8 @@ void require_same(const table::Kernel<S>& native, const table::Kernel<S>& writte
         text.precision(std::numeric_limits<S>::max_digits10);
         for (std::size_t k = 0; k < 6; ++k) text << (k == 0 ? "" : ",") << columns[k][i];
         text << " and the " << name_of(shape) << " ";
-        for (std::size_t k = 0; k < solids[i].used().size(); ++k) text << (k == 0 ? "" : ",") << solids[i].used()[k];
+        for (std::size_t k = 0; k < primitives[i].used().size(); ++k)
+            text << (k == 0 ? "" : ",") << primitives[i].used()[k];
         const auto said = [&](std::size_t which) {
             if (hits[which][i] == 0) text << "a miss";
             else text << "t = " << numbers[3 * which][i];
@@ -414,11 +417,11 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
         made->shown = who + ": " + signature.shown + "; " + words;
     else made->shown = who + ": " + signature.shown;
 
-    doors::Contract& contract = signature.contract;
+    external::Contract& contract = signature.contract;
     if (contract.name.empty()) contract.name = plain_name(parts.function);
     contract.source = parts.file.filename().string();
     if (contract.title.empty()) contract.title = parts.function + " of " + parts.file.filename().string();
-    doors::require_sense(contract, who);
+    external::require_sense(contract, who);
     Mask hit = answer.hit;
     if (answer.t != no_node) hit = nodes.both(hit, nodes.opposite(miss_mask(signature.sentinel, nodes, answer.t)));
     const Outputs out = outputs_of(nodes, contract, answer, hit);
@@ -439,16 +442,16 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     const auto formula = std::make_shared<const table::WrittenFormula>(std::move(written.formula));
     made->written = std::make_unique<table::WrittenForm>(formula, formula);
 
-    const doors::Library library = compiler.library(wrapper);
-    doors::ForeignForm form{contract, made->path, {}};
-    const char* const name = doors::lasting_text(doors::name_in_messages(form));
+    const external::Library library = compiler.library(wrapper);
+    external::ForeignForm form{contract, made->path, {}};
+    const char* const name = external::lasting_text(external::name_in_messages(form));
     const auto bind = [&]<class S>(S) {
-        const auto entry = doors::entry_of<void (*)(const S*, S*, int*)>(library, "lostbits_entry");
+        const auto entry = external::entry_of<void (*)(const S*, S*, int*)>(library, "lostbits_entry");
         if (entry == nullptr) throw InputError(who + ": the compiled function has no entry");
         form.answer = [entry, name, numbers, sentinel = signature.sentinel,
                        computes = library.computes](const lb_batch& batch) {
-            doors::call_of(name, [&] {
-                const doors::InForeignCode here(name, computes);
+            external::call_of(name, [&] {
+                const external::InForeignCode here(name, computes);
                 answer_batch<S>(entry, sentinel, numbers, batch);
                 return 0;
             });
@@ -456,7 +459,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     };
     if (signature.bits == 32) bind(0.0F);
     else bind(0.0);
-    made->answers = std::make_unique<doors::ForeignRow>(std::move(form));
+    made->answers = std::make_unique<external::ForeignRow>(std::move(form));
     made->answers->info.formats = Formats::all;
     made->row = made->answers->row();
     made->written->fill(made->row);

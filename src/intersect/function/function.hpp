@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "intersect/doors/foreign_batch.hpp"
+#include "intersect/external/foreign_batch.hpp"
 #include "intersect/function/ir.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "intersect/table/written_formula.hpp"
@@ -24,7 +24,7 @@ struct UserFunction {
     std::string path;    ///< of its file
     std::string source;  ///< text of the file
     std::string shown;   ///< the signature as it was guessed, in one line
-    std::unique_ptr<doors::ForeignRow> answers;
+    std::unique_ptr<external::ForeignRow> answers;
     std::unique_ptr<table::WrittenForm> written;
     std::vector<SourcePlace> places;
     std::vector<int> place_of_operation;  ///< index of the place of each operation; -1: none
@@ -36,7 +36,7 @@ struct UserFunction {
 std::unique_ptr<UserFunction> load_function(const std::string& named, const CompileTerms& terms);
 
 /// Adds it to the table, where it stays.
-void enroll(std::unique_ptr<UserFunction> function);
+void register_forms(std::unique_ptr<UserFunction> function);
 
 /// The line of the user's file where an operation of an enrolled function stands, marked as compilers mark an error;
 /// empty for other forms and for operations without a place. `node`: its index on a tape of that format.

@@ -17,9 +17,9 @@ std::deque<std::unique_ptr<UserFunction>>& all_functions() {
 
 }  // namespace
 
-void enroll(std::unique_ptr<UserFunction> function) {
+void register_forms(std::unique_ptr<UserFunction> function) {
     all_functions().push_back(std::move(function));
-    table::enroll({all_functions().back()->row});
+    table::register_rows({all_functions().back()->row});
 }
 
 namespace {

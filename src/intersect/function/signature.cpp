@@ -7,7 +7,7 @@
 #include <cmath>
 #include <span>
 
-#include "intersect/doors/pipe_header.hpp"
+#include "intersect/external/pipe_header.hpp"
 #include "intersect/function/common_names.hpp"
 #include "number/error.hpp"
 #include "shapes/number_names.hpp"
@@ -145,7 +145,7 @@ Shape guessed_shape(const UserSignature& s, const Stated& stated, const std::vec
             std::string all;
             for (const std::string_view name : shape_names)
                 if (name != "sdf") all += (all.empty() ? "" : ", ") + std::string(name);
-            throw InputError(stated.where + ": " + doors::shown_text(stated.shape) + " is not one of " + all);
+            throw InputError(stated.where + ": " + external::shown_text(stated.shape) + " is not one of " + all);
         }
         return static_cast<Shape>(known - shape_names.begin());
     }
@@ -246,7 +246,7 @@ void take_roles(std::vector<Part>& parts, Shape shape, const Stated& stated) {
         for (std::size_t k = 0; k < keys.size() && role.empty(); ++k)
             if (fits_key(word, keys[k], k, shape)) role = "k" + std::to_string(k);
         if (role.empty())
-            throw InputError(stated.where + ": " + doors::shown_text(stated.roles[i]) +
+            throw InputError(stated.where + ": " + external::shown_text(stated.roles[i]) +
                              " is not one of o, d, 1/d, tmin, "
                              "tmax, t, far, hit, -, or a part of " +
                              with_article(shape) + ": " + key_list(shape));
@@ -329,7 +329,7 @@ Stated stated_by(const std::string& text, const std::string& where) {
             s.words.emplace_back(trimmed(std::string_view(word).substr(0, equals)),
                                  trimmed(std::string_view(word).substr(equals + 1)));
         else if (!word.empty() && !word.starts_with("->"))
-            throw InputError(where + ": " + doors::shown_text(word) +
+            throw InputError(where + ": " + external::shown_text(word) +
                              " is not understood; write, for example, sphere(o, d, c, r), miss = -1, roots = near");
     }
     return s;
@@ -407,11 +407,11 @@ void guess(UserSignature& s, const Stated& stated, const std::string& who) {
                          ": neither its result nor an argument seems to be t or a decision to hit; return t, or "
                          "bool, or name the one that takes it in a comment of the file: // lostbits: " +
                          std::string(name_of(shape)) + "(o, d, ..., t)");
-    doors::Contract& c = s.contract;
+    external::Contract& c = s.contract;
     c.shape = shape;
     c.bits = s.bits;
     c.roots = s.t && s.far ? Roots::both : s.t ? Roots::first_only : Roots::none;
-    if (row_of(shape).told_end && !has("tmax") && c.roots != Roots::none) c.flags |= LB_NO_END;
+    if (row_of(shape).takes_tmax && !has("tmax") && c.roots != Roots::none) c.flags |= LB_NO_END;
     for (const auto& [key, text] : stated.words) {
         if (key == "miss") {
             if (text == "inf" || text == "infinite") s.sentinel.kind = MissValue::Kind::infinite;
@@ -422,11 +422,11 @@ void guess(UserSignature& s, const Stated& stated, const std::string& who) {
             else {
                 s.sentinel.kind = MissValue::Kind::above;
                 if (std::from_chars(text.data(), text.data() + text.size(), s.sentinel.bound).ec != std::errc())
-                    throw InputError(stated.where + ": miss is " + doors::shown_text(text) +
+                    throw InputError(stated.where + ": miss is " + external::shown_text(text) +
                                      "; it must be -1, 0, inf, nan, none, or the number from which on t means a miss");
             }
-        } else if (!doors::set_word(c, key, text, stated.where)) {
-            throw InputError(stated.where + ": unknown word " + doors::shown_text(key) +
+        } else if (!external::set_word(c, key, text, stated.where)) {
+            throw InputError(stated.where + ": unknown word " + external::shown_text(key) +
                              "; known are miss, roots, direction, touching, at_origin, inside, facing and flags");
         }
     }

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "intersect/doors/contract.hpp"
+#include "intersect/external/contract.hpp"
 #include "intersect/function/ir.hpp"
 
 namespace lostbits::intersect::function {
@@ -68,7 +68,7 @@ struct UserSignature {
     std::optional<Slot> hit, t, far;
     bool hit_is_optional = false;  ///< the returned value is there or not
     MissValue sentinel;
-    doors::Contract contract;
+    external::Contract contract;
     std::string shown;  ///< the guess in one line
 };
 

@@ -2,7 +2,7 @@
 #include <charconv>
 #include <map>
 
-#include "intersect/doors/pipe_header.hpp"
+#include "intersect/external/pipe_header.hpp"
 #include "intersect/function/signature.hpp"
 #include "number/error.hpp"
 
@@ -129,7 +129,7 @@ UserSignature signature_of(const Module& module, const std::string& path, const 
         found = &f;
         text = subprogram;
     }
-    if (found == nullptr) throw InputError(path + ": has no function " + doors::shown_text(name));
+    if (found == nullptr) throw InputError(path + ": has no function " + external::shown_text(name));
     UserSignature s;
     s.language = language;
     s.call = name;

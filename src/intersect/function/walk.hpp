@@ -129,7 +129,7 @@ private:
     Value each_lane(const Type& type, const Act& act);
 
     // Places and names
-    int place_of(std::string_view line, int caller);
+    int index_of(std::string_view line, int caller);
     int place_at(int location, int caller);
     void name_value(State& state, int variable, const Value& value, std::size_t from, int depth);
     void declare(State& state, std::string_view line, Cursor at, bool is_record);

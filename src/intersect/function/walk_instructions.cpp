@@ -14,7 +14,7 @@ namespace lostbits::intersect::function {
 
 bool Walk::step(Frame& frame, State& state, std::string_view line) {
     if (++steps_ > most_steps) fail("the function takes too many steps on one ray");
-    if (const int p = place_of(line, frame.caller); p >= 0) nodes_.place = p;
+    if (const int p = index_of(line, frame.caller); p >= 0) nodes_.place = p;
     Cursor at(line);
     if (at.peek() == '#') {
         at.expect("#");

@@ -39,7 +39,7 @@ int Walk::place_at(int location, int caller) {
     return index;
 }
 
-int Walk::place_of(std::string_view line, int caller) {
+int Walk::index_of(std::string_view line, int caller) {
     constexpr std::string_view mark = "!dbg !";
     const std::size_t at = line.rfind(mark);
     return at == std::string_view::npos ? -1 : place_at(reference(line.substr(at + 5)), caller);

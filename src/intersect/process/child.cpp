@@ -20,7 +20,7 @@
 #include <thread>
 #include <utility>
 
-#include "intersect/process/shared_room.hpp"
+#include "intersect/process/shared_memory.hpp"
 #include "number/error.hpp"
 
 extern char** environ;
@@ -109,7 +109,7 @@ std::string shell_word(std::string_view word) {
     return quoted + "'";
 }
 
-std::string shell_command(const ProgramWords& words) {
+std::string shell_command(const ProgramArguments& words) {
     std::string command;
     for (const std::string& word : words) command += (command.empty() ? "" : " ") + shell_word(word);
     return command;
@@ -129,18 +129,18 @@ Child::Child(const std::string& command, ChildTerms terms) : terms_(std::move(te
     start({"/bin/sh", "-c", command}, Errors::ours);
 }
 
-Child::Child(const ProgramWords& program, ChildTerms terms) : terms_(std::move(terms)) {
+Child::Child(const ProgramArguments& program, ChildTerms terms) : terms_(std::move(terms)) {
     start(program, Errors::output);
 }
 
-void Child::start(ProgramWords words, Errors errors) {
+void Child::start(ProgramArguments words, Errors errors) {
     const auto to_child = make_pipe(), from_child = make_pipe();
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_adddup2(&files, to_child[0], STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&files, from_child[1], STDOUT_FILENO);
     if (errors == Errors::output) posix_spawn_file_actions_adddup2(&files, from_child[1], STDERR_FILENO);
-    if (terms_.shared >= 0) posix_spawn_file_actions_adddup2(&files, terms_.shared, SharedRoom::inherited);
+    if (terms_.shared >= 0) posix_spawn_file_actions_adddup2(&files, terms_.shared, SharedMemory::inherited);
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     sigset_t defaults;
@@ -227,8 +227,8 @@ void Child::write_some(std::span<const std::byte>& request) {
     }
 }
 
-std::size_t Child::read_some(std::span<std::byte> room) {
-    const ssize_t got = ::read(output_, room.data(), room.size());
+std::size_t Child::read_some(std::span<std::byte> into) {
+    const ssize_t got = ::read(output_, into.data(), into.size());
     if (got > 0) return static_cast<std::size_t>(got);
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
     output_ended_ = true;

@@ -27,22 +27,22 @@ struct ChildTerms {
     std::string who;      ///< begins messages
     std::string duty;     ///< what the program's author may have overlooked if no answer comes, or empty
     double seconds = 30;  ///< limit for one answer
-    int shared = -1;      ///< the descriptor of a SharedRoom that the process inherits, or -1
+    int shared = -1;      ///< the descriptor of a SharedMemory that the process inherits, or -1
     StopToken stop = {};  ///< stop request of the caller: checked by every wait for an answer
 };
 
 /// A program and its arguments, passed as they stand: no shell reads them. Without a slash the program is looked for in
 /// PATH.
-using ProgramWords = std::vector<std::string>;
+using ProgramArguments = std::vector<std::string>;
 /// The same as one would type it in a shell.
-[[nodiscard]] std::string shell_command(const ProgramWords& words);
+[[nodiscard]] std::string shell_command(const ProgramArguments& words);
 
 class Child {
 public:
     /// Starts `command` by the shell, in a process group of its own; its standard error is ours. EnvironmentError.
     Child(const std::string& command, ChildTerms terms);
     /// Starts a program without a shell; its standard error is part of its output.
-    Child(const ProgramWords& program, ChildTerms terms);
+    Child(const ProgramArguments& program, ChildTerms terms);
     /// Closes the input of the process, which tells it to end. If it does not end within a second, a signal ends it.
     /// Ends what is left in its group, too.
     ~Child();
@@ -74,10 +74,10 @@ private:
     using Clock = std::chrono::steady_clock;
 
     enum class Errors { ours, output };
-    void start(ProgramWords words, Errors errors);
+    void start(ProgramArguments words, Errors errors);
     void write_some(std::span<const std::byte>& request);
     /// Number of bytes read; at least one.
-    std::size_t read_some(std::span<std::byte> room);
+    std::size_t read_some(std::span<std::byte> into);
     void wait_for(short events_of_input, Clock::time_point until, bool& can_write, bool& can_read);
     [[noreturn]] void fail_late();
     [[nodiscard]] std::string how_it_ended();

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <sstream>
 
-#include "intersect/doors/pipe_header.hpp"
+#include "intersect/external/pipe_header.hpp"
 #include "intersect/shader/kernel.hpp"
 
 namespace lostbits::intersect::shader {
@@ -79,12 +79,12 @@ std::string errors_of(const std::string& log, const ShaderSource& shader) {
     for (std::string line; std::getline(lines, line);) {
         Complaint c;
         if (!read(line, c)) {
-            if (!line.empty()) unplaced += "\n  " + doors::shown_text(line, 200);
+            if (!line.empty()) unplaced += "\n  " + external::shown_text(line, 200);
             continue;
         }
         if (is_warning(line) || found == most || c.words.find("compilation terminated") != std::string::npos) continue;
         ++found;
-        const std::string words = doors::plain_text(c.words);
+        const std::string words = external::plain_text(c.words);
         const Function& f = shader.signature.function;
         if (!all.empty()) all += "\n";
         if (c.line < our_first_line)

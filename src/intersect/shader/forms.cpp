@@ -13,8 +13,8 @@ namespace lostbits::intersect::shader {
 using device::Buffer;
 using device::CompileError;
 using device::Device;
+using device::DeviceDescription;
 using device::DeviceLimits;
-using device::DeviceWords;
 using device::group_size;
 using device::Program;
 
@@ -50,17 +50,18 @@ private:
     template <class S>
     void answer_part(const lb_batch& batch, std::size_t begin, std::size_t n) {
         const std::size_t numbers = row_of(shape_).numbers;
-        KernelHead words{static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(batch.solid_stride),
+        KernelHead words{static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(batch.primitive_stride),
                          batch.ends != nullptr ? 1U : 0U, batch.starts != nullptr ? 1U : 0U};
         hits_.assign(n, not_written);
-        const bool own = batch.solid_stride != 0;
+        const bool own = batch.primitive_stride != 0;
         S* const near_far = static_cast<S*>(batch.near_far) + 2 * begin;
         const S no_number = 0;
-        const std::array<Buffer, BufferPlace::binding_count> buffers{{
+        const std::array<Buffer, BufferBinding::binding_count> buffers{{
             {std::as_writable_bytes(std::span(&words, 1))},
             {bytes_at<S>(batch.rays, 6 * begin, 6 * n)},
             {batch.ends != nullptr ? bytes_at<S>(batch.ends, begin, n) : bytes_at<S>(&no_number, 0, 1)},
-            {bytes_at<S>(batch.solids, own ? begin * batch.solid_stride : 0, own ? n * batch.solid_stride : numbers)},
+            {bytes_at<S>(batch.primitives, own ? begin * batch.primitive_stride : 0,
+                         own ? n * batch.primitive_stride : numbers)},
             {std::as_writable_bytes(std::span(near_far, 2 * n)), true},
             {std::as_writable_bytes(std::span(hits_)), true},
             {batch.starts != nullptr ? bytes_at<S>(batch.starts, begin, n) : bytes_at<S>(&no_number, 0, 1)},
@@ -107,16 +108,16 @@ std::size_t most_rays(const DeviceLimits& limits, int bits) {
     return std::max<std::size_t>(1, std::min(by_buffer, limits.groups * group_size));
 }
 
-std::vector<doors::ForeignForm> forms_of(const ShaderSource& shader, const std::shared_ptr<Device>& on,
-                                         bool name_device, const std::string& arithmetic) {
-    const DeviceWords& words = on->words();
+std::vector<external::ForeignForm> forms_of(const ShaderSource& shader, const std::shared_ptr<Device>& on,
+                                            bool name_device, const std::string& arithmetic) {
+    const DeviceDescription& words = on->words();
     if (shader.f64 && !on->limits().doubles && !shader.f32)
         throw EnvironmentError(shader.path + ": " + words.renderer +
                                " has no doubles in shaders; write format=f32, or try another --device");
-    std::vector<doors::ForeignForm> forms;
+    std::vector<external::ForeignForm> forms;
     for (const int bits : {32, 64}) {
         if (bits == 32 ? !shader.f32 : !shader.f64 || !on->limits().doubles) continue;
-        doors::ForeignForm form{shader.contract, "--shader " + shader.path, {}};
+        external::ForeignForm form{shader.contract, "--shader " + shader.path, {}};
         form.contract.bits = bits;
         if (name_device) form.contract.name += "." + words.kind;
         form.contract.source = std::filesystem::path(shader.path).filename().string() + ":" +

@@ -117,7 +117,7 @@ std::string site_words(const std::string& text) {
 }
 
 /// The usual loop. Its constants are written as decimals that are read back without a change.
-std::string march_words(const Signature& s, const MarchWords& march, const std::string& call) {
+std::string march_words(const Signature& s, const ShaderMarch& march, const std::string& call) {
     const auto number = [&s](double x) {
         std::array<char, 40> text{};
         std::snprintf(text.data(), text.size(), "%.17e%s", x, s.doubles ? "LF" : "");
@@ -134,13 +134,14 @@ std::string march_words(const Signature& s, const MarchWords& march, const std::
 }
 
 /// The call of the function, and the statements that store its answer.
-std::string call_words(const Signature& s, const MarchWords& march) {
+std::string call_words(const Signature& s, const ShaderMarch& march) {
     using Answers = Signature::Answers;
     std::string words, list;
     for (std::size_t k = 0; k < s.arguments.size(); ++k) {
         const Parameter& p = s.function.parameters[k];
-        if (p.way != Parameter::Way::in) words += "    " + p.type + " " + s.arguments[k] + " = " + p.type + "(0);\n";
-        if (p.way == Parameter::Way::inout && (p.type == "float" || p.type == "double"))
+        if (p.qualifier != Parameter::Qualifier::in)
+            words += "    " + p.type + " " + s.arguments[k] + " = " + p.type + "(0);\n";
+        if (p.qualifier == Parameter::Qualifier::inout && (p.type == "float" || p.type == "double"))
             words += "    " + s.arguments[k] + " = lb_tmax;\n";
         list += (k == 0 ? "" : ", ") + s.arguments[k];
     }
@@ -165,27 +166,27 @@ std::string call_words(const Signature& s, const MarchWords& march) {
 constexpr std::array<std::string_view, 4> head_words{"lb_count", "lb_stride", "lb_has_ends", "lb_has_starts"};
 static_assert(sizeof(KernelHead) == head_words.size() * sizeof(std::uint32_t));
 struct ColumnBuffer {
-    BufferPlace at;
+    BufferBinding at;
     std::string_view name;
     bool written = false, whole = false;  ///< written by the program; holds integers, not the function's numbers
 };
-constexpr std::array<ColumnBuffer, BufferPlace::binding_count - 1> column_buffers{
-    {{BufferPlace::rays, "lb_rays"},
-     {BufferPlace::ends, "lb_ends"},
-     {BufferPlace::solids, "lb_solids"},
-     {BufferPlace::answers, "lb_answers", true},
-     {BufferPlace::hits, "lb_hits", true, true},
-     {BufferPlace::starts, "lb_starts"}}};
+constexpr std::array<ColumnBuffer, BufferBinding::binding_count - 1> column_buffers{
+    {{BufferBinding::rays, "lb_rays"},
+     {BufferBinding::ends, "lb_ends"},
+     {BufferBinding::primitives, "lb_primitives"},
+     {BufferBinding::answers, "lb_answers", true},
+     {BufferBinding::hits, "lb_hits", true, true},
+     {BufferBinding::starts, "lb_starts"}}};
 
 /// Declares the buffers and begins the main function, in GLSL.
 std::string opening(const std::string& real) {
     std::string words = "layout(local_size_x = " + std::to_string(device::group_size) + ") in;\n", head;
-    const auto buffer = [&words](BufferPlace at, bool written, const std::string& members) {
+    const auto buffer = [&words](BufferBinding at, bool written, const std::string& members) {
         words += "layout(std430, binding = " + std::to_string(at) + ") " + (written ? "writeonly" : "readonly") +
                  " buffer LbBuffer" + std::to_string(at) + " {" + members + " };\n";
     };
     for (const std::string_view word : head_words) head += " uint " + std::string(word) + ";";
-    buffer(BufferPlace::head, false, head);
+    buffer(BufferBinding::head, false, head);
     for (const ColumnBuffer& c : column_buffers)
         buffer(c.at, c.written, " " + (c.whole ? "uint" : real) + " " + std::string(c.name) + "[];");
     return words + "void main() {\n";
@@ -201,13 +202,13 @@ std::string opening_of_hlsl() {
         words += "[[vk::binding(" + std::to_string(c.at) + ")]] " + (c.written ? "RW" : "") + "StructuredBuffer<" +
                  (c.whole ? "uint" : "float") + "> " + std::string(c.name) + ";\n";
     };
-    buffer({BufferPlace::head, "lb_head", false, true});
+    buffer({BufferBinding::head, "lb_head", false, true});
     for (const ColumnBuffer& c : column_buffers) buffer(c);
     return words + "[numthreads(" + std::to_string(device::group_size) + ", 1, 1)] void " +
            device::entry_of(device::Language::hlsl) + "(uint3 gl_GlobalInvocationID : SV_DispatchThreadID) {\n";
 }
 
-std::string main_words(const Signature& s, const MarchWords& march, bool hlsl) {
+std::string main_words(const Signature& s, const ShaderMarch& march, bool hlsl) {
     const std::string real = s.doubles ? "double" : "float", v = s.doubles ? "dvec" : "vec";
     const std::string count = std::to_string(row_of(s.shape).numbers);
     std::string words = hlsl ? opening_of_hlsl() : opening(real);
@@ -218,13 +219,13 @@ std::string main_words(const Signature& s, const MarchWords& march, bool hlsl) {
         words += ");\n";
     };
     words += "    uint lb_i = gl_GlobalInvocationID.x;\n    if (lb_i >= lb_count) return;\n";
-    words += "    " + real + " lb_ray[6], lb_solid[" + count + "];\n";
+    words += "    " + real + " lb_ray[6], lb_primitive[" + count + "];\n";
     words += "    for (uint k = 0u; k < 6u; ++k) lb_ray[k] = lb_rays[6u * lb_i + k];\n";
-    words += "    for (uint k = 0u; k < " + count + "u; ++k) lb_solid[k] = lb_solids[lb_stride * lb_i + k];\n";
+    words += "    for (uint k = 0u; k < " + count + "u; ++k) lb_primitive[k] = lb_primitives[lb_stride * lb_i + k];\n";
     vec("lb_origin", "lb_ray", 0);
     vec("lb_direction", "lb_ray", 3);
     for_each_key(s.shape, [&](const Key& key, std::size_t k) {
-        if (key.count() == 3) vec("lb_" + std::string(key.name), "lb_solid", k);
+        if (key.count() == 3) vec("lb_" + std::string(key.name), "lb_primitive", k);
     });
     // Infinity is written by its bits, since drivers differ in what a division by zero gives.
     words +=

@@ -9,7 +9,7 @@
 namespace lostbits::intersect::shader {
 
 /// The buffers of the program, by their binding.
-enum BufferPlace : unsigned { head, rays, ends, solids, answers, hits, starts, binding_count };
+enum BufferBinding : unsigned { head, rays, ends, primitives, answers, hits, starts, binding_count };
 
 /// Contents of the buffer `head`.
 struct KernelHead {

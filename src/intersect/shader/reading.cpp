@@ -105,14 +105,14 @@ namespace {
 
 constexpr std::array<std::string_view, 10> no_types{"const",    "highp",    "mediump",  "lowp",     "precise",
                                                     "coherent", "volatile", "restrict", "readonly", "writeonly"};
-constexpr std::array<std::string_view, 3> ways{"in", "out", "inout"};
+constexpr std::array<std::string_view, 3> qualifiers{"in", "out", "inout"};
 
 /// One parameter from its tokens, without the comma.
 Parameter parameter_of(std::span<const Token> words) {
     Parameter p;
     for (const Token& word : words) {
-        if (const auto way = std::ranges::find(ways, word.text); way != ways.end())
-            p.way = static_cast<Parameter::Way>(way - ways.begin());
+        if (const auto qualifier = std::ranges::find(qualifiers, word.text); qualifier != qualifiers.end())
+            p.qualifier = static_cast<Parameter::Qualifier>(qualifier - qualifiers.begin());
         else if (std::ranges::find(no_types, word.text) != no_types.end()) continue;
         else if (word.kind != Token::Kind::name) p.type += word.text;
         else (p.type.empty() ? p.type : p.name) = word.text;
@@ -151,7 +151,8 @@ std::string Function::words() const {
     std::string text = type + " " + name + "(";
     for (const Parameter& p : parameters) {
         if (&p != &parameters.front()) text += ", ";
-        text += std::string(before[static_cast<std::size_t>(p.way)]) + p.type + (p.name.empty() ? "" : " " + p.name);
+        text +=
+            std::string(before[static_cast<std::size_t>(p.qualifier)]) + p.type + (p.name.empty() ? "" : " " + p.name);
     }
     return text + ")";
 }

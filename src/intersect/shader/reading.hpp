@@ -28,8 +28,8 @@ std::vector<Token> code_tokens(const std::vector<Token>& all);
 std::string place_in(std::string_view text, std::size_t offset);
 
 struct Parameter {
-    enum class Way { in, out, inout };
-    Way way = Way::in;
+    enum class Qualifier { in, out, inout };
+    Qualifier qualifier = Qualifier::in;
     std::string type;  ///< `vec3`; with brackets if it is an array
     std::string name;  ///< empty if it has none
 };

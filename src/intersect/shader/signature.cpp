@@ -8,7 +8,7 @@
 namespace lostbits::intersect::shader {
 namespace {
 
-using Way = Parameter::Way;
+using Qualifier = Parameter::Qualifier;
 
 std::string lower(std::string text) {
     std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -103,7 +103,7 @@ public:
             if (!sort(found_.function.parameters[k], k)) return {};
         }
         if (!take_kind()) return {};
-        take_solid();
+        take_primitive();
         if (!take_answer()) return {};
         found_.arguments = std::move(arguments_);
         return std::move(found_);
@@ -119,10 +119,10 @@ private:
     /// Assigns a parameter to its kind. False if no intersector takes such a parameter.
     bool sort(const Parameter& p, std::size_t k) {
         if (p.type.find('[') != std::string::npos || p.name.find('[') != std::string::npos) return false;
-        if (p.way != Way::in) {
+        if (p.qualifier != Qualifier::in) {
             arguments_[k] = "lb_out_" + std::to_string(k);
             if (p.type == scalar()) found_.outputs.push_back(arguments_[k]);
-            found_.knows_end = found_.knows_end || (p.way == Way::inout && p.type == scalar());
+            found_.knows_end = found_.knows_end || (p.qualifier == Qualifier::inout && p.type == scalar());
             return true;
         }
         if (p.type == typed("vec3")) vectors_.push_back(k);
@@ -178,22 +178,22 @@ private:
         const std::string name = lower(found_.function.name);
         const bool field_name = contains_any(name, {"map", "sdf", "scene", "field", "getdist"}) || name == "de";
         const bool march_name = contains_any(name, {"march", "trace", "cast"});
-        const bool has_solid = whole_ || !lengths_.empty() || vectors > 2;
+        const bool has_primitive = whole_ || !lengths_.empty() || vectors > 2;
         const bool from_point = vectors > 0 && role_of(found_.function.parameters[vectors_[0]].name) != origin;
-        if (has_solid && choose_shape(2)) found_.kind = Kind::intersector;
-        else if (!has_solid && vectors == 2 && (named_ || march_name)) found_.kind = Kind::march;
-        else if (from_point && (named_ || field_name) && (has_solid ? choose_shape(1) : vectors == 1))
+        if (has_primitive && choose_shape(2)) found_.kind = Kind::intersector;
+        else if (!has_primitive && vectors == 2 && (named_ || march_name)) found_.kind = Kind::march;
+        else if (from_point && (named_ || field_name) && (has_primitive ? choose_shape(1) : vectors == 1))
             found_.kind = Kind::field;
         else return false;
         return true;
     }
 
-    void take_solid() {
+    void take_primitive() {
         const bool field = found_.kind == Signature::Kind::field;
         std::vector<std::string> usual;
         if (field) usual = {"lb_point"};
         else usual = {std::string(origin), std::string(direction)};
-        if (shape_ != nullptr) add_solid(usual);
+        if (shape_ != nullptr) add_primitive(usual);
         std::vector<const Parameter*> all;
         for (const std::size_t k : vectors_) all.push_back(&found_.function.parameters[k]);
         const std::vector<std::string> roles = roles_of(all, usual, shape_);
@@ -201,12 +201,12 @@ private:
     }
 
     /// Takes the lengths of the primitive, and inserts its points among the vectors where they usually stand.
-    void add_solid(std::vector<std::string>& usual) {
+    void add_primitive(std::vector<std::string>& usual) {
         found_.shape = shape_->shape;
         std::vector<std::string> points;
         std::size_t length = 0;
         for_each_key(shape_->shape, [&](const Key& key, std::size_t first) {
-            const std::string number = "lb_solid[" + std::to_string(first) + "]";
+            const std::string number = "lb_primitive[" + std::to_string(first) + "]";
             if (key.count() == 3) points.push_back(variable_of(key.name));
             else if (whole_) arguments_[*whole_] = typed("vec4") + "(" + points.front() + ", " + number + ")";
             else arguments_[lengths_[length++]] = number;

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "intersect/doors/pipe_header.hpp"
+#include "intersect/external/pipe_header.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::shader {
@@ -92,7 +92,7 @@ Sentinel sentinel_of(const Word& word) {
     Sentinel above{Kind::above, 0};
     const auto [end, error] = std::from_chars(word.value.data(), word.value.data() + word.value.size(), above.bound);
     if (error == std::errc() && end == word.value.data() + word.value.size() && above.bound > 0) return above;
-    throw InputError(word.where + ": miss is " + doors::shown_text(word.value) +
+    throw InputError(word.where + ": miss is " + external::shown_text(word.value) +
                      "; it must be negative (t < 0 means a miss), crossed (near > far), zero (t <= 0), infinite, or a "
                      "number from which on t means a miss, such as 1e20");
 }
@@ -137,7 +137,7 @@ Signature choose(const std::string& path, const std::vector<Function>& all, cons
                              [&](const Function& f) { return f.name == named->value; });
     }
     if (chosen.empty() && named)
-        throw InputError(named->where + ": no function " + doors::shown_text(named->value) + " in " + path +
+        throw InputError(named->where + ": no function " + external::shown_text(named->value) + " in " + path +
                          "; its functions are:" + listed(all));
     if (chosen.empty())
         throw InputError(path + ": no function has the types of an intersector, which are " +
@@ -155,12 +155,12 @@ Signature choose(const std::string& path, const std::vector<Function>& all, cons
 }
 
 /// The default contract: the properties of most functions with such a signature.
-doors::Contract usual_contract(const std::string& path, const Signature& signature) {
-    doors::Contract c{.name = fs::path(path).stem().string(),
-                      .title = signature.function.words(),
-                      .source = {},
-                      .shape = signature.shape,
-                      .bits = signature.doubles ? 64 : 32};
+external::Contract usual_contract(const std::string& path, const Signature& signature) {
+    external::Contract c{.name = fs::path(path).stem().string(),
+                         .title = signature.function.words(),
+                         .source = {},
+                         .shape = signature.shape,
+                         .bits = signature.doubles ? 64 : 32};
     using Answers = Signature::Answers;
     c.direction = row_of(signature.shape).usually_unit ? Direction::unit : Direction::any;
     const bool two = signature.answers == Answers::near_far || signature.answers == Answers::hit_and_near_far;
@@ -169,14 +169,14 @@ doors::Contract usual_contract(const std::string& path, const Signature& signatu
         c.direction = Direction::unit;
         c.roots = two ? Roots::both : Roots::near_only;
     }
-    const bool ends_at_once = signature.kind != Signature::Kind::intersector || zero_inside(signature.shape);
+    const bool ends_at_once = signature.kind != Signature::Kind::intersector || inside_returns_zero(signature.shape);
     if (c.roots == Roots::near_only && ends_at_once) c.inside = Inside::zero;  // a march ends where it begins
     c.flags = LB_ONE_THREAD;
     return c;
 }
 
 /// Turns the name into `shader.NAME` with only the characters that a name may have, and shortens a long title.
-void name_it(doors::Contract& contract) {
+void name_it(external::Contract& contract) {
     for (char& c : contract.name) {
         const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
         if (!plain) c = '_';
@@ -192,29 +192,31 @@ double positive(const Word& word) {
     const char* const end = word.value.data() + word.value.size();
     const auto [stop, error] = std::from_chars(word.value.data(), end, number);
     if (error != std::errc() || stop != end || !(number > 0) || !(number < 1e30))
-        throw InputError(word.where + ": " + word.key + " is " + doors::shown_text(word.value) +
+        throw InputError(word.where + ": " + word.key + " is " + external::shown_text(word.value) +
                          "; it must be a number above 0 and below 1e30");
     return number;
 }
 
 void set_formats(const Word& word, ShaderSource& shader) {
     if (word.value != "f32" && word.value != "f64" && word.value != "both")
-        throw InputError(word.where + ": format is " + doors::shown_text(word.value) + "; it must be f32, f64 or both");
+        throw InputError(word.where + ": format is " + external::shown_text(word.value) +
+                         "; it must be f32, f64 or both");
     shader.f32 = word.value != "f64";
     shader.f64 = word.value != "f32";
 }
 
 void obey(const Word& word, ShaderSource& shader) {
-    const bool own_solids = shader.signature.kind == Signature::Kind::march || shader.signature.arguments.size() == 1;
+    const bool own_primitives =
+        shader.signature.kind == Signature::Kind::march || shader.signature.arguments.size() == 1;
     if (word.key == "function") return;
     if (word.key == "miss") shader.sentinel = sentinel_of(word);
     else if (word.key == "format") set_formats(word, shader);
     else if (word.key == "hit_eps") shader.march.hit_eps = positive(word);
     else if (word.key == "max_dist") shader.march.max_dist = positive(word);
     else if (word.key == "max_steps") shader.march.max_steps = static_cast<int>(std::min(positive(word), 1e9));
-    else if ((word.key == "shape" && !own_solids) || word.key == "source" ||
-             !doors::set_word(shader.contract, word.key, word.value, word.where))
-        throw InputError(word.where + ": unknown key " + doors::shown_text(word.key) +
+    else if ((word.key == "shape" && !own_primitives) || word.key == "source" ||
+             !external::set_word(shader.contract, word.key, word.value, word.where))
+        throw InputError(word.where + ": unknown key " + external::shown_text(word.key) +
                          "; known keys are function, name, title, direction, roots, touching, at_origin, inside, "
                          "facing, flags, miss "
                          "and format; for a field also hit_eps, max_dist and max_steps; for a march or field with its "
@@ -276,9 +278,9 @@ ShaderSource read_shader(const std::string& named) {
     if ((shader.contract.flags & LB_RANGE) != 0) require_range(path, shader.signature);
     name_it(shader.contract);
     shader.signature.shape = shader.contract.shape;
-    const bool ends = told_end(shader.contract.shape) && shader.contract.roots != Roots::none;
+    const bool ends = takes_tmax(shader.contract.shape) && shader.contract.roots != Roots::none;
     if (ends && !shader.signature.knows_end) shader.contract.flags |= LB_NO_END;
-    doors::require_sense(shader.contract, path);
+    external::require_sense(shader.contract, path);
     shader.loops = loops_of(tokens, code);
     if (shader.signature.kind == Signature::Kind::field)
         shader.loops.push_back({shader.signature.function.line, shader.march.max_steps, shader.march.max_steps});

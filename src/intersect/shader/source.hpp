@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "intersect/doors/contract.hpp"
+#include "intersect/external/contract.hpp"
 #include "intersect/shader/reading.hpp"
 #include "intersect/shader/signature.hpp"
 
@@ -29,7 +29,7 @@ struct Sentinel {
 
 /// Constants of the usual loop through a field: d = map(ro + rd t); a hit at that t if d < hit_eps; else t += d; a miss
 /// if t > max_dist, or after max_steps. The defaults are those of SDF Sphere Marching (lesson P0-C1).
-struct MarchWords {
+struct ShaderMarch {
     double hit_eps = 0.001, max_dist = 20;
     int max_steps = 64;
 };
@@ -37,9 +37,9 @@ struct MarchWords {
 struct ShaderSource {
     std::string path, text;
     Signature signature;
-    doors::Contract contract;  ///< its `bits` are those of the numbers in the file
+    external::Contract contract;  ///< its `bits` are those of the numbers in the file
     Sentinel sentinel;
-    MarchWords march;              ///< used for a field
+    ShaderMarch march;             ///< used for a field
     bool f32 = true, f64 = false;  ///< formats wanted; the file is rewritten for the one that it is not in
     bool hlsl = false;             ///< if its name ends in .hlsl; computes in floats only
     std::vector<CountedLoop> loops;

@@ -163,7 +163,7 @@ std::optional<PackedRow> found_in_packs(const table::Intersector& form, Isa isa)
 template <class S, Isa isa>
 void run_of_set(void* own, const table::RayBatch<S>& rays, const Target<S>& target, const table::HitBatch<S>& hits) {
     const auto& set = *static_cast<const table::Intersector*>(own);
-    const PackedRow row = packed_kernels(set.of(target.solids.front().shape), isa);
+    const PackedRow row = packed_kernels(set.of(target.primitives.front().shape), isa);
     if constexpr (std::same_as<S, float>) row.f32(rays, target, hits);
     else row.f64(rays, target, hits);
 }
@@ -202,7 +202,7 @@ bool is_packed(const table::Intersector& form, Isa isa) {
     return isa != Isa::scalar && found_in_packs(form, isa).has_value();
 }
 
-void enroll_packs(const std::vector<OwnPacks>& rows) {
+void register_packs(const std::vector<OwnPacks>& rows) {
     for (const OwnPacks& row : rows) {
         OwnWidths& kept = own_packs().emplace_back(OwnWidths{row.info, {}});
         for (std::size_t w = 0; w < row.widths.size(); ++w)

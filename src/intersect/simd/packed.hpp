@@ -59,7 +59,7 @@ struct OwnPacks {
     std::array<RawRow, 3> widths;
 };
 /// Adds the packs of rows that `table::enroll` adds. Call it before any kernel is asked for.
-void enroll_packs(const std::vector<OwnPacks>& rows);
+void register_packs(const std::vector<OwnPacks>& rows);
 
 /// Calls `use.operator()<S>(kernel)` with the kernel of a form in a format; its batches are stored in S. `native` has
 /// the form's kernels in float and double: packed ones, or its own.

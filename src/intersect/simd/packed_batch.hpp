@@ -6,10 +6,10 @@
 
 #include <limits>
 
+#include "intersect/form_shape.hpp"
 #include "intersect/info.hpp"
 #include "intersect/sdf/march_loop.hpp"
 #include "intersect/simd/packed_raw.hpp"
-#include "intersect/takes.hpp"
 #include "number/pack.hpp"
 #include "number/wide/wide_pack.hpp"
 
@@ -20,12 +20,12 @@ namespace lostbits::intersect::simd {
 template <class P, class F>
 [[gnu::noinline, gnu::flatten]] P least_distance(const RawTarget<F>& target, const Vec<P>& p) {
     P least(0);
-    for (std::size_t k = 0; k < target.solids; ++k) {
+    for (std::size_t k = 0; k < target.primitives; ++k) {
         const F* const n = target.numbers + most_numbers * k;
         P found(0);
-        Solids::each([&]<template <class> class S>() {
+        Primitives::each([&]<template <class> class S>() {
             if (target.shapes[k] == static_cast<std::uint8_t>(shape_as<S>))
-                found = solid_from<S, P>([n](std::size_t i) { return P(n[i]); }).distance(p);
+                found = primitive_from<S, P>([n](std::size_t i) { return P(n[i]); }).distance(p);
         });
         least = k == 0 ? found : min(least, found);
     }

@@ -20,11 +20,12 @@ struct RayNumbers {
 
 /// Runs the kernel on the primitives after the last whole register, in buffers of a register's size.
 template <class F>
-[[gnu::noinline]] void run_tail(void (*kernel)(const RawSolids<F>&), std::size_t lanes, const RawSolids<F>& all) {
+[[gnu::noinline]] void run_tail(void (*kernel)(const RawPrimitives<F>&), std::size_t lanes,
+                                const RawPrimitives<F>& all) {
     const std::size_t left = all.size % lanes, whole = all.size - left;
-    RegisterColumn<F> numbers[std::extent_v<decltype(RawSolids<F>::numbers)>], t;
+    RegisterColumn<F> numbers[std::extent_v<decltype(RawPrimitives<F>::numbers)>], t;
     std::uint8_t hit[sizeof t.lanes / sizeof(F)];
-    RawSolids<F> part{.ray = all.ray, .numbers = {}, .t = t.lanes, .hit = hit, .size = lanes};
+    RawPrimitives<F> part{.ray = all.ray, .numbers = {}, .t = t.lanes, .hit = hit, .size = lanes};
     for (std::size_t c = 0; c < std::size(numbers) && all.numbers[c]; ++c) {
         numbers[c].fill(all.numbers[c] + whole, left, lanes);
         part.numbers[c] = numbers[c].lanes;
@@ -37,22 +38,22 @@ template <class F>
 
 /// Runs the kernel on the rest, then on the whole registers.
 template <class F>
-void run_packed(void (*kernel)(const RawSolids<F>&), std::size_t lanes, const Ray<F>& ray, const SolidArrays<F>& solids,
-                std::span<F> t, std::span<std::uint8_t> hit) {
+void run_packed(void (*kernel)(const RawPrimitives<F>&), std::size_t lanes, const Ray<F>& ray,
+                const PrimitiveArrays<F>& primitives, std::span<F> t, std::span<std::uint8_t> hit) {
     const RayNumbers<F> r(ray);
-    RawSolids<F> all{r.numbers, {}, t.data(), hit.data(), solids.size()};
-    std::ranges::transform(solids.numbers, all.numbers, [](const auto& column) { return column.data(); });
+    RawPrimitives<F> all{r.numbers, {}, t.data(), hit.data(), primitives.size()};
+    std::ranges::transform(primitives.numbers, all.numbers, [](const auto& column) { return column.data(); });
     if (all.size % lanes) run_tail<F>(kernel, lanes, all);
     all.size -= all.size % lanes;
     if (all.size) kernel(all);
 }
 
 template <class Form, class F>
-void run_plain(const Ray<F>& ray, const SolidArrays<F>& solids, std::span<F> t, std::span<std::uint8_t> hit) {
-    for (std::size_t i = 0; i < solids.size(); ++i) {
-        const auto number = [&solids, i](std::size_t k) { return solids.numbers[k][i]; };
+void run_plain(const Ray<F>& ray, const PrimitiveArrays<F>& primitives, std::span<F> t, std::span<std::uint8_t> hit) {
+    for (std::size_t i = 0; i < primitives.size(); ++i) {
+        const auto number = [&primitives, i](std::size_t k) { return primitives.numbers[k][i]; };
         const Hit<F> h = intersect_numbers<Form>(ray, number, t[i]);
-        if constexpr (told_end(shape_of<Form>)) t[i] = h.hit ? h.t : t[i];
+        if constexpr (takes_tmax(shape_of<Form>)) t[i] = h.hit ? h.t : t[i];
         else t[i] = h.t, hit[i] = h.hit;
     }
 }
@@ -64,7 +65,7 @@ std::span<const ManyRow> scalar_many_rows() {
         for_each_form([&]<class Form>() {
             ManyRow& row = filled[i++];
             row.info = &Form::info;
-            row.told_end = told_end(shape_of<Form>);
+            row.takes_tmax = takes_tmax(shape_of<Form>);
             if constexpr (!marches<Form>) row.f32 = run_plain<Form, float>;
             if constexpr (come_in_many(shape_of<Form>) && Form::info.formats == Formats::all)
                 row.f64 = run_plain<Form, double>;
@@ -90,10 +91,10 @@ std::array<ManyRow, form_count> rows_of(std::size_t bytes, void (*fill)(RawManyR
 }  // namespace
 
 template <class S>
-void ManyKernel<S>::operator()(const Ray<S>& ray, const SolidArrays<S>& solids, std::span<S> t,
+void ManyKernel<S>::operator()(const Ray<S>& ray, const PrimitiveArrays<S>& primitives, std::span<S> t,
                                std::span<std::uint8_t> hit) const {
-    if (plain_) plain_(ray, solids, t, hit);
-    else run_packed<S>(packed_, lanes_, ray, solids, t, hit);
+    if (plain_) plain_(ray, primitives, t, hit);
+    else run_packed<S>(packed_, lanes_, ray, primitives, t, hit);
 }
 
 template class ManyKernel<float>;

@@ -6,9 +6,9 @@
 
 namespace lostbits::intersect::simd {
 
-/// n primitives of one shape, a column for each of its numbers in the order of `Solid`; S is float or double.
+/// n primitives of one shape, a column for each of its numbers in the order of `Primitive`; S is float or double.
 template <class S>
-struct SolidArrays {
+struct PrimitiveArrays {
     std::array<std::span<const S>, most_numbers> numbers;
     [[nodiscard]] std::size_t size() const { return numbers[0].size(); }
 };
@@ -20,13 +20,13 @@ struct SolidArrays {
 template <class S>
 class ManyKernel {
 public:
-    using Plain = void (*)(const Ray<S>&, const SolidArrays<S>&, std::span<S>, std::span<std::uint8_t>);
-    using Packed = void (*)(const RawSolids<S>&);
+    using Plain = void (*)(const Ray<S>&, const PrimitiveArrays<S>&, std::span<S>, std::span<std::uint8_t>);
+    using Packed = void (*)(const RawPrimitives<S>&);
 
     constexpr ManyKernel(Plain plain = nullptr) : plain_(plain) {}
     constexpr ManyKernel(Packed packed, std::size_t lanes) : packed_(packed), lanes_(lanes) {}
 
-    void operator()(const Ray<S>& ray, const SolidArrays<S>& solids, std::span<S> t,
+    void operator()(const Ray<S>& ray, const PrimitiveArrays<S>& primitives, std::span<S> t,
                     std::span<std::uint8_t> hit = {}) const;
     explicit constexpr operator bool() const { return plain_ != nullptr || packed_ != nullptr; }
 
@@ -41,7 +41,7 @@ private:
 /// allocated.
 struct ManyRow {
     const Info* info = nullptr;
-    bool told_end = false;
+    bool takes_tmax = false;
     ManyKernel<float> f32;
     ManyKernel<double> f64;
 };

@@ -5,8 +5,8 @@
 #include <type_traits>
 
 #include "intersect/catalogue.hpp"
+#include "intersect/form_shape.hpp"
 #include "intersect/simd/packed_raw.hpp"
-#include "intersect/takes.hpp"
 #include "number/pack.hpp"
 #include "number/wide/wide_pack.hpp"
 
@@ -22,7 +22,7 @@ concept TakesOrderedBox = requires(const Ray<T>& ray, const box::OrderedBox<T>& 
 
 /// The ray is the same in every round, so the compiler moves what depends on it alone (1/d) in front of the loop.
 template <class Form, class F, class Width>
-[[gnu::flatten]] void one_ray_many_boxes(const RawSolids<F>& batch) {
+[[gnu::flatten]] void one_ray_many_boxes(const RawPrimitives<F>& batch) {
     using P = Pack<F, Width>;
     constexpr bool in_order = TakesOrderedBox<Form, P>;
     using B = std::conditional_t<in_order, box::OrderedBox<P>, Box<P>>;
@@ -49,10 +49,10 @@ template <class Form, class F, class Width>
 }
 
 template <class Form, class F, class Width>
-[[gnu::flatten]] void one_ray_many(const RawSolids<F>& batch) {
+[[gnu::flatten]] void one_ray_many(const RawPrimitives<F>& batch) {
     using P = Pack<F, Width>;
-    static_assert(!told_end(shape_of<Form>));
-    const RawSolids<F> b = batch;
+    static_assert(!takes_tmax(shape_of<Form>));
+    const RawPrimitives<F> b = batch;
     const auto number = [&b](int k) { return P(b.ray[k]); };
     const Ray<P> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
     for (std::size_t i = 0; i < b.size; i += P::lanes) {

@@ -5,16 +5,16 @@
 #include <cstdint>
 
 #include "intersect/march.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::intersect::simd {
 
 /// The target of a form as plain pointers.
 template <class F>
 struct RawTarget {
-    const F* numbers;            ///< `most_numbers` for each primitive, in the order of `Solid`
+    const F* numbers;            ///< `most_numbers` for each primitive, in the order of `Primitive`
     const std::uint8_t* shapes;  ///< the shape of each primitive, as a number of `Shape`
-    std::size_t solids;          ///< their number; one for a form that does not march
+    std::size_t primitives;      ///< their number; one for a form that does not march
     MarchConstants<F> march;     ///< for the forms that march
 };
 
@@ -31,9 +31,9 @@ struct RawBatch {
 
 /// One ray against whole packs of primitives, structure of arrays: `size` is a multiple of the lanes.
 template <class F>
-struct RawSolids {
+struct RawPrimitives {
     const F* ray;                    ///< ox, oy, oz, dx, dy, dz
-    const F* numbers[most_numbers];  ///< a column for each number of the form's shape, in the order of `Solid`
+    const F* numbers[most_numbers];  ///< a column for each number of the form's shape, in the order of `Primitive`
     F* t;                            ///< spheres: written; boxes: the ray's end on the way in, tmin after a hit
     std::uint8_t* hit;               ///< spheres only
     std::size_t size;
@@ -45,8 +45,8 @@ struct RawSolids {
 constexpr bool come_in_many(Shape shape) { return shape == shape_as<Sphere> || shape == shape_as<Box>; }
 
 struct RawManyRow {
-    void (*f32)(const RawSolids<float>&);
-    void (*f64)(const RawSolids<double>&);
+    void (*f32)(const RawPrimitives<float>&);
+    void (*f64)(const RawPrimitives<double>&);
 };
 
 struct RawRow {

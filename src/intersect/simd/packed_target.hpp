@@ -15,18 +15,18 @@ class FlatTarget {
 public:
     explicit FlatTarget(const Target<F>& target) {
         // One primitive needs neither a copy nor memory: its numbers are contiguous already.
-        if (target.solids.size() == 1) {
-            raw_.numbers = target.solids.front().numbers.data();
-            raw_.shapes = reinterpret_cast<const std::uint8_t*>(&target.solids.front().shape);
+        if (target.primitives.size() == 1) {
+            raw_.numbers = target.primitives.front().numbers.data();
+            raw_.shapes = reinterpret_cast<const std::uint8_t*>(&target.primitives.front().shape);
         } else {
-            for (const Solid<F>& solid : target.solids) {
-                numbers_.insert(numbers_.end(), solid.numbers.begin(), solid.numbers.end());
-                shapes_.push_back(static_cast<std::uint8_t>(solid.shape));
+            for (const Primitive<F>& primitive : target.primitives) {
+                numbers_.insert(numbers_.end(), primitive.numbers.begin(), primitive.numbers.end());
+                shapes_.push_back(static_cast<std::uint8_t>(primitive.shape));
             }
             raw_.numbers = numbers_.data();
             raw_.shapes = shapes_.data();
         }
-        raw_.solids = target.solids.size();
+        raw_.primitives = target.primitives.size();
         if (target.march) raw_.march = *target.march;
     }
     FlatTarget(const FlatTarget&) = delete;

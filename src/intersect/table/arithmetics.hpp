@@ -19,8 +19,8 @@ template <class Form>
 void rounded_batch(const FloatFormat& format, const RayBatch<double>& rays, const Target<double>& target,
                    const HitBatch<double>& hits) {
     const CurrentFormat::Scope scope(format);
-    constexpr AskTarget<RoundedAny, Tally<RoundedAny>> ask = intersect_target<Form>;
-    intersect_batch<RoundedAny>(ask, marches<Form>, rays, target, hits);
+    constexpr EvaluateTarget<RoundedAny, Tally<RoundedAny>> evaluate = intersect_target<Form>;
+    intersect_batch<RoundedAny>(evaluate, marches<Form>, rays, target, hits);
 }
 
 /// The end of a ray without an end, for enclosures, whose arithmetic has no infinity. It lies beyond every t of a ray
@@ -87,44 +87,45 @@ struct SampleMarks : sdf::Unwatched {
 };
 
 /// A form over `Recorded`: the same function for every recorder and format.
-using AskRecorded = AskTarget<Recorded, SampleMarks>;
+using EvaluateRecorded = EvaluateTarget<Recorded, SampleMarks>;
 template <class Form>
-inline constexpr AskRecorded ask_recorded = intersect_target<Form>;
+inline constexpr EvaluateRecorded evaluate_recorded = intersect_target<Form>;
 
 /// The answer of `ask`. The thread's recorder takes the inputs in the order of `input_names`.
-inline Hit<Recorded> recorded_hit(AskRecorded ask, const Ray<double>& ray, const Target<double>& target, double tmax) {
+inline Hit<Recorded> recorded_hit(EvaluateRecorded evaluate, const Ray<double>& ray, const Target<double>& target,
+                                  double tmax) {
     const LiftedInputs<Recorded> in(ray, target, tmax);
     SampleMarks marks;
-    return ask(in.ray, in.target.get(), in.tmax, marks, 0);
+    return evaluate(in.ray, in.target.get(), in.tmax, marks, 0);
 }
 
 /// Appends the operations of `ask()`, which runs over `Recorded`, to the tape.
-template <class Ask>
-void taped_by(const Ask& ask, const FloatFormat& format, Tape& tape) {
+template <class Evaluate>
+void taped_by(const Evaluate& evaluate, const FloatFormat& format, Tape& tape) {
     number::recorders::TapeRecorder recorder(tape, format);
-    const Hit<Recorded> hit = ask();
+    const Hit<Recorded> hit = evaluate();
     tape.outputs = {hit.hit.node(), hit.t.node(), hit.near.node(), hit.far.node()};
 }
 
-inline void evaluate_on(AskRecorded ask, Tape& tape, const FloatFormat& format, const Ray<double>& ray,
+inline void evaluate_on(EvaluateRecorded evaluate, Tape& tape, const FloatFormat& format, const Ray<double>& ray,
                         const Target<double>& target, double tmax) {
-    taped_by([&] { return recorded_hit(ask, ray, target, tmax); }, format, tape);
+    taped_by([&] { return recorded_hit(evaluate, ray, target, tmax); }, format, tape);
 }
 
-inline void record_by(AskRecorded ask, const Format& format, const Ray<double>& ray, const Target<double>& target,
-                      double tmax, Tape& tape) {
+inline void record_by(EvaluateRecorded evaluate, const Format& format, const Ray<double>& ray,
+                      const Target<double>& target, double tmax, Tape& tape) {
     tape.clear();
-    evaluate_on(ask, tape, format.parameters, ray, target, tmax);
+    evaluate_on(evaluate, tape, format.parameters, ray, target, tmax);
 }
 
 template <class Form>
 void record_of(const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax, Tape& tape) {
-    record_by(ask_recorded<Form>, format, ray, target, tmax, tape);
+    record_by(evaluate_recorded<Form>, format, ray, target, tmax, tape);
 }
 
 /// Records all operations that the form has. A march is cut to 3 samples and 2 steps of each refinement: any further
 /// ones repeat the same operations.
-inline void record_all_by(AskRecorded ask, const Target<double>& target, Tape& tape) {
+inline void record_all_by(EvaluateRecorded evaluate, const Target<double>& target, Tape& tape) {
     const Ray<double> any{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)};
     tape.clear();
     tape.every_loop = true;
@@ -133,24 +134,24 @@ inline void record_all_by(AskRecorded ask, const Target<double>& target, Tape& t
         few.max_steps = 3;
         few.secant_steps = std::min(few.secant_steps, 2);
         few.bisect_steps = std::min(few.bisect_steps, 2);
-        evaluate_on(ask, tape, binary32, any, Target<double>(target.solids, few), HUGE_VAL);
+        evaluate_on(evaluate, tape, binary32, any, Target<double>(target.primitives, few), HUGE_VAL);
     } else {
-        evaluate_on(ask, tape, binary32, any, target, HUGE_VAL);
+        evaluate_on(evaluate, tape, binary32, any, target, HUGE_VAL);
     }
     tape.every_loop = false;
 }
 
 template <class Form>
 void record_all_of(const Target<double>& target, Tape& tape) {
-    record_all_by(ask_recorded<Form>, target, tape);
+    record_all_by(evaluate_recorded<Form>, target, tape);
 }
 
 /// The answer of `ask()`, which runs over `Recorded`, with the bounds that its recorder computes.
-template <class Ask>
-std::optional<BoundedAnswer> bounded_by(const Ask& ask, const Format& format) {
+template <class Evaluate>
+std::optional<BoundedAnswer> bounded_by(const Evaluate& evaluate, const Format& format) {
     if (format.engine == Format::Engine::rounded) return std::nullopt;
     number::recorders::BoundsRecorder recorder(format.parameters);
-    const Hit<Recorded> hit = ask();
+    const Hit<Recorded> hit = evaluate();
     return BoundedAnswer{hit.hit.value(), recorder.is_proved(hit.hit.node()), recorder.value(hit.t.node()),
                          recorder.error(hit.t.node())};
 }
@@ -158,7 +159,7 @@ std::optional<BoundedAnswer> bounded_by(const Ask& ask, const Format& format) {
 template <class Form>
 std::optional<BoundedAnswer> bounded_of(const Format& format, const Ray<double>& ray, const Target<double>& target,
                                         double tmax) {
-    return bounded_by([&] { return recorded_hit(ask_recorded<Form>, ray, target, tmax); }, format);
+    return bounded_by([&] { return recorded_hit(evaluate_recorded<Form>, ray, target, tmax); }, format);
 }
 
 /// True if the form filters: it takes a watch that hears of wider arithmetic.
@@ -166,13 +167,13 @@ template <class Form>
 inline constexpr bool filters = [] {
     if constexpr (marches<Form>) return false;
     else
-        return Solids::of_shape<shape_of<Form>>([]<template <class> class S>() {
-            if constexpr (S<float>::told_end)
-                return requires(const Ray<float>& ray, const S<float>& solid, float tmax, WayWatch& watch) {
-                    Form::intersect(ray, solid, tmax, watch);
+        return Primitives::of_shape<shape_of<Form>>([]<template <class> class S>() {
+            if constexpr (S<float>::takes_tmax)
+                return requires(const Ray<float>& ray, const S<float>& primitive, float tmax, ArithmeticWatch& watch) {
+                    Form::intersect(ray, primitive, tmax, watch);
                 };
-            else return requires(const Ray<float>& ray, const S<float>& solid, WayWatch& watch) {
-                    Form::intersect(ray, solid, watch);
+            else return requires(const Ray<float>& ray, const S<float>& primitive, ArithmeticWatch& watch) {
+                    Form::intersect(ray, primitive, watch);
                 };
         });
 }();
@@ -187,33 +188,34 @@ inline constexpr bool is_one_program = !marches<Form> && !filters<Form> && !requ
 &&!requires { Form::has_loops; };
 
 template <class Form>
-Way way_of(const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax) {
+FilterArithmetic filter_arithmetic_of(const Format& format, const Ray<double>& ray, const Target<double>& target,
+                                      double tmax) {
     return with_number(format, [&]<class T>() {
         const LiftedInputs<T> in(ray, target, tmax);
-        const Solid<T>& solid = in.target.get().solids.front();
-        WayWatch watch;
-        Solids::of_shape<shape_of<Form>>([&]<template <class> class S>() {
-            static_cast<void>(intersect_solid<Form>(in.ray, solid.template as<S>(), in.tmax, watch));
+        const Primitive<T>& primitive = in.target.get().primitives.front();
+        ArithmeticWatch watch;
+        Primitives::of_shape<shape_of<Form>>([&]<template <class> class S>() {
+            static_cast<void>(intersect_primitive<Form>(in.ray, primitive.template as<S>(), in.tmax, watch));
         });
         return watch.widest;
     });
 }
 
 /// Counts the operations of `ask(ray, target, tmax)` in binary32.
-template <class Ask>
-OperationCounts counted_by(const Ask& ask, const Ray<float>& ray, const Target<float>& target, float tmax) {
+template <class Evaluate>
+OperationCounts counted_by(const Evaluate& evaluate, const Ray<float>& ray, const Target<float>& target, float tmax) {
     const LiftedInputs<Counted<float>> in(ray, target, tmax);
     operation_counts() = {};
-    static_cast<void>(ask(in.ray, in.target.get(), in.tmax));
+    static_cast<void>(evaluate(in.ray, in.target.get(), in.tmax));
     return operation_counts();
 }
 
 template <class Form>
 OperationCounts count_of(const Ray<float>& ray, const Target<float>& target, float tmax) {
-    constexpr AskTarget<Counted<float>, sdf::Unwatched> ask = intersect_target<Form>;
-    const auto unwatched = [ask](const auto&... in) {
+    constexpr EvaluateTarget<Counted<float>, sdf::Unwatched> evaluate = intersect_target<Form>;
+    const auto unwatched = [evaluate](const auto&... in) {
         sdf::Unwatched watch;
-        return ask(in..., watch, 0);
+        return evaluate(in..., watch, 0);
     };
     return counted_by(unwatched, ray, target, tmax);
 }

@@ -12,7 +12,7 @@ namespace lostbits::intersect::table {
 
 /// True if the form answers for the whole primitive, including its interior: from inside, t = 0.
 constexpr bool is_met_inside(const Info& info, Shape shape) {
-    return info.inside == Inside::zero || (info.inside == Inside::usual && zero_inside(shape));
+    return info.inside == Inside::zero || (info.inside == Inside::usual && inside_returns_zero(shape));
 }
 
 /// The range with which a form's answers are compared. It is all that lies ahead for a form that yields no t, and for
@@ -21,7 +21,7 @@ constexpr bool is_met_inside(const Info& info, Shape shape) {
 template <class S>
 Range<S> range_to_ask(const Info& info, Shape shape, Range<S> range) {
     if (info.roots == Roots::none || info.ranged) return {};
-    if (told_end(shape) && !range.open.tmax && range.holds_any()) range.tmax = std::numeric_limits<S>::infinity();
+    if (takes_tmax(shape) && !range.open.tmax && range.holds_any()) range.tmax = std::numeric_limits<S>::infinity();
     return range;
 }
 
@@ -43,15 +43,15 @@ Hit<T> in_range(const Info& info, Shape shape, const Range<S>& range, const T& t
         const auto in_order = both_closed ? tmin <= tmax : tmin < tmax;
         return {said.hit && tmin >= T(0) && in_order, said.t, said.near, said.far};
     }
-    const bool both = info.roots == Roots::both, solid = is_met_inside(info, shape);
+    const bool both = info.roots == Roots::both, inside_counts = is_met_inside(info, shape);
     const auto before = [&](const T& t) { return range.open.tmin ? t <= tmin : t < tmin; };
     const auto is_behind = before(said.t);
     auto counts = !is_behind;
     T t = said.t;
     if (both) {
         const bool joins = !range.open.tmin && info.touching == Touching::hit;
-        counts = counts || (!solid ? !before(said.far) : joins ? said.far >= tmin : said.far > tmin);
-        t = named("t_in_range", select(is_behind, solid ? tmin : said.far, said.t));
+        counts = counts || (!inside_counts ? !before(said.far) : joins ? said.far >= tmin : said.far > tmin);
+        t = named("t_in_range", select(is_behind, inside_counts ? tmin : said.far, said.t));
     }
     auto in = said.hit && counts;
     // A ray without an end also reaches a root that overflows to infinity.

@@ -5,11 +5,11 @@
 #include <limits>
 #include <type_traits>
 
+#include "intersect/form_shape.hpp"
 #include "intersect/march.hpp"
 #include "intersect/march_watch.hpp"
 #include "intersect/table/table.hpp"
 #include "intersect/table/union_field.hpp"
-#include "intersect/takes.hpp"
 #include "number/with_number.hpp"
 
 namespace lostbits::intersect::table {
@@ -19,20 +19,21 @@ namespace lostbits::intersect::table {
 template <class Form, class T, class Watch>
 Hit<T> intersect_target(const Ray<T>& ray, const Target<T>& target, const T& tmax, Watch& watch,
                         std::size_t which = 0) {
-    if constexpr (marches<Form>) return Form::intersect(ray, Union<T>(target.solids), *target.march, watch);
+    if constexpr (marches<Form>) return Form::intersect(ray, Union<T>(target.primitives), *target.march, watch);
     else
         return intersect_numbers<Form>(
-            ray, [&solid = target.solids[which]](std::size_t k) -> const T& { return solid.numbers[k]; }, tmax);
+            ray, [&primitive = target.primitives[which]](std::size_t k) -> const T& { return primitive.numbers[k]; },
+            tmax);
 }
 
 /// Pointer to the `intersect_target` of a form, for code that is compiled once for all forms.
 template <class T, class Watch>
-using AskTarget = Hit<T> (*)(const Ray<T>&, const Target<T>&, const T&, Watch&, std::size_t);
+using EvaluateTarget = Hit<T> (*)(const Ray<T>&, const Target<T>&, const T&, Watch&, std::size_t);
 
 /// Runs a form over a batch in T, which holds the stored numbers exactly or rounded once to a narrower format. `ask` is
 /// the `intersect_target` of the form; `marches` says if the form marches.
-template <class T, class S, class Ask, class Marches>
-void intersect_batch(const Ask& ask, Marches marches, const RayBatch<S>& rays, const Target<S>& target,
+template <class T, class S, class Evaluate, class Marches>
+void intersect_batch(const Evaluate& evaluate, Marches marches, const RayBatch<S>& rays, const Target<S>& target,
                      const HitBatch<S>& hits) {
     const auto drop = [](const T& x) {
         if constexpr (std::same_as<T, S>) return x;
@@ -41,12 +42,12 @@ void intersect_batch(const Ask& ask, Marches marches, const RayBatch<S>& rays, c
     const auto vec = [](S x, S y, S z) { return Vec<T>(T(x), T(y), T(z)); };
     const LiftedTarget<T> lifted(target, [](S x) { return T(x); });
     const Target<T> aim = lifted.get();
-    const std::size_t step = aim.solids.size() == 1 ? 0 : 1;
+    const std::size_t step = aim.primitives.size() == 1 ? 0 : 1;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray<T> ray{vec(rays.ox[i], rays.oy[i], rays.oz[i]), vec(rays.dx[i], rays.dy[i], rays.dz[i])};
         const T tmax(rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i]);
         Tally<T> tally;
-        const Hit<T> hit = ask(ray, aim, tmax, tally, i * step);
+        const Hit<T> hit = evaluate(ray, aim, tmax, tally, i * step);
         hits.hit[i] = hit.hit;
         hits.t[i] = drop(hit.t);
         hits.near[i] = drop(hit.near);
@@ -57,10 +58,9 @@ void intersect_batch(const Ask& ask, Marches marches, const RayBatch<S>& rays, c
 
 template <class Form, class T>
 void native_batch(const RayBatch<T>& rays, const Target<T>& target, const HitBatch<T>& hits) {
-    const auto ask = [](const Ray<T>& ray, const Target<T>& aim, const T& tmax, Tally<T>& tally, std::size_t which) {
-        return intersect_target<Form>(ray, aim, tmax, tally, which);
-    };
-    intersect_batch<T>(ask, std::bool_constant<marches<Form>>(), rays, target, hits);
+    const auto evaluate = [](const Ray<T>& ray, const Target<T>& aim, const T& tmax, Tally<T>& tally,
+                             std::size_t which) { return intersect_target<Form>(ray, aim, tmax, tally, which); };
+    intersect_batch<T>(evaluate, std::bool_constant<marches<Form>>(), rays, target, hits);
 }
 
 }  // namespace lostbits::intersect::table

@@ -10,7 +10,7 @@ namespace lostbits::intersect::table {
 
 namespace {
 
-const AskRecorded& asked(void* own) { return *static_cast<const AskRecorded*>(own); }
+const EvaluateRecorded& asked(void* own) { return *static_cast<const EvaluateRecorded*>(own); }
 
 void record_asked(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
                   Tape& tape) {
@@ -31,10 +31,10 @@ void fill_by_ray(std::span<Intersector> rows) {
     std::size_t i = 0;
     for_each_form([&]<class Form>() {
         Intersector& row = rows[i++];
-        const AskRecorded* const ask = &ask_recorded<Form>;
-        row.record = {record_asked, const_cast<AskRecorded*>(ask)};
-        row.record_all = {record_all_asked, const_cast<AskRecorded*>(ask)};
-        row.bounded = {bounded_asked, const_cast<AskRecorded*>(ask)};
+        const EvaluateRecorded* const ask = &evaluate_recorded<Form>;
+        row.record = {record_asked, const_cast<EvaluateRecorded*>(ask)};
+        row.record_all = {record_all_asked, const_cast<EvaluateRecorded*>(ask)};
+        row.bounded = {bounded_asked, const_cast<EvaluateRecorded*>(ask)};
         if constexpr (is_one_program<Form>) {
             recorded.emplace_back(row).fill_arithmetics(row);
             if (Form::info.formats != Formats::all) row.rounded = nullptr;
@@ -44,26 +44,26 @@ void fill_by_ray(std::span<Intersector> rows) {
             row.interval = enclosed<Form, Interval>;
         }
         row.count = count_of<Form>;  // as it runs: `a || b` on one ray does not compare b where a is true
-        if constexpr (filters<Form>) row.way = way_of<Form>;
+        if constexpr (filters<Form>) row.way = filter_arithmetic_of<Form>;
         if constexpr (marches<Form>) row.log = log_of<Form>;
     });
 }
 
 std::vector<std::string> input_names(const Intersector& form, const Target<double>& target) {
     std::vector<std::string> names{"o.x", "o.y", "o.z", "d.x", "d.y", "d.z"};
-    for (std::size_t s = 0; s < target.solids.size(); ++s) {
+    for (std::size_t s = 0; s < target.primitives.size(); ++s) {
         std::string prefix;
-        if (target.solids.size() > 1) prefix.append("s").append(std::to_string(s)).append(".");
-        for (const std::string& number : number_names(target.solids[s].shape)) {
+        if (target.primitives.size() > 1) prefix.append("s").append(std::to_string(s)).append(".");
+        for (const std::string& number : number_names(target.primitives[s].shape)) {
             std::string name(number);
             if (name.size() > 2 && name[name.size() - 2] == '_') name[name.size() - 2] = '.';
             names.push_back(prefix);
             names.back().append(name);
         }
-        for (std::size_t k = 0; target.solids[s].placed && k < Affine<double>::numbers; ++k)
+        for (std::size_t k = 0; target.primitives[s].placed && k < Affine<double>::numbers; ++k)
             names.push_back(prefix + "M" + std::to_string(k / 4) + std::to_string(k % 4));
     }
-    if (!is_solid(form.shape)) names.insert(names.end(), march_number_names.begin(), march_number_names.end());
+    if (!is_primitive(form.shape)) names.insert(names.end(), march_number_names.begin(), march_number_names.end());
     names.emplace_back("ray.tmax");
     return names;
 }

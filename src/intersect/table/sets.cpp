@@ -22,7 +22,7 @@ struct Made {
 
 template <class S>
 Shape shape_of_target(const Target<S>& target) {
-    return target.solids.front().shape;
+    return target.primitives.front().shape;
 }
 
 /// The shape that a call of one of the row's functions is about: that of the target among its arguments.
@@ -44,9 +44,10 @@ void pass_on(Made& set, Function<R(A...)> Intersector::*) {
 }
 
 /// The way of the form for the target's shape. A form that does not filter settles every ray in its own arithmetic.
-Way way_of_part(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax) {
+FilterArithmetic way_of_part(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target,
+                             double tmax) {
     const Intersector& form = static_cast<Intersector*>(own)->of(shape_of_target(target));
-    return form.way ? form.way(format, ray, target, tmax) : Way::own;
+    return form.way ? form.way(format, ray, target, tmax) : FilterArithmetic::own;
 }
 
 void pass_all_on(Made& set) {
@@ -134,7 +135,7 @@ bool share_a_format(const std::vector<const Intersector*>& parts) {
 std::string refusal_of_set(const std::vector<const Intersector*>& parts) {
     const auto name = [](const Intersector* part) { return std::string(part->info->name); };
     for (const Intersector* const part : parts) {
-        if (!is_solid(part->shape))
+        if (!is_primitive(part->shape))
             return name(part) + " marches through the field of all primitives at once; name it alone";
         const auto same = std::ranges::find(parts, part->shape, &Intersector::shape);
         if (*same != part)

@@ -24,7 +24,7 @@ std::span<const Intersector> intersectors() { return all_rows(); }
 
 std::span<const Intersector> catalogue() { return intersectors().first(form_count); }
 
-void enroll(const std::vector<Intersector>& rows) {
+void register_rows(const std::vector<Intersector>& rows) {
     for (const Intersector& row : rows) {
         const auto same = [&row](const Intersector& other) { return other.info->name == row.info->name; };
         if (std::ranges::any_of(all_rows(), same))

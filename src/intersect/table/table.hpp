@@ -9,16 +9,16 @@
 #include <vector>
 
 #include "geometry/range.hpp"
+#include "intersect/filter_arithmetic.hpp"
 #include "intersect/info.hpp"
 #include "intersect/march_watch.hpp"
 #include "intersect/target.hpp"
-#include "intersect/way.hpp"
 #include "number/ball.hpp"
 #include "number/counted.hpp"
 #include "number/format.hpp"
 #include "number/interval.hpp"
 #include "number/tape.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::intersect::table {
 
@@ -112,10 +112,11 @@ struct Intersector {
     Function<std::optional<BoundedAnswer>(const Format&, const Ray<double>&, const Target<double>&, double tmax)>
         bounded = nullptr;
     /// The widest arithmetic that one evaluation needs; null for the forms that do not filter.
-    Function<Way(const Format&, const Ray<double>&, const Target<double>&, double tmax)> way = nullptr;
+    Function<FilterArithmetic(const Format&, const Ray<double>&, const Target<double>&, double tmax)> way = nullptr;
     /// The forms of a set, in the order of their shapes.
     std::span<const Intersector* const> parts = {};
-    bool is_placed = false;  ///< it has a transform method, so it takes primitives under matrices (`space/spaced.hpp`)
+    bool is_placed =
+        false;  ///< it has a transform method, so it takes primitives under matrices (`transform/spaced.hpp`)
 
     [[nodiscard]] bool exists_in(const Format& format) const {
         switch (format.engine) {
@@ -129,9 +130,9 @@ struct Intersector {
     [[nodiscard]] bool is_template() const { return ball != nullptr; }
     [[nodiscard]] bool is_set() const { return !parts.empty(); }
     /// The form for one of the shapes that the row takes: of a set, its form for that shape.
-    [[nodiscard]] const Intersector& of(Shape solid) const {
+    [[nodiscard]] const Intersector& of(Shape primitive) const {
         for (const Intersector* const part : parts)
-            if (part->shape == solid) return *part;
+            if (part->shape == primitive) return *part;
         return *this;
     }
     /// The shapes that it takes; `sdf` for a form that marches.
@@ -149,6 +150,6 @@ std::span<const Intersector> catalogue();
 std::span<const Intersector> intersectors(Shape shape);
 /// Adds rows from outside the catalogue; their `info` must live as long as the program. InputError for a name that is
 /// taken. Call it before any row is asked for, since rows move in memory.
-void enroll(const std::vector<Intersector>& rows);
+void register_rows(const std::vector<Intersector>& rows);
 
 }  // namespace lostbits::intersect::table

@@ -3,28 +3,28 @@
 
 #include <span>
 
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::intersect::table {
 
 template <Number T>
-T distance(const Solid<T>& solid, const Vec<T>& p) {
-    return visit(solid, [&p](const auto& shape) { return shape.distance(p); });
+T distance(const Primitive<T>& primitive, const Vec<T>& p) {
+    return visit(primitive, [&p](const auto& shape) { return shape.distance(p); });
 }
 
 /// The union of primitives: the least of their distances, computed in their order.
 template <Number T>
 class Union {
 public:
-    explicit Union(std::span<const Solid<T>> solids) : solids_(solids) {}
+    explicit Union(std::span<const Primitive<T>> primitives) : primitives_(primitives) {}
     T operator()(const Vec<T>& p) const {
-        T least = distance(solids_.front(), p);
-        for (const Solid<T>& solid : solids_.subspan(1)) least = min(least, distance(solid, p));
+        T least = distance(primitives_.front(), p);
+        for (const Primitive<T>& primitive : primitives_.subspan(1)) least = min(least, distance(primitive, p));
         return least;
     }
 
 private:
-    std::span<const Solid<T>> solids_;
+    std::span<const Primitive<T>> primitives_;
 };
 
 }  // namespace lostbits::intersect::table

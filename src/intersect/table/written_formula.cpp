@@ -165,18 +165,18 @@ private:
 
 /// The inputs by the numbers that `WrittenOperation::operands` gives them.
 template <class T>
-auto by_number(const WrittenFormula& formula, const Ray<T>& ray, const Solid<T>& solid, const T& end) {
-    return [&ray, &solid, &end, numbers = row_of(formula.shape).numbers](std::size_t k) -> T {
+auto by_number(const WrittenFormula& formula, const Ray<T>& ray, const Primitive<T>& primitive, const T& end) {
+    return [&ray, &primitive, &end, numbers = row_of(formula.shape).numbers](std::size_t k) -> T {
         if (k < 3) return ray.origin[static_cast<int>(k)];
         if (k < 6) return ray.direction[static_cast<int>(k - 3)];
-        return k - 6 < numbers ? solid.numbers[k - 6] : end;
+        return k - 6 < numbers ? primitive.numbers[k - 6] : end;
     };
 }
 
 template <class T>
-Hit<T> answer_of(const WrittenFormula& formula, const Ray<T>& ray, const Solid<T>& solid, const T& end) {
+Hit<T> answer_of(const WrittenFormula& formula, const Ray<T>& ray, const Primitive<T>& primitive, const T& end) {
     using intersect::table::by_number;
-    return Evaluation<T>(formula).run(by_number(formula, ray, solid, end));
+    return Evaluation<T>(formula).run(by_number(formula, ray, primitive, end));
 }
 
 const WrittenForm& of(void* own) { return *static_cast<const WrittenForm*>(own); }
@@ -184,17 +184,17 @@ const WrittenForm& of(void* own) { return *static_cast<const WrittenForm*>(own);
 template <class T, class S>
 void answer_rays(const WrittenFormula& formula, const RayBatch<S>& rays, const Target<S>& target,
                  const HitBatch<S>& hits) {
-    const std::size_t step = target.solids.size() == 1 ? 0 : 1;
+    const std::size_t step = target.primitives.size() == 1 ? 0 : 1;
     const std::size_t numbers = row_of(formula.shape).numbers;
     Evaluation<T> evaluation(formula);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray<S> ray{{rays.ox[i], rays.oy[i], rays.oz[i]}, {rays.dx[i], rays.dy[i], rays.dz[i]}};
-        const Solid<S>& solid = target.solids[i * step];
+        const Primitive<S>& primitive = target.primitives[i * step];
         const S tmax = rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i];
         const Hit<T> hit = evaluation.run([&](std::size_t k) -> T {
             if (k < 3) return T(ray.origin[static_cast<int>(k)]);
             if (k < 6) return T(ray.direction[static_cast<int>(k - 3)]);
-            return T(k - 6 < numbers ? solid.numbers[k - 6] : tmax);
+            return T(k - 6 < numbers ? primitive.numbers[k - 6] : tmax);
         });
         hits.hit[i] = hit.hit;
         hits.t[i] = static_cast<S>(as_double(hit.t));
@@ -218,13 +218,13 @@ void answer_64(void* own, const RayBatch<double>& rays, const Target<double>& ta
 
 template <class E>
 Hit<E> enclose(void* own, const Ray<E>& ray, const Target<E>& target) {
-    return answer_of(of(own).in(*find_format("f32")), ray, target.solids.front(), unlimited<E>());
+    return answer_of(of(own).in(*find_format("f32")), ray, target.primitives.front(), unlimited<E>());
 }
 
 Hit<Recorded> recorded_hit(const WrittenFormula& formula, const Ray<double>& ray, const Target<double>& target,
                            double end) {
     const LiftedInputs<Recorded> in(ray, target, end);
-    return answer_of(formula, in.ray, in.target.get().solids.front(), in.tmax);
+    return answer_of(formula, in.ray, in.target.get().primitives.front(), in.tmax);
 }
 
 void record(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double end,
@@ -240,7 +240,7 @@ void record_all(void* own, const Target<double>& target, Tape& tape) {
 OperationCounts count(void* own, const Ray<float>& ray, const Target<float>& target, float end) {
     const WrittenFormula& formula = of(own).in(*find_format("f32"));
     const auto ask = [&formula](const auto& in, const auto& aim, const auto& tmax) {
-        return answer_of(formula, in, aim.solids.front(), tmax);
+        return answer_of(formula, in, aim.primitives.front(), tmax);
     };
     return counted_by(ask, ray, target, end);
 }
@@ -326,7 +326,7 @@ const WrittenFormula& WrittenForm::in(const Format& format) const {
     if (recorded_)
         std::call_once(once_, [this] {
             Tape tape;
-            recorded_->record_all(Target<double>(Solid<double>(recorded_->shape)), tape);
+            recorded_->record_all(Target<double>(Primitive<double>(recorded_->shape)), tape);
             of32_ = std::make_shared<const WrittenFormula>(
                 written(tape, recorded_->shape, std::string(recorded_->info->name)));
         });
@@ -352,11 +352,12 @@ std::vector<NodeId> WrittenForm::nodes_on_tape(const Format& format) const {
     std::vector<NodeId> nodes;
     Tape tape;
     const auto recorded = [&] {
-        const Solid<double> any(formula.shape);
+        const Primitive<double> any(formula.shape);
         const LiftedInputs<Recorded> in(Ray<double>{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, Target<double>(any),
                                         HUGE_VAL);
         Evaluation<Recorded> run(formula);
-        const Hit<Recorded> hit = run.run(table::by_number(formula, in.ray, in.target.get().solids.front(), in.tmax));
+        const Hit<Recorded> hit =
+            run.run(table::by_number(formula, in.ray, in.target.get().primitives.front(), in.tmax));
         for (std::size_t i = 0; i < formula.operations.size(); ++i) nodes.push_back(run.node(i));
         return hit;
     };

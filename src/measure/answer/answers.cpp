@@ -7,7 +7,7 @@
 #include <functional>
 #include <optional>
 
-#include "intersect/doors/contract.hpp"
+#include "intersect/external/contract.hpp"
 #include "intersect/process/parallel.hpp"
 #include "intersect/sdf/march_loop.hpp"
 #include "intersect/simd/packed.hpp"
@@ -21,7 +21,7 @@ namespace lostbits::measure::answer {
 
 using culling::SphereIndex;
 using intersect::Target;
-using intersect::simd::SolidArrays;
+using intersect::simd::PrimitiveArrays;
 using intersect::table::HitBatch;
 using intersect::table::Intersector;
 using intersect::table::RayBatch;
@@ -34,14 +34,15 @@ namespace {
 template <class S, class Kernel>
 void each_its_own(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     in.stop.check();
-    const auto same = [solids = in.solids.listed()](std::size_t a, std::size_t b) {
-        return std::ranges::equal(solids[a].used(), solids[b].used()) && solids[a].placed == solids[b].placed;
+    const auto same = [primitives = in.primitives.listed()](std::size_t a, std::size_t b) {
+        return std::ranges::equal(primitives[a].used(), primitives[b].used()) &&
+               primitives[a].placed == primitives[b].placed;
     };
     for (std::size_t i = 0, end = 0; i < chunk.count(); i = end) {
         const std::size_t first = chunk.begin() + i;
         for (end = i + 1; end < chunk.count() && same(first, chunk.begin() + end);) ++end;
-        const Solid<S> solid = lift_solid<S>(in.solids[first]);
-        kernel(chunk.batch(i, end), Target<S>(solid), chunk.hits(i, end));
+        const Primitive<S> primitive = lift_primitive<S>(in.primitives[first]);
+        kernel(chunk.batch(i, end), Target<S>(primitive), chunk.hits(i, end));
         for (std::size_t k = i; k < end; ++k) {
             const std::size_t p = chunk.begin() + k;
             const HitBatch<S> hits = chunk.hits();
@@ -54,10 +55,10 @@ void each_its_own(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& 
 template <class S, class Kernel>
 void own_at_once(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     in.stop.check();
-    std::vector<Solid<S>> own;
-    for (std::size_t k = 0; k < chunk.count(); ++k) own.push_back(lift_solid<S>(in.solids[chunk.begin() + k]));
+    std::vector<Primitive<S>> own;
+    for (std::size_t k = 0; k < chunk.count(); ++k) own.push_back(lift_primitive<S>(in.primitives[chunk.begin() + k]));
     const HitBatch<S> hits = chunk.hits();
-    kernel(chunk.batch(), Target<S>(std::span<const Solid<S>>(own)), hits);
+    kernel(chunk.batch(), Target<S>(std::span<const Primitive<S>>(own)), hits);
     for (std::size_t k = 0; k < chunk.count(); ++k) {
         const std::size_t p = chunk.begin() + k;
         if (hits.hit[k] != 0) keep_nearest(hits.t[k], p, static_cast<std::int32_t>(p), answers);
@@ -67,10 +68,10 @@ void own_at_once(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& i
 /// Tests one chunk of rays against all primitives and keeps the nearest hit.
 template <class S, class Kernel>
 void nearest_of(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
-    for (std::size_t s = 0; s < in.solids.size(); ++s) {
+    for (std::size_t s = 0; s < in.primitives.size(); ++s) {
         in.stop.check();
-        const Solid<S> solid = lift_solid<S>(in.solids[s]);
-        kernel(chunk.batch(), Target<S>(solid), chunk.hits());
+        const Primitive<S> primitive = lift_primitive<S>(in.primitives[s]);
+        kernel(chunk.batch(), Target<S>(primitive), chunk.hits());
         chunk.keep_nearest(s);
     }
     chunk.put(answers);
@@ -79,8 +80,8 @@ void nearest_of(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in
 /// Kernel of one ray, in its range, against many spheres in the format's own arithmetic. It fills `t` and `hit`, one
 /// for each sphere.
 template <class S>
-using OneToMany =
-    std::function<void(const Ray<S>&, const Range<S>&, const SolidArrays<S>&, std::span<S>, std::span<std::uint8_t>)>;
+using OneToMany = std::function<void(const Ray<S>&, const Range<S>&, const PrimitiveArrays<S>&, std::span<S>,
+                                     std::span<std::uint8_t>)>;
 
 /// Calls `take(c)` for every c with hit[c] != 0, in order. Hits are rare, so eight bytes are tested together.
 template <class Take>
@@ -124,7 +125,8 @@ public:
             if (runs_.empty()) continue;
             in_.stop.check();  // a ray may test all spheres of the page, in software
             if (!columns)
-                columns = in_.solids.columns<S>(begin, std::min(SphereIndex::page, in_.solids.size() - begin), room_);
+                columns = in_.primitives.columns<S>(begin, std::min(SphereIndex::page, in_.primitives.size() - begin),
+                                                    buffers_);
             for (const auto& [from, to] : runs_) {
                 const auto part = [&, from = from, to = to](std::size_t k) {
                     return (*columns)[k].subspan(from - begin, to - from);  // clang before 16 captures no bindings
@@ -135,7 +137,7 @@ public:
     }
 
 private:
-    void meet(const Ray<double>& ray, std::size_t p, std::size_t from, const SolidArrays<S>& spheres) {
+    void meet(const Ray<double>& ray, std::size_t p, std::size_t from, const PrimitiveArrays<S>& spheres) {
         t_.resize(spheres.size());
         hit_.resize(spheres.size());
         const Range<double> range = rays_.range(p);
@@ -154,7 +156,7 @@ private:
     /// Numbers in software are slower than the test that says if a sphere is a candidate.
     SphereIndex::Grain grain_ =
         in_.format.engine == Format::Engine::rounded ? SphereIndex::Grain::spheres : SphereIndex::Grain::blocks;
-    std::array<std::vector<S>, 4> room_;
+    std::array<std::vector<S>, 4> buffers_;
     std::vector<SphereIndex::Run> runs_;
     std::vector<S> t_;
     std::vector<std::uint8_t> hit_;
@@ -175,19 +177,19 @@ void nearest_among(const OneToMany<S>& kernel, const RayBlock& rays, const Forma
 /// Makes a kernel of one ray and many spheres from a kernel of many rays and one primitive.
 template <class S, class Kernel>
 OneToMany<S> one_by_one(const Intersector& form, const Kernel& kernel) {
-    return [&form, kernel](const Ray<S>& ray, const Range<S>& range, const SolidArrays<S>& all, std::span<S> t,
+    return [&form, kernel](const Ray<S>& ray, const Range<S>& range, const PrimitiveArrays<S>& all, std::span<S> t,
                            std::span<std::uint8_t> hit) {
         const auto one = [](const S& x) { return std::span(&x, 1); };
         const Vec<S>&o = ray.origin, &d = ray.direction;
         S near{}, far{};
-        Solid<S> solid(form.shape);
+        Primitive<S> primitive(form.shape);
         RayBatch<S> rays{
             .ox = one(o.x), .oy = one(o.y), .oz = one(o.z), .dx = one(d.x), .dy = one(d.y), .dz = one(d.z)};
         if (!range.is_whole()) rays.tmax = one(range.tmax), rays.tmin = one(range.tmin), rays.open = range.open;
         for (std::size_t i = 0; i < all.size(); ++i) {
-            for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = all.numbers[k][i];
+            for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = all.numbers[k][i];
             const HitBatch<S> hits{t.subspan(i, 1), std::span(&near, 1), std::span(&far, 1), hit.subspan(i, 1)};
-            kernel(rays, Target<S>(solid), hits);
+            kernel(rays, Target<S>(primitive), hits);
             intersect::table::keep_in_range(*form.info, form.shape, rays, hits);
         }
     };
@@ -231,18 +233,18 @@ void meet_candidates(const Kernel& kernel, const RayBlock& rays, const FormatInp
     const std::size_t parts = (rays.size() + together - 1) / together;
     intersect::process::in_parallel(std::size_t{0}, parts, [&](std::size_t part) {
         PairColumns<S> pairs(rays, in, part * together, std::min((part + 1) * together, rays.size()));
-        if (at_once) pairs.ask_at_once(kernel);
-        else pairs.ask_one_by_one(kernel);
+        if (at_once) pairs.evaluate_at_once(kernel);
+        else pairs.evaluate_one_by_one(kernel);
         pairs.put(answers);
     });
 }
 
 /// The primitive whose surface is nearest to the point at t, in double precision. A field does not say which primitive
 /// was hit.
-std::int32_t nearest_solid(const Ray<double>& ray, double t, std::span<const Solid<double>> solids) {
+std::int32_t nearest_primitive(const Ray<double>& ray, double t, std::span<const Primitive<double>> primitives) {
     const Vec<double> p = intersect::sdf::along(ray, t);
-    const auto size = [&p](const Solid<double>& s) { return std::fabs(intersect::table::distance(s, p)); };
-    return static_cast<std::int32_t>(std::ranges::min_element(solids, {}, size) - solids.begin());
+    const auto size = [&p](const Primitive<double>& s) { return std::fabs(intersect::table::distance(s, p)); };
+    return static_cast<std::int32_t>(std::ranges::min_element(primitives, {}, size) - primitives.begin());
 }
 
 /// Marches one chunk of rays through the field of all primitives.
@@ -252,13 +254,14 @@ void march_to(const Kernel& kernel, RayChunk<S>& chunk, const RayBlock& rays, co
     in.stop.check();
     HitBatch<S> hits = chunk.hits();
     hits.march = std::span(answers.march).subspan(chunk.begin(), chunk.count());
-    const intersect::LiftedTarget<S> target(Target<double>(in.solids.listed(), in.march.value()),
+    const intersect::LiftedTarget<S> target(Target<double>(in.primitives.listed(), in.march.value()),
                                             [](double x) { return static_cast<S>(x); });
     kernel(chunk.batch(), target.get(), hits);
     for (std::size_t i = 0; i < chunk.count(); ++i) {
         if (hits.hit[i] == 0) continue;
         const std::size_t p = chunk.begin() + i;
-        keep_nearest(hits.t[i], p, nearest_solid(rays[p], static_cast<double>(hits.t[i]), in.solids.listed()), answers);
+        keep_nearest(hits.t[i], p, nearest_primitive(rays[p], static_cast<double>(hits.t[i]), in.primitives.listed()),
+                     answers);
     }
 }
 
@@ -267,7 +270,7 @@ void march_to(const Kernel& kernel, RayChunk<S>& chunk, const RayBlock& rays, co
 Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& inputs) {
     const RayBlock& rays = inputs.rays_for(*form.info);
     const std::size_t n = rays.size();
-    const bool marches = !is_solid(form.shape), takes_many = !intersect::doors::behind(form).empty();
+    const bool marches = !is_primitive(form.shape), takes_many = !intersect::external::behind(form).empty();
     Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
     // Kernels of packs keep no records of the marches in their lanes.
     const intersect::simd::PackedRow native = marches
@@ -281,7 +284,7 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
     const auto run = [&]<class S>(const auto& whole_ray) {
         const auto kernel = [&](const RayBatch<S>& batch, const Target<S>& target, const HitBatch<S>& hits) {
             whole_ray(batch, target, hits);
-            const Intersector& asked = marches ? form : form.of(target.solids.front().shape);
+            const Intersector& asked = marches ? form : form.of(target.primitives.front().shape);
             intersect::table::keep_in_range(*asked.info, asked.shape, batch, hits);
         };
         if (inputs.candidates && !marches) return meet_candidates<S>(kernel, rays, inputs, takes_many, answers);

@@ -32,11 +32,11 @@ intersect::table::RayBatch<S> batch_of(const Columns& columns, std::size_t i, st
 
 /// Buffers for the answers of a kernel.
 template <class S>
-struct AnswerRoom {
+struct AnswerBuffers {
     std::vector<S> t, near, far;
     std::vector<std::uint8_t> hit;
 
-    explicit AnswerRoom(std::size_t rays) : t(rays), near(rays), far(rays), hit(rays) {}
+    explicit AnswerBuffers(std::size_t rays) : t(rays), near(rays), far(rays), hit(rays) {}
     [[nodiscard]] intersect::table::HitBatch<S> hits(std::size_t i, std::size_t end) {
         const auto part = [&](auto& all) { return std::span(all).subspan(i, end - i); };
         return {part(t), part(near), part(far), part(hit)};
@@ -46,17 +46,17 @@ struct AnswerRoom {
 
 /// Numbers of some rays in the layout that a kernel takes, without their ranges, and buffers for its answers.
 template <class S>
-struct KernelRoom : AnswerRoom<S> {
+struct KernelBuffers : AnswerBuffers<S> {
     std::array<std::vector<S>, 8> columns;
 
-    KernelRoom(const scene::rays::RayBlock& rays, std::size_t begin, std::size_t count) : AnswerRoom<S>(count) {
+    KernelBuffers(const scene::rays::RayBlock& rays, std::size_t begin, std::size_t count) : AnswerBuffers<S>(count) {
         for (std::size_t k = 0; k < rays.numbers().size(); ++k) {
             columns[k].resize(count);
             std::ranges::transform(std::span(*rays.numbers()[k]).subspan(begin, count), columns[k].begin(),
                                    [](double x) { return static_cast<S>(x); });
         }
     }
-    explicit KernelRoom(const scene::rays::RayBlock& rays) : KernelRoom(rays, 0, rays.size()) {}
+    explicit KernelBuffers(const scene::rays::RayBlock& rays) : KernelBuffers(rays, 0, rays.size()) {}
     [[nodiscard]] intersect::table::RayBatch<S> rays(std::size_t i, std::size_t end) const {
         return batch_of<S>(columns, i, end, {});
     }
@@ -72,10 +72,10 @@ public:
 
     explicit RayChunk(const scene::rays::RayBlock& rays)
         : rays_(rays),
-          room_(std::min(most, rays.size())),
-          columns_(room_for_columns()),
-          nearest_(room_.hit.size()),
-          objects_(room_.hit.size()) {}
+          buffers_(std::min(most, rays.size())),
+          columns_(buffers_for_columns()),
+          nearest_(buffers_.hit.size()),
+          objects_(buffers_.hit.size()) {}
 
     /// Takes the rays from `begin` to `begin + most`, or to the last one.
     void move_to(std::size_t begin) {
@@ -104,16 +104,16 @@ public:
     [[nodiscard]] intersect::table::RayBatch<S> batch(std::size_t i, std::size_t end) const {
         return batch_of<S>(batch_, i, end, rays_.open);
     }
-    [[nodiscard]] intersect::table::HitBatch<S> hits(std::size_t i, std::size_t end) { return room_.hits(i, end); }
+    [[nodiscard]] intersect::table::HitBatch<S> hits(std::size_t i, std::size_t end) { return buffers_.hits(i, end); }
 
     /// Keeps the hits with this primitive that come first.
-    void keep_nearest(std::size_t solid) {
+    void keep_nearest(std::size_t primitive) {
         columns::keep_nearest(columns::RawHits<S>{.size = count_,
-                                                  .t = room_.t.data(),
-                                                  .hit = room_.hit.data(),
+                                                  .t = buffers_.t.data(),
+                                                  .hit = buffers_.hit.data(),
                                                   .nearest = nearest_.data(),
                                                   .objects = objects_.data(),
-                                                  .object = static_cast<std::int32_t>(solid)});
+                                                  .object = static_cast<std::int32_t>(primitive)});
     }
     /// Writes the nearest hit of every ray.
     void put(Answers& answers) const {
@@ -132,17 +132,17 @@ public:
     }
 
 private:
-    [[nodiscard]] std::array<std::vector<S>, 8> room_for_columns() const {
+    [[nodiscard]] std::array<std::vector<S>, 8> buffers_for_columns() const {
         std::array<std::vector<S>, 8> columns;
         if constexpr (!std::same_as<S, double>) {
-            for (std::vector<S>& column : columns) column.resize(room_.hit.size());
+            for (std::vector<S>& column : columns) column.resize(buffers_.hit.size());
         }
         return columns;
     }
 
     const scene::rays::RayBlock& rays_;
     std::size_t begin_ = 0, count_ = 0;
-    AnswerRoom<S> room_;
+    AnswerBuffers<S> buffers_;
     std::array<std::vector<S>, 8> columns_;  ///< used where the kernels take another type than the block has
     std::array<std::span<const S>, 8> batch_;
     std::vector<S> nearest_;
@@ -170,7 +170,7 @@ public:
         const culling::CandidateLists& candidates = *in.candidates;
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t k = candidates.first(i); k < candidates.first(i + 1); ++k)
-                pairs_.push_back({candidates.solid(k), static_cast<std::uint32_t>(k), i});
+                pairs_.push_back({candidates.primitive(k), static_cast<std::uint32_t>(k), i});
         std::ranges::sort(pairs_);
         const std::array from{&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz, &rays.tmax, &rays.tmin};
         for (std::size_t c = 0; c < from.size(); ++c) {
@@ -178,45 +178,48 @@ public:
             columns_[c].reserve(pairs_.size());
             for (const Pair& pair : pairs_) columns_[c].push_back(static_cast<S>((*from[c])[pair.ray]));
         }
-        room_.emplace(pairs_.size());
+        buffers_.emplace(pairs_.size());
     }
 
     /// Calls the kernel once for each primitive.
     template <class Kernel>
-    void ask_one_by_one(const Kernel& kernel) {
+    void evaluate_one_by_one(const Kernel& kernel) {
         for (std::size_t k = 0, end = 0; k < pairs_.size(); k = end) {
-            for (end = k + 1; end < pairs_.size() && pairs_[end].solid == pairs_[k].solid;) ++end;
+            for (end = k + 1; end < pairs_.size() && pairs_[end].primitive == pairs_[k].primitive;) ++end;
             in_.stop.check();
-            kernel(batch(k, end), intersect::Target<S>(solid(k)), room_->hits(k, end));
+            kernel(batch(k, end), intersect::Target<S>(primitive(k)), buffers_->hits(k, end));
         }
     }
     /// Calls the kernel once for all primitives of a shape. For external kernels, where a call may cost a message to
     /// another process.
     template <class Kernel>
-    void ask_at_once(const Kernel& kernel) {
-        std::vector<Solid<S>> own;
+    void evaluate_at_once(const Kernel& kernel) {
+        std::vector<Primitive<S>> own;
         for (std::size_t k = 0, end = 0; k < pairs_.size(); k = end) {
-            own.assign(1, solid(k));
-            for (end = k + 1; end < pairs_.size() && in_.solids[pairs_[end].solid].shape == own.front().shape; ++end)
-                own.push_back(solid(end));
+            own.assign(1, primitive(k));
+            for (end = k + 1; end < pairs_.size() && in_.primitives[pairs_[end].primitive].shape == own.front().shape;
+                 ++end)
+                own.push_back(primitive(end));
             in_.stop.check();
-            kernel(batch(k, end), intersect::Target<S>(std::span<const Solid<S>>(own)), room_->hits(k, end));
+            kernel(batch(k, end), intersect::Target<S>(std::span<const Primitive<S>>(own)), buffers_->hits(k, end));
         }
     }
     void put(Answers& answers) const {
-        for (std::size_t k = 0; k < pairs_.size(); ++k) answers.claimed[pairs_[k].place] = room_->hit[k];
+        for (std::size_t k = 0; k < pairs_.size(); ++k) answers.claimed[pairs_[k].place] = buffers_->hit[k];
         for (std::size_t k = 0; k < pairs_.size(); ++k)
-            if (room_->hit[k] != 0)
-                keep_nearest(room_->t[k], pairs_[k].ray, static_cast<std::int32_t>(pairs_[k].solid), answers);
+            if (buffers_->hit[k] != 0)
+                keep_nearest(buffers_->t[k], pairs_[k].ray, static_cast<std::int32_t>(pairs_[k].primitive), answers);
     }
 
 private:
     struct Pair {
-        std::uint32_t solid, place;
+        std::uint32_t primitive, place;
         std::size_t ray;
         friend auto operator<=>(const Pair&, const Pair&) = default;
     };
-    [[nodiscard]] Solid<S> solid(std::size_t k) const { return lift_solid<S>(in_.solids[pairs_[k].solid]); }
+    [[nodiscard]] Primitive<S> primitive(std::size_t k) const {
+        return lift_primitive<S>(in_.primitives[pairs_[k].primitive]);
+    }
     [[nodiscard]] intersect::table::RayBatch<S> batch(std::size_t k, std::size_t end) const {
         return batch_of<S>(columns_, k, end, open_);
     }
@@ -225,7 +228,7 @@ private:
     OpenEnds open_;
     std::vector<Pair> pairs_;
     std::array<std::vector<S>, 8> columns_;
-    std::optional<AnswerRoom<S>> room_;
+    std::optional<AnswerBuffers<S>> buffers_;
 };
 
 }  // namespace lostbits::measure::answer

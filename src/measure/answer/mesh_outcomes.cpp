@@ -19,15 +19,18 @@ namespace {
 class RayAtMesh {
 public:
     RayAtMesh(const BandAnswers& of, std::size_t ray)
-        : of_(of), ray_(ray), first_(of.inputs.solids.first_of_mesh()), mesh_(of.inputs.solids.mesh()->mesh()) {}
+        : of_(of),
+          ray_(ray),
+          first_(of.inputs.primitives.first_of_mesh()),
+          mesh_(of.inputs.primitives.mesh()->mesh()) {}
 
     [[nodiscard]] Outcome outcome_of(std::int32_t truly, Outcome before) const {
         const std::int32_t met = of_.answers.object[ray_];
         if (of_.answers.claimed.empty())
-            return before == Outcome::wrong_object && are_neighbours(truly, met) ? Outcome::wrong_neighbour : before;
+            return before == Outcome::wrong_primitive && are_neighbours(truly, met) ? Outcome::wrong_neighbour : before;
         Outcome outcome = before;
         if (before == Outcome::false_miss && in_mesh(truly) && lets_light_through(truly)) outcome = Outcome::crack;
-        if (before == Outcome::wrong_object && in_mesh(truly)) {
+        if (before == Outcome::wrong_primitive && in_mesh(truly)) {
             if (are_neighbours(truly, met)) outcome = Outcome::wrong_neighbour;
             else if (lets_light_through(truly)) outcome = Outcome::crack;
             else if (passes_a_nearer(met)) outcome = Outcome::out_of_order;
@@ -39,24 +42,26 @@ public:
 private:
     /// A triangle of the mesh that the form claims or the ray truly meets.
     struct Crossed {
-        std::int32_t solid;
+        std::int32_t primitive;
         Truth truth;
         int facing;
     };
 
-    [[nodiscard]] bool in_mesh(std::int32_t solid) const {
-        return solid >= 0 && static_cast<std::size_t>(solid) >= first_;
+    [[nodiscard]] bool in_mesh(std::int32_t primitive) const {
+        return primitive >= 0 && static_cast<std::size_t>(primitive) >= first_;
     }
-    [[nodiscard]] std::size_t face(std::int32_t solid) const { return static_cast<std::size_t>(solid) - first_; }
+    [[nodiscard]] std::size_t face(std::int32_t primitive) const {
+        return static_cast<std::size_t>(primitive) - first_;
+    }
     [[nodiscard]] bool are_neighbours(std::int32_t a, std::int32_t b) const {
         return in_mesh(a) && in_mesh(b) && mesh_.share_a_vertex(face(a), face(b));
     }
-    /// True if the form claims a candidate for which `wanted(solid)` holds.
+    /// True if the form claims a candidate for which `wanted(primitive)` holds.
     template <class Wanted>
     [[nodiscard]] bool claims(const Wanted& wanted) const {
         const culling::CandidateLists& candidates = *of_.inputs.candidates;
         for (std::size_t pair = candidates.first(ray_); pair < candidates.first(ray_ + 1); ++pair)
-            if (of_.answers.claimed[pair] != 0 && wanted(static_cast<std::int32_t>(candidates.solid(pair))))
+            if (of_.answers.claimed[pair] != 0 && wanted(static_cast<std::int32_t>(candidates.primitive(pair))))
                 return true;
         return false;
     }
@@ -64,22 +69,24 @@ private:
         return !claims([&](std::int32_t s) { return s == truly || are_neighbours(s, truly); }) && counts_otherwise() &&
                !is_beside_border(truly);
     }
-    [[nodiscard]] Truth truth_at(std::int32_t solid) const {
-        return of_.band.truth_of_solid(ray_, static_cast<std::size_t>(solid), of_.convention);
+    [[nodiscard]] Truth truth_at(std::int32_t primitive) const {
+        return of_.band.truth_of_primitive(ray_, static_cast<std::size_t>(primitive), of_.convention);
     }
-    [[nodiscard]] Solid<double> triangle(std::int32_t solid) const {
-        return of_.inputs.solids[static_cast<std::size_t>(solid)];
+    [[nodiscard]] Primitive<double> triangle(std::int32_t primitive) const {
+        return of_.inputs.primitives[static_cast<std::size_t>(primitive)];
     }
-    [[nodiscard]] Crossed crossed(std::int32_t solid) const { return {solid, truth_at(solid), facing(solid)}; }
-    [[nodiscard]] int facing(std::int32_t solid) const {
-        return crossing::facing_of(of_.inputs.rays[ray_], triangle(solid)).value_or(0);
+    [[nodiscard]] Crossed crossed(std::int32_t primitive) const {
+        return {primitive, truth_at(primitive), facing(primitive)};
+    }
+    [[nodiscard]] int facing(std::int32_t primitive) const {
+        return crossing::facing_of(of_.inputs.rays[ray_], triangle(primitive)).value_or(0);
     }
     /// True if two triangles are one crossing of the surface: they face to one side, or one is seen edge-on; and the
     /// ray meets both at the same t, or it does not meet both and they share a vertex.
     [[nodiscard]] bool is_one_crossing(const Crossed& a, const Crossed& b) const {
         if (a.facing * b.facing < 0) return false;
         return a.truth.is_hit() && b.truth.is_hit() ? compare(a.truth.t, b.truth.t) == 0
-                                                    : are_neighbours(a.solid, b.solid);
+                                                    : are_neighbours(a.primitive, b.primitive);
     }
     [[nodiscard]] bool is_claimed_twice(std::int32_t met) const {
         std::optional<Crossed> here;
@@ -130,7 +137,8 @@ private:
     [[nodiscard]] bool leave_crossings_open(const std::vector<Crossed>& claimed) const {
         for (const Crossed& a : claimed)
             for (const Crossed& b : claimed)
-                if (a.solid < b.solid && !(a.truth.is_hit() && b.truth.is_hit()) && are_neighbours(a.solid, b.solid))
+                if (a.primitive < b.primitive && !(a.truth.is_hit() && b.truth.is_hit()) &&
+                    are_neighbours(a.primitive, b.primitive))
                     return true;
         return false;
     }
@@ -140,11 +148,11 @@ private:
         const culling::CandidateLists& candidates = *of_.inputs.candidates;
         std::vector<Crossed> claimed, met;
         for (std::size_t pair = candidates.first(ray_); pair < candidates.first(ray_ + 1); ++pair) {
-            const auto solid = static_cast<std::int32_t>(candidates.solid(pair));
-            if (!in_mesh(solid)) continue;
-            const Truth truth = truth_at(solid);
+            const auto primitive = static_cast<std::int32_t>(candidates.primitive(pair));
+            if (!in_mesh(primitive)) continue;
+            const Truth truth = truth_at(primitive);
             if (of_.answers.claimed[pair] == 0 && !truth.is_hit()) continue;
-            const Crossed one{solid, truth, facing(solid)};
+            const Crossed one{primitive, truth, facing(primitive)};
             if (of_.answers.claimed[pair] != 0) claimed.push_back(one);
             if (truth.is_hit()) met.push_back(one);
         }
@@ -159,13 +167,13 @@ private:
 }  // namespace
 
 Outcome outcome_in_mesh(const BandAnswers& of, std::size_t ray, std::int32_t truly, Outcome before) {
-    return of.inputs.solids.mesh() != nullptr ? RayAtMesh(of, ray).outcome_of(truly, before) : before;
+    return of.inputs.primitives.mesh() != nullptr ? RayAtMesh(of, ray).outcome_of(truly, before) : before;
 }
 
 void take_apart(const BandAnswers& of, const columns::TrueLengths& truth, std::span<Outcome> outcomes) {
-    const bool at_mesh = of.inputs.solids.mesh() != nullptr;
+    const bool at_mesh = of.inputs.primitives.mesh() != nullptr;
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
-        const bool elsewhere = outcomes[i] == Outcome::wrong_object;
+        const bool elsewhere = outcomes[i] == Outcome::wrong_primitive;
         if (at_mesh || elsewhere) of.inputs.stop.check();
         if (elsewhere && meets_first(of.band, i, of.answers.object[i], of.convention)) outcomes[i] = Outcome::agree_hit;
         if (at_mesh && truth.decision[i] == Truth::Decision::hit)

@@ -22,7 +22,7 @@ OneRay::OneRay(const Scene& scene, int x, int y, truth::TruthLimit limit) {
         const auto place = static_cast<std::size_t>(x);
         scene::rays::RayBlock one = scene::rays::group_of(row[place]).rays;
         one.push_range(row, place);
-        ask_among(scene, std::move(one), limit);
+        evaluate_among(scene, std::move(one), limit);
         return;
     }
     band_ = std::make_unique<Band>(scene, y, y + 1, limit);
@@ -32,13 +32,13 @@ OneRay::OneRay(const Scene& scene, int x, int y, truth::TruthLimit limit) {
 OneRay::OneRay(const Scene& scene, const Ray<Real>& ray, truth::TruthLimit limit) {
     scene::rays::IdealRayBlock one;
     one.push(ray);
-    one.be_list();
+    one.set_as_list();
     scene::rays::put_range(scene, one);
     if (scene.inputs == scene::file::Inputs::own) band_ = std::make_unique<Band>(scene, std::move(one), limit);
-    else ask_among(scene, scene::rays::round_rays(one, binary64), limit);
+    else evaluate_among(scene, scene::rays::round_rays(one, binary64), limit);
 }
 
-void OneRay::ask_among(const Scene& scene, scene::rays::RayBlock one, truth::TruthLimit limit) {
+void OneRay::evaluate_among(const Scene& scene, scene::rays::RayBlock one, truth::TruthLimit limit) {
     culler_ = std::make_unique<culling::Culler>(scene, one[0]);
     band_ = std::make_unique<Band>(scene, std::move(one), *culler_, limit);
 }

@@ -11,7 +11,7 @@
 
 namespace lostbits::measure::answer {
 
-/// Error metrics exist for `agree_hit` only. `not_a_number`: the form claims a hit at NaN. `wrong_object`: form and
+/// Error metrics exist for `agree_hit` only. `not_a_number`: the form claims a hit at NaN. `wrong_primitive`: form and
 /// truth both hit, but the form hits another primitive than the ray meets first. `crack`, `double_hit`,
 /// `wrong_neighbour` and `out_of_order` occur at meshes only; `wrong_neighbour` is not an error. Files store outcomes
 /// as numbers, so new ones are appended.
@@ -22,7 +22,7 @@ enum class Outcome : std::uint8_t {
     false_miss,
     not_a_number,
     unresolved,
-    wrong_object,
+    wrong_primitive,
     crack,
     double_hit,
     wrong_neighbour,
@@ -30,23 +30,24 @@ enum class Outcome : std::uint8_t {
 };
 
 inline constexpr std::array<std::string_view, 11> outcome_names{
-    "agree_hit",    "agree_miss", "false_hit",  "false_miss",      "not_a_number", "unresolved",
-    "wrong_object", "crack",      "double_hit", "wrong_neighbour", "out_of_order"};
+    "agree_hit",       "agree_miss", "false_hit",  "false_miss",      "not_a_number", "unresolved",
+    "wrong_primitive", "crack",      "double_hit", "wrong_neighbour", "out_of_order"};
 /// Number of outcomes, counted from the first, that are possible where a ray has a single primitive.
-inline constexpr std::size_t outcomes_of_one_solid = 6;
+inline constexpr std::size_t outcomes_of_one_primitive = 6;
 /// Number of outcomes that are possible where a ray has several primitives that are not a mesh.
 inline constexpr std::size_t outcomes_without_mesh = 7;
 
 /// The ways in which a decision can be wrong. A summary names the most frequent kind, and the first in this list among
 /// equally frequent ones.
-inline constexpr std::array wrong_decisions{Outcome::not_a_number, Outcome::false_miss, Outcome::false_hit,
-                                            Outcome::wrong_object, Outcome::crack,      Outcome::double_hit,
+inline constexpr std::array wrong_decisions{Outcome::not_a_number,    Outcome::false_miss, Outcome::false_hit,
+                                            Outcome::wrong_primitive, Outcome::crack,      Outcome::double_hit,
                                             Outcome::out_of_order};
 inline constexpr bool is_wrong(Outcome outcome) {
     return std::ranges::find(wrong_decisions, outcome) != wrong_decisions.end();
 }
 
-/// Outcome of a ray with one primitive. With several, a hit of another primitive than the true one is a `wrong_object`.
+/// Outcome of a ray with one primitive. With several, a hit of another primitive than the true one is a
+/// `wrong_primitive`.
 inline Outcome classify(truth::Truth::Decision truth, bool hit, double t) {
     if (truth == truth::Truth::Decision::unresolved) return Outcome::unresolved;
     if (hit && std::isnan(t)) return Outcome::not_a_number;

@@ -21,7 +21,7 @@ inline bool meets_first(const truth::Band& band, std::size_t i, std::int32_t pri
     const truth::Truth first = band.truth(i, convention);
     if (!first.is_hit() || primitive < 0) return false;
     if (primitive == first.object) return true;
-    const truth::Truth there = band.truth_of_solid(i, static_cast<std::size_t>(primitive), convention);
+    const truth::Truth there = band.truth_of_primitive(i, static_cast<std::size_t>(primitive), convention);
     return there.is_hit() && compare(there.t, first.t) == 0;
 }
 

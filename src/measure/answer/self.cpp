@@ -52,9 +52,9 @@ template <class E, class Ask>
 std::optional<E> answered(const Call& call, std::span<const E> numbers, const std::optional<E>& end, const Ask& ask) {
     const Intersector& form = form_of(call);
     const auto vec = [&](std::size_t k) { return Vec<E>(numbers[k], numbers[k + 1], numbers[k + 2]); };
-    Solid<E> solid(form.shape);
-    std::ranges::copy(numbers.subspan(6), solid.numbers.begin());
-    Hit<E> hit = ask(form, Ray<E>{vec(0), vec(3)}, intersect::Target<E>(solid));
+    Primitive<E> primitive(form.shape);
+    std::ranges::copy(numbers.subspan(6), primitive.numbers.begin());
+    Hit<E> hit = ask(form, Ray<E>{vec(0), vec(3)}, intersect::Target<E>(primitive));
     if (end) {
         hit.hit = hit.hit && hit.near <= *end;
         hit.far = min(hit.far, *end);
@@ -67,7 +67,7 @@ std::optional<E> answered(const Call& call, std::span<const E> numbers, const st
 }
 
 /// Number of arguments that describe the ray and the primitive; the end of the ray may follow them.
-std::size_t numbers_of(const Call& call) { return 6 + Solid<double>(form_of(call).shape).used().size(); }
+std::size_t numbers_of(const Call& call) { return 6 + Primitive<double>(form_of(call).shape).used().size(); }
 
 /// Writes x exactly as a sum of doubles.
 Interval in_parts(Real2048 x) {

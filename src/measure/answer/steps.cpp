@@ -6,7 +6,7 @@
 #include <span>
 
 #include "intersect/simd/packed.hpp"
-#include "intersect/space/spaced.hpp"
+#include "intersect/transform/spaced.hpp"
 #include "measure/truth/missing.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/real.hpp"
@@ -16,15 +16,15 @@
 
 namespace lostbits::measure::answer {
 
-using intersect::space::Maps;
-using intersect::space::ObjectRay;
-using intersect::space::Space;
-using intersect::space::StepsIn;
 using intersect::table::Intersector;
+using intersect::transform::Maps;
+using intersect::transform::ObjectRay;
+using intersect::transform::StepsIn;
+using intersect::transform::TransformMethod;
 using truth::Certified;
 
-std::optional<double> ask_one(const intersect::table::Intersector& row, const Format& format, const Ray<double>& ray,
-                              const Solid<double>& solid, double tmax) {
+std::optional<double> evaluate_one(const intersect::table::Intersector& row, const Format& format,
+                                   const Ray<double>& ray, const Primitive<double>& primitive, double tmax) {
     std::optional<double> answer;
     intersect::simd::with_kernel(row, {row.info, row.native32, row.native64}, format, [&]<class S>(const auto& kernel) {
         const auto& [o, d] = ray;
@@ -36,7 +36,7 @@ std::optional<double> ask_one(const intersect::table::Intersector& row, const Fo
         if (!std::isinf(tmax)) rays.tmax = one(end);
         S t{}, near{}, far{};
         std::uint8_t hit = 0;
-        kernel(rays, intersect::Target<S>(transformed(solid, [](double n) { return static_cast<S>(n); })),
+        kernel(rays, intersect::Target<S>(transformed(primitive, [](double n) { return static_cast<S>(n); })),
                intersect::table::HitBatch<S>{std::span(&t, 1), std::span(&near, 1), std::span(&far, 1),
                                              std::span(&hit, 1)});
         if (hit != 0) answer = static_cast<double>(t);
@@ -73,21 +73,21 @@ Real value_of(const Certified& t) { return ldexp(Real(t.hi) + Real(t.lo), static
 template <class T>
 class Walk {
 public:
-    Walk(const Intersector& row, const Format& format, const Ray<double>& ray, const Solid<double>& solid,
+    Walk(const Intersector& row, const Format& format, const Ray<double>& ray, const Primitive<double>& primitive,
          const Range<double>& range)
-        : row_(row), made_(intersect::space::made_of(row)), format_(format), solid_(solid), range_(range) {
+        : row_(row), made_(intersect::transform::made_of(row)), format_(format), primitive_(primitive), range_(range) {
         world_ = lift_ray<T>(ray);
         exact_world_ = {exactly(world_.origin), exactly(world_.direction)};
-        plain_ = solid;
+        plain_ = primitive;
         plain_.placed.reset();
     }
 
     Steps walk(const Certified& truth) {
-        const StepsIn<T>& here = intersect::space::steps_in<T>(*made_.space);
+        const StepsIn<T>& here = intersect::transform::steps_in<T>(*made_.space);
         const StepsIn<Real>& exact = made_.space->real;
         Steps found;
         found.t[0] = truth;
-        const Maps<T> maps = here.maps(transformed(*solid_.placed, [](double x) { return static_cast<T>(x); }));
+        const Maps<T> maps = here.maps(transformed(*primitive_.placed, [](double x) { return static_cast<T>(x); }));
         maps_ = {exactly(maps.to_world), exactly(maps.to_object)};
         const auto finished = [&](const Vec<Real>& o, const Vec<Real>& d) {
             return exact.finish(maps_, exact_world_.origin, Ray<Real>{o, d});
@@ -120,7 +120,7 @@ private:
 
     /// t in the world where the form and the way back are exact.
     std::optional<Certified> met(const ObjectRay<Real>& in) const {
-        Solid<Real> object = transformed(plain_, [](double x) { return Real(x); });
+        Primitive<Real> object = transformed(plain_, [](double x) { return Real(x); });
         if (in.scale != 1) object = scaled(object, in.scale);
         const truth::Truth truth = truth::find_truth(in.ray, object, {}, row_.info->convention().of(object.shape),
                                                      scaled_range(word_of(in.length)));
@@ -130,22 +130,22 @@ private:
 
     /// Answer of the form; nothing if it misses.
     std::optional<T> asked(const ObjectRay<T>& in) const {
-        Solid<T> object = lift_solid<T>(plain_);
+        Primitive<T> object = lift_primitive<T>(plain_);
         if (as_double(in.scale) != 1) object = scaled(object, in.scale);
         const auto t =
-            ask_one(*made_.form, format_, as_doubles(in.ray), as_doubles(object),
-                    std::isinf(range_.tmax) ? range_.tmax : as_double(static_cast<T>(range_.tmax) * in.length));
+            evaluate_one(*made_.form, format_, as_doubles(in.ray), as_doubles(object),
+                         std::isinf(range_.tmax) ? range_.tmax : as_double(static_cast<T>(range_.tmax) * in.length));
         return t ? std::optional(static_cast<T>(*t)) : std::nullopt;
     }
 
     const Intersector& row_;
-    intersect::space::Made made_;
+    intersect::transform::Made made_;
     const Format& format_;
-    const Solid<double>& solid_;
+    const Primitive<double>& primitive_;
     Range<double> range_;
     Ray<T> world_;
     Ray<Real> exact_world_;
-    Solid<double> plain_;
+    Primitive<double> plain_;
     Maps<Real> maps_;
 };
 
@@ -169,12 +169,12 @@ std::optional<std::size_t> Steps::worst() const {
     return found;
 }
 
-Steps steps_of(const Intersector& row, const Format& format, const Ray<double>& ray, const Solid<double>& solid,
+Steps steps_of(const Intersector& row, const Format& format, const Ray<double>& ray, const Primitive<double>& primitive,
                const Range<double>& range) {
-    const truth::Truth truth = truth::find_truth(ray, solid, {}, row.info->convention().of(solid.shape), range);
+    const truth::Truth truth = truth::find_truth(ray, primitive, {}, row.info->convention().of(primitive.shape), range);
     const bool unit = row.info->direction == intersect::Direction::unit;
     return with_number(format, [&]<class T>() {
-        Steps found = Walk<T>(row, format, ray, solid, range).walk(unit ? truth.distance : truth.t);
+        Steps found = Walk<T>(row, format, ray, primitive, range).walk(unit ? truth.distance : truth.t);
         if (!truth.is_hit()) found.t[0].reset();
         return found;
     });
@@ -183,21 +183,21 @@ Steps steps_of(const Intersector& row, const Format& format, const Ray<double>& 
 namespace {
 
 /// A ray and the primitive that it is tested against, in numbers of the format.
-struct Place {
+struct RangedProblem {
     Ray<double> ray;
-    Solid<double> solid;
+    Primitive<double> primitive;
     Range<double> range;
 };
 
-Place object_of(const Space& space, const Format& format, const Place& world) {
+RangedProblem object_of(const TransformMethod& space, const Format& format, const RangedProblem& world) {
     return with_number(format, [&]<class T>() {
         const auto lift = [](double x) { return static_cast<T>(x); };
-        const auto& steps = intersect::space::steps_in<T>(space);
-        const auto in = steps.to_object(steps.maps(transformed(*world.solid.placed, lift)), lift_ray<T>(world.ray));
-        Solid<T> object = lift_solid<T>(world.solid);
+        const auto& steps = intersect::transform::steps_in<T>(space);
+        const auto in = steps.to_object(steps.maps(transformed(*world.primitive.placed, lift)), lift_ray<T>(world.ray));
+        Primitive<T> object = lift_primitive<T>(world.primitive);
         object.placed.reset();
         if (as_double(in.scale) != 1) object = scaled(object, in.scale);
-        Place there{as_doubles(in.ray), as_doubles(object), world.range};
+        RangedProblem there{as_doubles(in.ray), as_doubles(object), world.range};
         there.range.tmin = as_double(lift(world.range.tmin) * in.length);
         there.range.tmax = as_double(lift(world.range.tmax) * in.length);
         return there;
@@ -206,28 +206,28 @@ Place object_of(const Space& space, const Format& format, const Place& world) {
 
 }  // namespace
 
-Levels levels_of(const Intersector& row, const Format& format, const Ray<double>& ray, const Solid<double>& solid,
-                 const Range<double>& range) {
+Levels levels_of(const Intersector& row, const Format& format, const Ray<double>& ray,
+                 const Primitive<double>& primitive, const Range<double>& range) {
     Levels found;
-    Place at{ray, solid, range};
-    bool is_lost = !ask_one(row, format, ray, solid, range.tmax);
+    RangedProblem at{ray, primitive, range};
+    bool is_lost = !evaluate_one(row, format, ray, primitive, range.tmax);
     const auto lose = [&](Level level) {
         if (is_lost) found.lost_to = level;
         is_lost = false;
     };
     const Intersector* now = &row;
     for (;;) {
-        if (const auto behind = intersect::hull::made_of(*now); behind.form != nullptr) {
-            const Hull<double> box = behind.way->in(format, at.solid);
+        if (const auto behind = intersect::bounding_box::made_of(*now); behind.form != nullptr) {
+            const BoundingBox<double> box = behind.method->in(format, at.primitive);
             found.boxes.push_back({at.ray, box});
-            if (!ask_one(*behind.box, format, at.ray, box, at.range.tmax))
-                lose(at.solid.placed ? Level::world_box : Level::box);
+            if (!evaluate_one(*behind.box, format, at.ray, box, at.range.tmax))
+                lose(at.primitive.placed ? Level::world_box : Level::box);
             now = behind.form;
-        } else if (const auto through = intersect::space::made_of(*now); through.form != nullptr) {
-            if (at.solid.placed) {
+        } else if (const auto through = intersect::transform::made_of(*now); through.form != nullptr) {
+            if (at.primitive.placed) {
                 at = object_of(*through.space, format, at);
-                const auto words = now->info->convention().of(solid.shape);
-                if (!truth::find_truth(at.ray, at.solid, {}, words, at.range).is_hit()) lose(Level::space);
+                const auto words = now->info->convention().of(primitive.shape);
+                if (!truth::find_truth(at.ray, at.primitive, {}, words, at.range).is_hit()) lose(Level::space);
             }
             now = through.form;
         } else {
@@ -238,15 +238,15 @@ Levels levels_of(const Intersector& row, const Format& format, const Ray<double>
 }
 
 /// A box test that hits still hits with a later end of the ray. So k is doubled until the row hits, and then bisected.
-double end_margin(const Intersector& row, const Format& format, const Ray<double>& ray, const Solid<double>& solid,
-                  const Range<double>& range) {
-    const auto t = ask_one(row, format, ray, solid, range.tmax);
+double end_margin(const Intersector& row, const Format& format, const Ray<double>& ray,
+                  const Primitive<double>& primitive, const Range<double>& range) {
+    const auto t = evaluate_one(row, format, ray, primitive, range.tmax);
     if (!t || !std::isfinite(*t)) return truth::missing;
     const double ulp =
         std::ldexp(1, static_cast<int>(ulp_exponent(format.parameters, *t == 0 ? -100000 : std::ilogb(*t))));
     const auto is_found = [&](double k) {
         const double end = rounding::to_format(*t + k * ulp, 0, format.parameters);
-        return ask_one(row, format, ray, solid, std::min(end, range.tmax)).has_value();
+        return evaluate_one(row, format, ray, primitive, std::min(end, range.tmax)).has_value();
     };
     if (is_found(0)) return 0;
     double lost = 0, found = 1;

@@ -10,23 +10,23 @@
 #include <vector>
 
 #include "geometry/range.hpp"
-#include "intersect/hull/behind.hpp"
-#include "intersect/space/spaced.hpp"
+#include "intersect/bounding_box/behind.hpp"
 #include "intersect/table/table.hpp"
+#include "intersect/transform/spaced.hpp"
 #include "measure/truth/truth.hpp"
 
 namespace lostbits::measure::answer {
 
 /// The t that a row answers; nothing if it misses. Inputs are numbers of the format.
-std::optional<double> ask_one(const intersect::table::Intersector& row, const Format& format, const Ray<double>& ray,
-                              const Solid<double>& solid, double tmax);
+std::optional<double> evaluate_one(const intersect::table::Intersector& row, const Format& format,
+                                   const Ray<double>& ray, const Primitive<double>& primitive, double tmax);
 
-inline constexpr std::size_t step_count = intersect::space::step_names.size();
+inline constexpr std::size_t step_count = intersect::transform::step_names.size();
 
 /// Names that a ray can get: a step, or `nothing` where form and truth miss or no error arises.
 inline constexpr auto step_categories = [] {
     std::array<std::string_view, step_count + 1> all{"nothing"};
-    std::ranges::copy(intersect::space::step_names, all.begin() + 1);
+    std::ranges::copy(intersect::transform::step_names, all.begin() + 1);
     return all;
 }();
 
@@ -43,10 +43,10 @@ struct Steps {
     [[nodiscard]] std::optional<std::size_t> worst() const;
 };
 
-/// Steps of a row that `space::through` made from one of our own templates. The ray is given as the form received it,
-/// and the primitive under a matrix. Uses the convention of the row, within a range.
+/// Steps of a row that `transform::through` made from one of our own templates. The ray is given as the form received
+/// it, and the primitive under a matrix. Uses the convention of the row, within a range.
 Steps steps_of(const intersect::table::Intersector& row, const Format& format, const Ray<double>& ray,
-               const Solid<double>& solid, const Range<double>& range = {});
+               const Primitive<double>& primitive, const Range<double>& range = {});
 
 enum class Level {
     nothing,    ///< the hit is found
@@ -60,22 +60,22 @@ inline constexpr std::array<std::string_view, 5> level_names{"nothing", "world_b
 struct Levels {
     Level lost_to = Level::nothing;
     /// A box that is tested and the ray that it is tested with; from the outside in.
-    struct Asked {
+    struct BoxTest {
         Ray<double> ray;
-        Hull<double> box;
+        BoundingBox<double> box;
     };
-    std::vector<Asked> boxes;
+    std::vector<BoxTest> boxes;
 };
 
 /// Levels of a row behind a box, for a ray that truly hits the primitive in its range, both as the form received them.
 /// The hit is lost to the first level, from the outside in, that misses.
 Levels levels_of(const intersect::table::Intersector& row, const Format& format, const Ray<double>& ray,
-                 const Solid<double>& solid, const Range<double>& range);
+                 const Primitive<double>& primitive, const Range<double>& range);
 
 /// Margin by which another hit, found before, must lie behind this one for this one to be found still, in ulps of t. It
 /// is the least k for which the row hits when the ray ends at t + k ulp(t), t being its own answer. 0: a hit at the
 /// same t is enough. Infinite if no k up to 2^p is enough; missing if the row misses with the range's own end.
 double end_margin(const intersect::table::Intersector& row, const Format& format, const Ray<double>& ray,
-                  const Solid<double>& solid, const Range<double>& range);
+                  const Primitive<double>& primitive, const Range<double>& range);
 
 }  // namespace lostbits::measure::answer

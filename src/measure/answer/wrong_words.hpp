@@ -12,7 +12,7 @@ constexpr std::string_view wrong_words(Outcome wrong) {
     switch (wrong) {
         case Outcome::false_hit: return "a false hit";
         case Outcome::false_miss: return "a false miss";
-        case Outcome::wrong_object: return "a hit of the wrong primitive";
+        case Outcome::wrong_primitive: return "a hit of the wrong primitive";
         case Outcome::crack: return "a crack in the mesh";
         case Outcome::double_hit: return "a double hit";
         case Outcome::out_of_order: return "two triangles out of order";

@@ -23,11 +23,11 @@ namespace {
 SeenErrors see_one(const Asking& a, const std::vector<double>& inputs) {
     const BoundedPart& part = a.parts.part_of(inputs);
     const Ray<double> ray = tape::ray_of(inputs);
-    const Solid<double> solid = tape::solid_of(inputs, a.like);
+    const Primitive<double> primitive = tape::primitive_of(inputs, a.like);
     Tape tape;
-    a.form.record(a.format, ray, intersect::Target<double>(solid), inputs.back(), tape);
+    a.form.record(a.format, ray, intersect::Target<double>(primitive), inputs.back(), tape);
     if (tape[tape.outputs.hit].value == 0) return {};
-    const auto exact = answer::without_rounding(a.form, ray, intersect::Target<double>(solid));
+    const auto exact = answer::without_rounding(a.form, ray, intersect::Target<double>(primitive));
     if (!exact) return {};
     SeenErrors seen{.hits = 1};
     if (part.bound.misses) seen.share = HUGE_VAL;  // the bound says that there is no hit
@@ -36,7 +36,7 @@ SeenErrors see_one(const Asking& a, const std::vector<double>& inputs) {
     seen.error = std::fabs(truth::scaled_difference(truth::exactly(tape[tape.outputs.t].value), *exact, 0));
     seen.share = seen.error == 0 ? 0 : seen.error / part.bound.error;
     if (!a.form.bounded) return seen;
-    const auto own = a.form.bounded(a.format, ray, intersect::Target<double>(solid), inputs.back());
+    const auto own = a.form.bounded(a.format, ray, intersect::Target<double>(primitive), inputs.back());
     if (!own || !(own->error < HUGE_VAL)) return seen;
     seen.running_hits = 1;
     seen.running = own->error;
@@ -44,7 +44,7 @@ SeenErrors see_one(const Asking& a, const std::vector<double>& inputs) {
     return seen;
 }
 
-constexpr std::size_t most_solids = 64;
+constexpr std::size_t most_primitives = 64;
 /// Rays for checking the bounds: `drawn_rays` in each of `drawn_boxes` boxes.
 constexpr std::size_t drawn_boxes = 64;
 constexpr int drawn_rays = 64;
@@ -59,15 +59,15 @@ public:
             bands_.emplace_back(*scene, 0, scene->height, request.limit);
         for (const truth::Band& band : bands_) inputs_.push_back(band.inputs_for(request.format, info_));
     }
-    [[nodiscard]] std::size_t solids() const { return inputs_.front().solids.size(); }
-    [[nodiscard]] Solid<double> solid(std::size_t s) const { return inputs_.front().solids[s]; }
-    /// Inputs of all rays, each with primitive `solid` of its group.
-    [[nodiscard]] std::vector<std::vector<double>> at(std::size_t solid) const {
+    [[nodiscard]] std::size_t primitives() const { return inputs_.front().primitives.size(); }
+    [[nodiscard]] Primitive<double> primitive(std::size_t s) const { return inputs_.front().primitives[s]; }
+    /// Inputs of all rays, each with primitive `primitive` of its group.
+    [[nodiscard]] std::vector<std::vector<double>> at(std::size_t primitive) const {
         std::vector<std::vector<double>> all;
         for (std::size_t b = 0; b < bands_.size(); ++b) {
             const auto& rays = inputs_[b].rays_for(info_);
             for (std::size_t i = 0; i < bands_[b].pixels(); ++i)
-                all.push_back(tape::inputs_of(rays[i], inputs_[b].solids[solid], bands_[b].range(i).tmax));
+                all.push_back(tape::inputs_of(rays[i], inputs_[b].primitives[primitive], bands_[b].range(i).tmax));
         }
         return all;
     }
@@ -201,31 +201,31 @@ std::vector<std::vector<double>> drawn(const Asking& asking, std::size_t boxes, 
 
 RangesBound bound_over_ranges(const RangesRequest& request) {
     const GivenRays given(request);
-    const std::size_t solids = given.solids();
-    if (solids > most_solids)
+    const std::size_t primitives = given.primitives();
+    if (primitives > most_primitives)
         throw InputError(
             fmt::format("{}: it has {} primitives. Bounds over ranges are computed for each primitive separately, "
                         "for at most {} of them; write the primitives that you need into a scene of their own",
-                        request.id(), solids, most_solids));
-    const Solid<double> first = given.solid(0);
+                        request.id(), primitives, most_primitives));
+    const Primitive<double> first = given.primitive(0);
     RangesBound r;
     r.tape = tape::tape_of(*request.form, request.format, first.placed && first.placed->is_inverse);
     r.names = intersect::table::input_names(*request.form, intersect::Target<double>(first));
     const TapeBound bound(r.tape);
     std::deque<Subdivided> divided;
     std::vector<std::pair<const BoundedPart*, double>> leaves;
-    for (std::size_t s = 0; s < solids; ++s) {
-        const Solid<double> solid = given.solid(s);
+    for (std::size_t s = 0; s < primitives; ++s) {
+        const Primitive<double> primitive = given.primitive(s);
         auto rays = given.at(s);
         r.rays = rays.size();
         r.ranges.push_back(hull_of(rays));
         put_asked(r.ranges.back(), request, r.names);
-        divided.emplace_back(bound, r.ranges.back(), std::max<std::size_t>(request.boxes / solids, 1),
+        divided.emplace_back(bound, r.ranges.back(), std::max<std::size_t>(request.boxes / primitives, 1),
                              request.limit.stop);
         for (const BoundedPart* const part : divided.back().leaves())
-            leaves.emplace_back(part, part->share / static_cast<double>(solids));
+            leaves.emplace_back(part, part->share / static_cast<double>(primitives));
         std::erase_if(rays, [&](const std::vector<double>& ray) { return !holds(r.ranges.back(), ray); });
-        const Asking asking{*request.form, request.format, divided.back(), solid, request.limit.stop};
+        const Asking asking{*request.form, request.format, divided.back(), primitive, request.limit.stop};
         r.given.append(see(asking, rays));
         r.drawn.append(see(asking, drawn(asking, drawn_boxes, drawn_rays)));
     }

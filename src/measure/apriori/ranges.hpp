@@ -32,7 +32,7 @@ struct Asking {
     const intersect::table::Intersector& form;
     const Format& format;
     const Subdivided& parts;
-    const Solid<double>& like;
+    const Primitive<double>& like;
     const intersect::process::StopToken& stop;
 };
 

@@ -26,59 +26,61 @@ double quantile_named(const std::string& text) {
     return percent / 100;
 }
 
-std::vector<const metric::Metric*> Wish::metrics() const {
+std::vector<const metric::Metric*> Requirement::metrics() const {
     std::vector<const metric::Metric*> all{metric::find_metric("lost_bits")};
     if (has_tolerance()) all.push_back(metric::find_metric("distance_error"));
     return all;
 }
 
-std::vector<Worth> worth_of(const ChoiceRequest& request) {
-    evaluate::EvaluationRequest asked{.scene = request.scene, .rows = request.rows, .metrics = request.wish.metrics()};
+std::vector<RowQuality> quality_of(const ChoiceRequest& request) {
+    evaluate::EvaluationRequest asked{
+        .scene = request.scene, .rows = request.rows, .metrics = request.requirement.metrics()};
     asked.limit = request.limit;
     asked.progress = request.progress;
     const auto summaries = evaluate::evaluate_rows(asked, request.shows);
-    std::vector<Worth> all;
+    std::vector<RowQuality> all;
     for (std::size_t r = 0; r < summaries.size(); ++r)
-        all.push_back(worth_of(summaries[r], request.rows[r], request.wish));
+        all.push_back(quality_of(summaries[r], request.rows[r], request.requirement));
     return all;
 }
 
 const std::string& ChoiceRequest::id() const { return scene ? scene->id : rays->id; }
 
-Worth worth_of(const evaluate::FormSummary& s, const TestedForm& row, const Wish& wish) {
+RowQuality quality_of(const evaluate::FormSummary& s, const TestedForm& row, const Requirement& requirement) {
     return {.rays = s.rays - s.count(answer::Outcome::unresolved),
             .wrong = s.wrong_count(),
             .first = s.wrong(),
             .of_first = s.wrong() ? s.count(*s.wrong()) : 0,
-            .kept_bits = row.format.parameters.precision - s.metrics[0].quantile(wish.quantile),
+            .kept_bits = row.format.parameters.precision - s.metrics[0].quantile(requirement.quantile),
             .hits = s.true_hits,
-            .off = wish.has_tolerance() ? s.metrics[1].quantile(wish.quantile) : truth::missing};
+            .off = requirement.has_tolerance() ? s.metrics[1].quantile(requirement.quantile) : truth::missing};
 }
 
-Worth worth_on(const truth::Band& band, const TestedForm& row, const Wish& wish) {
-    return worth_on(band, band.inputs_for(row.format, *row.form->info), row, wish);
+RowQuality quality_on(const truth::Band& band, const TestedForm& row, const Requirement& requirement) {
+    return quality_on(band, band.inputs_for(row.format, *row.form->info), row, requirement);
 }
 
-Worth worth_on(const truth::Band& band, const truth::FormatInputs& inputs, const TestedForm& row, const Wish& wish) {
-    const std::vector<const metric::Metric*> metrics = wish.metrics();
+RowQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs, const TestedForm& row,
+                      const Requirement& requirement) {
+    const std::vector<const metric::Metric*> metrics = requirement.metrics();
     evaluate::FormSummary summary(metrics);
     evaluate::measure_row({row, metrics}, band, inputs, summary);
-    return worth_of(summary, row, wish);
+    return quality_of(summary, row, requirement);
 }
 
 std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRays& timed) {
-    const auto worth = request.scene ? worth_of(request) : request.rays->worth;
+    const auto quality = request.scene ? quality_of(request) : request.rays->quality;
     std::vector<Candidate> all;
     auto on_rays = request.scene ? speed::SceneWork(*request.scene, request.limit)
                                  : speed::SceneWork(request.rays->sample, request.limit);
-    timed = {on_rays.rays(), on_rays.solids()};
+    timed = {on_rays.rays(), on_rays.primitives()};
     std::vector<speed::TimedWork> work;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const TestedForm& row = request.rows[r];
         const intersect::simd::Isa isa = request.single || !is_packed(*row.form, intersect::simd::current_isa())
                                              ? intersect::simd::Isa::scalar
                                              : intersect::simd::current_isa();
-        all.push_back({row, name_of(isa), {}, worth[r]});
+        all.push_back({row, name_of(isa), {}, quality[r]});
         work.push_back(on_rays.on(row, packed_kernels(*row.form, isa)));
     }
     const auto timings = time_interleaved(work, request.plan);
@@ -87,10 +89,10 @@ std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRay
 }
 
 Format computes_in(const TestedForm& row) {
-    if (row.format.engine != Format::Engine::native32 || row.form->count == nullptr || !is_solid(row.form->shape))
+    if (row.format.engine != Format::Engine::native32 || row.form->count == nullptr || !is_primitive(row.form->shape))
         return row.format;
-    const Solid<float> solid = solid_around<float>(row.form->shape, {0, 0, 0}, 1);
-    const OperationCounts counts = row.form->count({{0, 0, -5}, {0, 0, 1}}, intersect::Target<float>(solid),
+    const Primitive<float> primitive = primitive_around<float>(row.form->shape, {0, 0, 0}, 1);
+    const OperationCounts counts = row.form->count({{0, 0, -5}, {0, 0, 1}}, intersect::Target<float>(primitive),
                                                    std::numeric_limits<float>::infinity());
     return counts[Operation::convert] > 0 ? *find_format("f64") : row.format;
 }
@@ -117,25 +119,25 @@ std::optional<std::size_t> least_of(const std::vector<Candidate>& all, const Fit
 bool takes_less(const Candidate& a, const Candidate& b) { return a.time.median < b.time.median; }
 
 /// Correct bits of a candidate; NaN counts as none.
-double bits_of(const Candidate& c) { return std::isnan(c.worth.kept_bits) ? -1 : c.worth.kept_bits; }
+double bits_of(const Candidate& c) { return std::isnan(c.quality.kept_bits) ? -1 : c.quality.kept_bits; }
 
 bool is_more_accurate(const Candidate& a, const Candidate& b) {
-    const double wrong_a = a.worth.wrong_fraction(), wrong_b = b.worth.wrong_fraction();
+    const double wrong_a = a.quality.wrong_fraction(), wrong_b = b.quality.wrong_fraction();
     return wrong_a != wrong_b ? wrong_a < wrong_b : bits_of(a) > bits_of(b);
 }
 
 /// Key of nearness to a requirement: the bits. With a tolerance, the bits up to the required ones, and then the
 /// distance error.
-std::pair<double, double> nearness(const Candidate& c, const Wish& wish) {
-    if (!wish.has_tolerance()) return {bits_of(c), 0};
-    return {std::min(bits_of(c), wish.bits), std::isnan(c.worth.off) ? -HUGE_VAL : -c.worth.off};
+std::pair<double, double> nearness(const Candidate& c, const Requirement& requirement) {
+    if (!requirement.has_tolerance()) return {bits_of(c), 0};
+    return {std::min(bits_of(c), requirement.bits), std::isnan(c.quality.off) ? -HUGE_VAL : -c.quality.off};
 }
 
 }  // namespace
 
-std::optional<std::size_t> cheapest(const std::vector<Candidate>& all, const Wish& wish) {
+std::optional<std::size_t> cheapest(const std::vector<Candidate>& all, const Requirement& requirement) {
     return least_of(
-        all, [&wish](const Candidate& c) { return c.worth.meets(wish); }, takes_less);
+        all, [&requirement](const Candidate& c) { return c.quality.meets(requirement); }, takes_less);
 }
 
 std::optional<std::size_t> fastest(const std::vector<Candidate>& all) {
@@ -148,10 +150,12 @@ std::optional<std::size_t> most_accurate(const std::vector<Candidate>& all) {
         all, [](const Candidate&) { return true; }, is_more_accurate);
 }
 
-std::optional<std::size_t> nearest(const std::vector<Candidate>& all, const Wish& wish) {
+std::optional<std::size_t> nearest(const std::vector<Candidate>& all, const Requirement& requirement) {
     const auto deciding = least_of(
-        all, [&wish](const Candidate& c) { return c.worth.decides(wish); },
-        [&wish](const Candidate& a, const Candidate& b) { return nearness(a, wish) > nearness(b, wish); });
+        all, [&requirement](const Candidate& c) { return c.quality.decides(requirement); },
+        [&requirement](const Candidate& a, const Candidate& b) {
+            return nearness(a, requirement) > nearness(b, requirement);
+        });
     return deciding ? deciding : most_accurate(all);
 }
 

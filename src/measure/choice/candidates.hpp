@@ -17,7 +17,7 @@ namespace lostbits::measure::choice {
 using speed::thinned;
 
 /// Requirement of a user on an intersector.
-struct Wish {
+struct Requirement {
     double bits = 0;   ///< least number of correct bits of t
     double wrong = 0;  ///< share of the rays whose decision may be wrong: false or missed hits, NaN, another primitive
     double quantile = 0.99;  ///< share of the agreed hits that must keep those bits; 1: all of them
@@ -32,7 +32,7 @@ struct Wish {
 double quantile_named(const std::string& text);
 
 /// Measurements of a row, as far as a requirement needs them.
-struct Worth {
+struct RowQuality {
     std::uint64_t rays = 0;                  ///< rays whose truth is known
     std::uint64_t wrong = 0;                 ///< those of them that are decided wrongly
     std::optional<answer::Outcome> first{};  ///< most frequent wrong outcome
@@ -44,9 +44,10 @@ struct Worth {
     [[nodiscard]] double wrong_fraction() const {
         return rays == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(rays);
     }
-    [[nodiscard]] bool decides(const Wish& wish) const { return wrong_fraction() <= wish.wrong; }
-    [[nodiscard]] bool meets(const Wish& wish) const {
-        return decides(wish) && kept_bits >= wish.bits && (!wish.has_tolerance() || off <= wish.tolerance);
+    [[nodiscard]] bool decides(const Requirement& requirement) const { return wrong_fraction() <= requirement.wrong; }
+    [[nodiscard]] bool meets(const Requirement& requirement) const {
+        return decides(requirement) && kept_bits >= requirement.bits &&
+               (!requirement.has_tolerance() || off <= requirement.tolerance);
     }
 };
 
@@ -55,7 +56,7 @@ struct Candidate {
     evaluate::TestedForm row;
     std::string_view isa = {};  ///< register width: `scalar`, `128`, ...
     speed::Timing time{};       ///< seconds for one ray and primitive
-    Worth worth{};
+    RowQuality quality{};
 };
 
 struct FileRays;
@@ -66,7 +67,7 @@ struct ChoiceRequest {
     std::vector<evaluate::TestedForm> rows = {};     ///< in f32 and f64 only
     std::vector<evaluate::TestedForm> untimed = {};  ///< rows in emulated formats; used only for the requirement of
                                                      ///< each pixel
-    Wish wish{};
+    Requirement requirement{};
     bool single = false;  ///< one ray at a time instead of a register full
     speed::TimingPlan plan{};
     truth::TruthLimit limit{};
@@ -80,15 +81,16 @@ struct ChoiceRequest {
 };
 
 /// Measurements of a summary whose metrics are the requirement's.
-Worth worth_of(const evaluate::FormSummary& summary, const evaluate::TestedForm& row, const Wish& wish);
+RowQuality quality_of(const evaluate::FormSummary& summary, const evaluate::TestedForm& row,
+                      const Requirement& requirement);
 /// Measurements of a row on a band.
-Worth worth_on(const truth::Band& band, const evaluate::TestedForm& row, const Wish& wish);
+RowQuality quality_on(const truth::Band& band, const evaluate::TestedForm& row, const Requirement& requirement);
 /// Measurements of a row that receives these inputs instead of the band's.
-Worth worth_on(const truth::Band& band, const truth::FormatInputs& inputs, const evaluate::TestedForm& row,
-               const Wish& wish);
+RowQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs, const evaluate::TestedForm& row,
+                      const Requirement& requirement);
 
 /// Measurements of every row on the scene, at the scene's size; `progress` as above.
-std::vector<Worth> worth_of(const ChoiceRequest& request);
+std::vector<RowQuality> quality_of(const ChoiceRequest& request);
 
 /// The format that a row computes in. It is that of its inputs and answers, unless the formula converts to the wider
 /// one and back on a plain ray.
@@ -96,7 +98,7 @@ Format computes_in(const evaluate::TestedForm& row);
 
 /// Numbers of rays and primitives that were timed, see `speed::SceneWork`.
 struct TimedRays {
-    std::size_t rays = 0, solids = 0;
+    std::size_t rays = 0, primitives = 0;
 };
 
 /// Measures every row, in the request's order, and times it on rays of the scene or of the files.
@@ -107,12 +109,12 @@ std::vector<std::size_t> by_price(const std::vector<Candidate>& all);
 
 /// `cheapest` is the fastest that meets the requirement. `fastest` and `most_accurate` (fewest wrong decisions, then
 /// most bits) consider all. Nothing if the list is empty or nothing meets the requirement.
-std::optional<std::size_t> cheapest(const std::vector<Candidate>& all, const Wish& wish);
+std::optional<std::size_t> cheapest(const std::vector<Candidate>& all, const Requirement& requirement);
 std::optional<std::size_t> fastest(const std::vector<Candidate>& all);
 std::optional<std::size_t> most_accurate(const std::vector<Candidate>& all);
 /// The candidate nearest to a requirement that nothing meets. Among those with few enough wrong decisions, it is the
 /// one with the most bits; with a tolerance, the one with the most of the required bits, and then the smallest distance
 /// error. If none has few enough wrong decisions, it is the one with the fewest.
-std::optional<std::size_t> nearest(const std::vector<Candidate>& all, const Wish& wish);
+std::optional<std::size_t> nearest(const std::vector<Candidate>& all, const Requirement& requirement);
 
 }  // namespace lostbits::measure::choice

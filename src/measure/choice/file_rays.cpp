@@ -17,15 +17,15 @@ public:
             if ((chunk.first + i) % step_ != 0) continue;
             sample_.rays.push(chunk.rays[i]);
             sample_.rays.push_range(chunk.rays, i);
-            if (!chunk.solids.empty()) sample_.solids.push_back(chunk.solids[i]);
+            if (!chunk.primitives.empty()) sample_.primitives.push_back(chunk.primitives[i]);
         }
     }
 
     scene::rays::RayGroup take(const FileTerms& terms) {
-        sample_.rays.be_list();
-        sample_.paired = !sample_.solids.empty();
+        sample_.rays.set_as_list();
+        sample_.paired = !sample_.primitives.empty();
         if (!sample_.paired)
-            sample_.solids = scene::rays::solid_list_of({{}, terms.solids, {}, false, terms.mesh}).all();
+            sample_.primitives = scene::rays::primitive_list_of({{}, terms.primitives, {}, false, terms.mesh}).all();
         return std::move(sample_);
     }
 
@@ -40,7 +40,7 @@ private:
         };
         for (auto* column : sample_.rays.numbers()) thin(*column);
         thin(sample_.rays.tmin), thin(sample_.rays.tmax);
-        thin(sample_.solids);
+        thin(sample_.primitives);
     }
 
     scene::rays::RayGroup sample_;
@@ -50,15 +50,15 @@ private:
 }  // namespace
 
 FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const ChoiceRequest& request) {
-    judge::JudgeRequest asked{.solids = terms.solids,
+    judge::JudgeRequest asked{.primitives = terms.primitives,
                               .mesh = terms.mesh,
                               .rows = request.rows,
-                              .metrics = request.wish.metrics(),
+                              .metrics = request.requirement.metrics(),
                               .limit = request.limit};
     asked.progress = [&terms](std::uint64_t, std::uint64_t bytes) { terms.progress(bytes); };
     intersect::Info contract = terms.contract;
     if (dump.layout().decides_only()) contract.roots = intersect::Roots::none;
-    const Shape shape = dump.layout().solid() ? *dump.layout().solid() : terms.examples().front().shape;
+    const Shape shape = dump.layout().primitive() ? *dump.layout().primitive() : terms.examples().front().shape;
     const judge::FileForm answers(terms.id, shape, contract);
     if (dump.layout().has_answers()) {
         asked.file_form = &answers.form();
@@ -72,10 +72,10 @@ FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const Choic
     FileRays rays{
         .id = terms.id, .name = dump.name(), .format = dump.format(), .rays = result.rays, .rounded = result.rounded};
     for (std::size_t r = 0; r < asked.rows.size(); ++r) {
-        const Worth worth = worth_of(result.summaries[r], asked.rows[r], request.wish);
+        const RowQuality quality = quality_of(result.summaries[r], asked.rows[r], request.requirement);
         if (asked.is_of_file(asked.rows[r]))
-            rays.answers = FileAnswers{std::string(answers.form().info->name), dump.format(), worth};
-        else rays.worth.push_back(worth);
+            rays.answers = FileAnswers{std::string(answers.form().info->name), dump.format(), quality};
+        else rays.quality.push_back(quality);
     }
     rays.sample = sampler.take(terms);
     return rays;

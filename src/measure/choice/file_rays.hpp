@@ -18,7 +18,7 @@ namespace lostbits::measure::choice {
 struct FileAnswers {
     std::string name;  ///< `file.NAME`
     Format format;
-    Worth worth{};
+    RowQuality quality{};
 };
 
 struct FileRays {
@@ -26,8 +26,8 @@ struct FileRays {
     std::string name;  ///< names of the files, as typed
     Format format;     ///< format in which their numbers are stored
     std::uint64_t rays = 0;
-    std::uint64_t rounded = 0;      ///< numbers that the format cannot represent, and that were rounded
-    std::vector<Worth> worth = {};  ///< one for each of the request's rows, over every ray
+    std::uint64_t rounded = 0;             ///< numbers that the format cannot represent, and that were rounded
+    std::vector<RowQuality> quality = {};  ///< one for each of the request's rows, over every ray
     std::optional<FileAnswers> answers = {};
     scene::rays::RayGroup sample = {};  ///< every n-th ray, n a power of two: all, or 2049 to 4096 of them
 };
@@ -36,12 +36,14 @@ struct FileRays {
 struct FileTerms {
     std::string id;  ///< what results are called
     /// Primitives of all rays. If there are none and no mesh, each ray has its own.
-    std::vector<Solid<double>> solids = {};
+    std::vector<Primitive<double>> primitives = {};
     std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< mesh whose triangles come after these; null: none
     intersect::Info contract{};                                 ///< contract of the answers
     /// Receives the number of bytes read since the last call; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
-    [[nodiscard]] std::vector<Solid<double>> examples() const { return scene::rays::examples_of(solids, mesh.get()); }
+    [[nodiscard]] std::vector<Primitive<double>> examples() const {
+        return scene::rays::examples_of(primitives, mesh.get());
+    }
 };
 
 /// Reads the dump to its end, for the rows, requirement and limit of the request. Throws InputError as

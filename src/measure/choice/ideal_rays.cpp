@@ -28,7 +28,7 @@ double as_double(const Real& x) { return static_cast<double>(x); }
 /// Centres of the primitives that the rays are aimed at.
 std::vector<Vec<Real>> targets_of(const IdealRays& ideal) {
     std::vector<Vec<Real>> targets;
-    for (const Solid<Real>& solid : ideal.solids) targets.push_back(scene::file::middle_of(solid));
+    for (const Primitive<Real>& primitive : ideal.primitives) targets.push_back(scene::file::middle_of(primitive));
     if (ideal.paired) return targets;
     Vec<Real> sum(Real(0), Real(0), Real(0));
     for (const Vec<Real>& v : targets) sum = sum + v;
@@ -65,19 +65,19 @@ std::optional<StretchedRays> rays_farther(IdealRays ideal, const Real& k) {
     return StretchedRays{std::move(ideal), median(std::move(distances))};
 }
 
-std::optional<StretchedRays> solids_larger(IdealRays ideal, const Real& k) {
-    if (!ideal.paired && ideal.solids.size() == 1) {
-        ideal.solids.assign(ideal.rays.size(), Solid<Real>(ideal.solids.front()));
+std::optional<StretchedRays> primitives_larger(IdealRays ideal, const Real& k) {
+    if (!ideal.paired && ideal.primitives.size() == 1) {
+        ideal.primitives.assign(ideal.rays.size(), Primitive<Real>(ideal.primitives.front()));
         ideal.paired = true;
     }
     Vec<Real> still(Real(0), Real(0), Real(0));
     for (std::size_t i = 0; i < ideal.rays.size(); ++i) still = still + ideal.rays[i].origin;
     still = (Real(1) / Real(ideal.rays.size())) * still;
     Real largest(0);
-    for (std::size_t s = 0; s < ideal.solids.size(); ++s) {
-        const auto large = scene::file::grown(ideal.solids[s], ideal.paired ? ideal.rays[s].origin : still, k);
+    for (std::size_t s = 0; s < ideal.primitives.size(); ++s) {
+        const auto large = scene::file::grown(ideal.primitives[s], ideal.paired ? ideal.rays[s].origin : still, k);
         if (!large) return std::nullopt;
-        ideal.solids[s] = *large;
+        ideal.primitives[s] = *large;
         largest = std::max(largest, scene::file::size_of(*large));
     }
     return StretchedRays{std::move(ideal), as_double(largest)};
@@ -91,7 +91,7 @@ std::optional<StretchedRays> rays_elsewhere(IdealRays ideal, const Real& k) {
     const Real away = (k - 1) * Real(median(std::move(distances)));
     const Vec<Real> by = (away / length(scene::file::offset_direction())) * scene::file::offset_direction();
     for (std::size_t i = 0; i < ideal.rays.size(); ++i) set_origin(ideal.rays, i, ideal.rays[i].origin + by);
-    for (Solid<Real>& solid : ideal.solids) solid = scene::file::moved(solid, by);
+    for (Primitive<Real>& primitive : ideal.primitives) primitive = scene::file::moved(primitive, by);
     return StretchedRays{std::move(ideal), as_double(away)};
 }
 
@@ -108,19 +108,20 @@ IdealRays ideal_of(const scene::rays::RayGroup& group) {
         ideal.rays.push({real(ray.origin), real(ray.direction)});
         ideal.rays.push_range(group.rays, i);
     }
-    for (const Solid<double>& solid : group.solids)
-        ideal.solids.push_back(transformed(solid, [](double x) { return Real(x); }));
+    for (const Primitive<double>& primitive : group.primitives)
+        ideal.primitives.push_back(transformed(primitive, [](double x) { return Real(x); }));
     ideal.paired = group.paired;
     return ideal;
 }
 
 IdealRays ideal_of(const scene::file::Scene& scene) {
-    return {scene::rays::make_own_rays(scene, 0, scene.height), scene.solids(), false};
+    return {scene::rays::make_own_rays(scene, 0, scene.height), scene.primitives(), false};
 }
 
 scene::rays::RayGroup stored(const IdealRays& ideal, const FloatFormat& format) {
-    scene::rays::RayGroup group{.rays = scene::rays::round_rays(ideal.rays, format), .solids = {}};
-    for (const Solid<Real>& solid : ideal.solids) group.solids.push_back(scene::rays::round_solid(solid, format));
+    scene::rays::RayGroup group{.rays = scene::rays::round_rays(ideal.rays, format), .primitives = {}};
+    for (const Primitive<Real>& primitive : ideal.primitives)
+        group.primitives.push_back(scene::rays::round_primitive(primitive, format));
     group.paired = ideal.paired;
     return group;
 }
@@ -135,10 +136,10 @@ IdealRays rounded(const IdealRays& ideal, const InputFormats& formats) {
         for (Real& x : *column) through(Input::origin, x);
     for (auto* column : {&to.rays.dx, &to.rays.dy, &to.rays.dz})
         for (Real& x : *column) through(Input::direction, x);
-    for (Solid<Real>& solid : to.solids) {
-        for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
+    for (Primitive<Real>& primitive : to.primitives) {
+        for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
             const Input input = key.kind == Key::Kind::length ? Input::radius : Input::place;
-            for (const std::size_t end = k + key.count(); k < end; ++k) through(input, solid.numbers[k]);
+            for (const std::size_t end = k + key.count(); k < end; ++k) through(input, primitive.numbers[k]);
         });
     }
     return to;
@@ -148,7 +149,7 @@ std::optional<StretchedRays> stretched(const IdealRays& rays, Growth way, double
     const Real k(factor);
     switch (way) {
         case Growth::distance: return rays_farther(rays, k);
-        case Growth::radius: return solids_larger(rays, k);
+        case Growth::radius: return primitives_larger(rays, k);
         case Growth::offset: return rays_elsewhere(rays, k);
         case Growth::view: return std::nullopt;
     }

@@ -24,10 +24,12 @@ inline constexpr std::array growths{Growth::distance, Growth::radius, Growth::of
 
 struct IdealRays {
     scene::rays::IdealRayBlock rays;
-    std::vector<Solid<Real>> solids;
+    std::vector<Primitive<Real>> primitives;
     bool paired = false;  ///< ray i is aimed only at primitive i
 
-    [[nodiscard]] truth::Band band(truth::TruthLimit limit) const { return truth::Band(rays, solids, paired, limit); }
+    [[nodiscard]] truth::Band band(truth::TruthLimit limit) const {
+        return truth::Band(rays, primitives, paired, limit);
+    }
 };
 
 /// Rays of a file: its numbers are exact.

@@ -15,9 +15,9 @@ namespace lostbits::measure::choice {
 struct InputTrial {
     unsigned wide = 0;  ///< bit k: inputs of `input_kinds[k]` are wider
     /// Result of exact arithmetic on the inputs as stored, compared with the truth of the ideal ones. Bits are of 53.
-    Worth exact{};
+    RowQuality exact{};
     /// Result of the form in f64; nothing if it does not exist in f64, or if inputs are wider than that.
-    std::optional<Worth> form{};
+    std::optional<RowQuality> form{};
 
     [[nodiscard]] bool has(Input input) const { return (wide >> static_cast<unsigned>(input) & 1U) != 0; }
 };
@@ -32,7 +32,7 @@ struct Obstacle {
         formula    ///< none of these: the form's own arithmetic
     };
     Cause cause = Cause::formula;
-    Worth exact{};             ///< exact arithmetic on the inputs as the row receives them; of 53 bits
+    RowQuality exact{};        ///< exact arithmetic on the inputs as the row receives them; of 53 bits
     double inherent_kept = 0;  ///< p − inherent_bits at the requirement's quantile: the bits that half an ulp in each
                                ///< input leaves; NaN if nothing is hit
     double inherent_kept_f64 = 0;  ///< the same for binary64

@@ -7,10 +7,10 @@
 #include <tuple>
 #include <variant>
 
-#include "intersect/hull/behind.hpp"
+#include "intersect/bounding_box/behind.hpp"
 #include "intersect/simd/packed.hpp"
-#include "intersect/space/spaced.hpp"
 #include "intersect/table/sets.hpp"
+#include "intersect/transform/spaced.hpp"
 #include "measure/claim/claim_columns.hpp"
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/speed/timing.hpp"
@@ -111,17 +111,20 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
     const std::vector<std::string> names = scene::rays::forms_in_name(form);
     if (const auto made = scene::rays::made_name(form); made && names.size() == 1) {
         return *rows_of(*made, {.forms = [&](const std::string& name) { return std::vector{&form_named(claim, name)}; },
-                                .spaces =
+                                .transform_methods =
                                     [&](const std::string& name) {
-                                        return part_named(claim, intersect::space::spaces(), name, "transform method");
+                                        return part_named(claim, intersect::transform::transform_methods(), name,
+                                                          "transform method");
                                     },
-                                .makers =
+                                .ray_generators =
                                     [&](const std::string& name) {
-                                        return part_named(claim, scene::camera::makers(), name, "ray generator");
+                                        return part_named(claim, scene::camera::ray_generators(), name,
+                                                          "ray generator");
                                     },
-                                .hulls =
+                                .box_methods =
                                     [&](const std::string& name) {
-                                        return part_named(claim, intersect::hull::hulls(), name, "bounding-box method");
+                                        return part_named(claim, intersect::bounding_box::box_methods(), name,
+                                                          "bounding-box method");
                                     },
                                 .contracted = tape::contracted_row})
                     .front();
@@ -134,7 +137,7 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
                                            scene::toml::did_you_mean(form, known));
     }
     std::vector<const intersect::table::Intersector*> parts;
-    for (const std::string& name : names) parts.push_back(&scene::rays::without_maker(form_named(claim, name)));
+    for (const std::string& name : names) parts.push_back(&scene::rays::without_generator(form_named(claim, name)));
     if (const std::string why = intersect::table::refusal_of_set(parts); !why.empty())
         scene::toml::fail(claim.where, "form \"" + form + "\": " + why);
     return intersect::table::set_of(parts);
@@ -186,18 +189,18 @@ namespace {
 /// Slow work that a claim about rays needs beyond the default metrics; empty if it needs none. Claims that need the
 /// same work are measured together, and the other forms of their scene or sweep are spared it: one such metric of a row
 /// may take a hundred times as long as all default ones.
-std::string dear_work(const Claim& claim) {
+std::string slow_work(const Claim& claim) {
     if (claim.on<scene::claim::SceneSubject>() == nullptr && claim.on<scene::claim::SweepSubject>() == nullptr)
         return "";
-    const metric::Metric* dear = nullptr;  // in worst_step_origin_fraction, both worst and worst_step may be metrics:
+    const metric::Metric* slow = nullptr;  // in worst_step_origin_fraction, both worst and worst_step may be metrics:
                                            // the longer name counts
     for (const metric::Metric& m : metric::metrics()) {
-        const bool longer = dear == nullptr || m.name.size() > dear->name.size();
-        if (!m.by_default && longer && claim.metric.starts_with(std::string(m.name) + "_")) dear = &m;
+        const bool longer = slow == nullptr || m.name.size() > slow->name.size();
+        if (!m.by_default && longer && claim.metric.starts_with(std::string(m.name) + "_")) slow = &m;
     }
-    const bool runs_again = dear != nullptr && (dear->needs & metric::needs_counterfactuals) != 0;
+    const bool runs_again = slow != nullptr && (slow->needs & metric::needs_counterfactuals) != 0;
     if (asks_for_attribution(claim) && !runs_again) return "the tape of every ray";
-    return dear == nullptr ? "" : std::string(dear->name);
+    return slow == nullptr ? "" : std::string(slow->name);
 }
 
 }  // namespace
@@ -208,7 +211,7 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
         results[i].trouble = missing_for(c);
-        if (results[i].trouble.empty()) together[{c.subject.index(), c.subject_name(), dear_work(c)}].push_back(i);
+        if (results[i].trouble.empty()) together[{c.subject.index(), c.subject_name(), slow_work(c)}].push_back(i);
         else results[i].state = ClaimResult::State::skipped;
     }
     for (const auto& [subject, places] : together) {

@@ -43,8 +43,8 @@ std::string label_in(const std::string& operation) {
 
 /// Operations of a form that `word` names: the one with that expression, or those with that label. Throws InputError
 /// with did-you-mean.
-std::vector<std::string> meant_by(const std::string& word, const Claim& claim, const blame::Setting& setting) {
-    const auto operations = blame::operation_names(*claim_row(claim).form, setting);
+std::vector<std::string> meant_by(const std::string& word, const Claim& claim, const attribution::Setting& setting) {
+    const auto operations = attribution::operation_names(*claim_row(claim).form, setting);
     std::vector<std::string> meant, known;
     for (const std::string& operation : operations) {
         const std::string label = label_in(operation);
@@ -65,7 +65,7 @@ bool asks_for_attribution(const Claim& claim) {
 }
 
 ClaimColumns::ClaimColumns(const std::vector<const Claim*>& claims, const std::vector<evaluate::TestedForm>& rows,
-                           const blame::Setting& setting)
+                           const attribution::Setting& setting)
     : setting_(setting) {
     for (const Metric& m : lostbits::measure::metric::metrics()) {
         const bool named = std::ranges::any_of(
@@ -84,7 +84,7 @@ void ClaimColumns::add_labelled(const Claim& claim) {
     std::vector<std::string> names;
     for (const char* kind : {"contribution", "cancellation"}) {
         if (!claim.metric.starts_with(kind)) continue;
-        for (const std::string_view label : blame::labels_of(*claim_row(claim).form, setting_)) {
+        for (const std::string_view label : attribution::labels_of(*claim_row(claim).form, setting_)) {
             const Metric* const metric = made_.find(std::string(kind) + ":" + std::string(label));
             for (const metric::Statistic& statistic : metric::statistics) {
                 names.push_back(evaluate::column_name(*metric, statistic));
@@ -114,7 +114,7 @@ double ClaimColumns::culprits(const Claim& claim, const FormSummary& summary) co
             if (std::ranges::find(places, place) == places.end()) places.push_back(place);
         }
     }
-    return blame::culprit_share(summary.categories[m], places);
+    return attribution::culprit_share(summary.categories[m], places);
 }
 
 double ClaimColumns::value(const Claim& claim, const FormSummary& summary) const {

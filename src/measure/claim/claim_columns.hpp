@@ -18,7 +18,7 @@ public:
     /// Throws InputError, with the claim's position, for operations and labels that its form does not have. The setting
     /// must outlive this object.
     ClaimColumns(const std::vector<const scene::claim::Claim*>& claims, const std::vector<evaluate::TestedForm>& rows,
-                 const blame::Setting& setting);
+                 const attribution::Setting& setting);
 
     /// Metrics to measure: the default ones, and those whose columns a claim names. Measuring all would evaluate every
     /// form exactly.
@@ -31,7 +31,7 @@ private:
     void add_labelled(const scene::claim::Claim& claim);
     [[nodiscard]] double culprits(const scene::claim::Claim& claim, const evaluate::FormSummary& summary) const;
 
-    blame::Setting setting_;
+    attribution::Setting setting_;
     metric::MetricSet made_;
     std::vector<const metric::Metric*> metrics_;
 };

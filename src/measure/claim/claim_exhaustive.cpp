@@ -82,10 +82,11 @@ std::size_t event_of(const Claim& claim) {
                                               : answer::outcome_names[static_cast<std::size_t>(event.outcome)];
         if (claim.onset == name && claim.threshold == std::max(event.lost_bits, 1)) return e;
     }
-    scene::toml::fail(claim.where, "no onset of \"" + claim.onset +
-                                       "\" at that threshold; a sweep over every float has false_miss, false_hit, "
-                                       "not_a_number and, for meshes, wrong_object, crack, double_hit and out_of_order "
-                                       "(threshold 1), and lost_bits (thresholds 1, 4, 8, 12)");
+    scene::toml::fail(claim.where,
+                      "no onset of \"" + claim.onset +
+                          "\" at that threshold; a sweep over every float has false_miss, false_hit, "
+                          "not_a_number and, for meshes, wrong_primitive, crack, double_hit and out_of_order "
+                          "(threshold 1), and lost_bits (thresholds 1, 4, 8, 12)");
 }
 
 /// The float that the number comes from: an onset, the first wrong decision, or the worst error.
@@ -108,7 +109,7 @@ evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row,
     return {.x = 0,
             .y = 0,
             .ray = given->rays[0],
-            .solid = given->solids.front(),
+            .primitive = given->primitives.front(),
             .t = there.t,
             .outcome = there.outcome,
             .ulps = there.ulps,

@@ -5,11 +5,11 @@
 #include <tuple>
 
 #include "measure/claim/claim_subjects.hpp"
-#include "measure/mend/mend.hpp"
+#include "measure/repair/mend.hpp"
 
 namespace lostbits::measure::claim {
 
-using mend::MendRequest;
+using repair::MendRequest;
 using scene::claim::Claim;
 using scene::claim::MendSubject;
 using scene::file::Scene;
@@ -23,36 +23,37 @@ public:
         if (on.size) std::tie(scene_.width, scene_.height) = *on.size;
         request_.scene = &scene_;
         request_.row = row_for(claim, scene_);
-        request_.wish = {.bits = on.wish.bits, .wrong = on.wish.wrong};
-        request_.wish.quantile = find_or_blame_claim(claim, [&] { return choice::quantile_named(on.wish.at); });
+        request_.requirement = {.bits = on.requirement.bits, .wrong = on.requirement.wrong};
+        request_.requirement.quantile =
+            find_for_claim(claim, [&] { return choice::quantile_named(on.requirement.at); });
         request_.limit.stop = run.stop;
         judge_.emplace(request_);
-        tape_ = find_or_blame_claim(claim, [&] { return mend::recorded(request_); });
-        own_ = find_or_blame_claim(claim, [&] { return own_worth(request_, tape_, *judge_); });
+        tape_ = find_for_claim(claim, [&] { return repair::recorded(request_); });
+        own_ = find_for_claim(claim, [&] { return own_quality(request_, tape_, *judge_); });
     }
 
     /// The most accurate other way of writing the form; nothing if none is more accurate.
-    std::optional<mend::Rewritten> rewritten() {
+    std::optional<repair::Rewritten> rewritten() {
         if (!rewriting_) rewriting_ = rewrite(request_, tape_, own_, *judge_);
         return rewriting_->found.empty() ? std::nullopt : std::optional(rewriting_->found.front());
     }
     /// Number of operations in a set that cannot be reduced; NaN if the requirement is not met with all operations
     /// wider.
     double wider_operations() {
-        if (own_.meets(request_.wish)) return 0;
+        if (own_.meets(request_.requirement)) return 0;
         const FloatFormat wider = tape::wider_than(request_.row.format.parameters, false);
-        const auto all = judge_->worth_of({tape::widened(tape_, tape::rounded_operations(tape_), wider)}).front();
-        if (!all.meets(request_.wish)) return truth::missing;
+        const auto all = judge_->quality_of({tape::widened(tape_, tape::rounded_operations(tape_), wider)}).front();
+        if (!all.meets(request_.requirement)) return truth::missing;
         return static_cast<double>(smallest_set(tape_, wider, all, request_, *judge_, 0).operations.size());
     }
 
 private:
     Scene scene_;
     MendRequest request_{};
-    std::optional<mend::Judge> judge_;
+    std::optional<repair::Judge> judge_;
     Tape tape_;
-    mend::Worth own_{};
-    std::optional<mend::Rewriting> rewriting_;
+    repair::RowQuality own_{};
+    std::optional<repair::Rewriting> rewriting_;
 };
 
 double value_of(const Claim& claim, Bench& bench) {
@@ -60,8 +61,8 @@ double value_of(const Claim& claim, Bench& bench) {
         const auto found = bench.rewritten();
         return found ? static_cast<double>(value(*found)) : truth::missing;
     };
-    if (claim.metric == "wrong_fraction") return of_rewritten([](const auto& r) { return r.worth.wrong_fraction(); });
-    if (claim.metric == "kept_bits") return of_rewritten([](const auto& r) { return r.worth.kept_bits; });
+    if (claim.metric == "wrong_fraction") return of_rewritten([](const auto& r) { return r.quality.wrong_fraction(); });
+    if (claim.metric == "kept_bits") return of_rewritten([](const auto& r) { return r.quality.kept_bits; });
     if (claim.metric == "operations") return of_rewritten([](const auto& r) { return r.operations; });
     if (claim.metric == "wider_operations") return bench.wider_operations();
     scene::toml::fail(claim.quantity, "unknown metric \"" + claim.metric +
@@ -74,7 +75,7 @@ double value_of(const Claim& claim, Bench& bench) {
 void measure(const ClaimsOn<MendSubject>& claims, const ClaimRequest& run) {
     // Claims about the same form, format, size and requirement are measured together.
     const auto what = [](const Claim& c, const MendSubject& on) {
-        return std::tuple(c.form, c.format, on.wish.bits, on.wish.wrong, on.wish.at, on.size);
+        return std::tuple(c.form, c.format, on.requirement.bits, on.requirement.wrong, on.requirement.at, on.size);
     };
     std::map<decltype(what(claims.front().claim, claims.front().on)), ClaimsOn<MendSubject>> alike;
     for (const auto& asked : claims) alike[what(asked.claim, asked.on)].push_back(asked);

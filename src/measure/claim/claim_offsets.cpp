@@ -9,8 +9,8 @@
 
 namespace lostbits::measure::claim {
 
-using consistency::Accord;
 using consistency::Check;
+using consistency::CheckResult;
 using consistency::CheckSummary;
 using offset::Fault;
 using offset::OffsetSummary;
@@ -43,13 +43,13 @@ std::optional<offset::BadRay> shown_by(const Claim& claim, const offset::Strateg
 /// The respawned ray with the primitive that it leaves, in a form that `lostbits explain` accepts.
 evaluate::WorstRay witness_of(const offset::BadRay& bad) {
     const auto given = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(bad.ray.ray));
-    given->solids = {bad.solid};
+    given->primitives = {bad.primitive};
     return {.x = bad.x,
             .y = bad.y,
             .object = bad.object,
             .size = 0,
             .ray = bad.ray.ray,
-            .solid = bad.solid,
+            .primitive = bad.primitive,
             .given = given};
 }
 
@@ -95,7 +95,7 @@ void judge_row(const RowClaims& row, const OffsetSummary& summary) {
 
 void measure(const ClaimsOn<OffsetsSubject>& claims, const ClaimRequest& run) {
     const scene::file::Scene scene = one_scene(claims.front().claim, run);
-    find_or_blame_claim(claims.front().claim, [&] { offset::require_few_solids(scene); });
+    find_for_claim(claims.front().claim, [&] { offset::require_few_primitives(scene); });
     std::vector<RowClaims> rows;
     for (const auto& asked : claims) {
         RowClaims& row = row_of(asked, scene, rows);
@@ -136,7 +136,7 @@ evaluate::WorstRay witness_of_disagreement(const consistency::ShownDisagreement&
             .object = 0,
             .size = 0,
             .ray = first.rays[0],
-            .solid = first.solids.front(),
+            .primitive = first.primitives.front(),
             .given = std::make_shared<const scene::rays::RayGroup>(first)};
 }
 
@@ -144,7 +144,7 @@ evaluate::WorstRay witness_of_disagreement(const consistency::ShownDisagreement&
 
 void measure(const ClaimsOn<ConsistencySubject>& claims, const ClaimRequest& run) {
     const scene::file::Scene scene = one_scene(claims.front().claim, run);
-    find_or_blame_claim(claims.front().claim, [&] { offset::require_few_solids(scene); });
+    find_for_claim(claims.front().claim, [&] { offset::require_few_primitives(scene); });
     consistency::ConsistencyStudy study{.scene = scene, .rows = {}, .checks = {}, .limit = {.stop = run.stop}};
     std::vector<std::pair<std::size_t, std::size_t>> at;  // row and check of each claim
     for (const auto& [claim, on, result] : claims) {
@@ -160,9 +160,9 @@ void measure(const ClaimsOn<ConsistencySubject>& claims, const ClaimRequest& run
         const CheckSummary& summary = rows[at[k].first][at[k].second];
         const auto& column = column_named(consistency::consistency_columns(), claim.metric, claim.where.text());
         result = judge(claim, column.value(summary), nullptr);
-        if (summary.shown && !summary.shown->rays.first.solids.empty())
+        if (summary.shown && !summary.shown->rays.first.primitives.empty())
             result.witness = witness_of_disagreement(*summary.shown);
-        require_proof(result, summary.of(Accord::unresolved), "pixel has no proved truth",
+        require_proof(result, summary.of(CheckResult::unresolved), "pixel has no proved truth",
                       "pixels have no proved truth");
     }
 }

@@ -16,7 +16,7 @@
 
 namespace lostbits::measure::claim {
 
-using blame::SettingOf;
+using attribution::SettingOf;
 using evaluate::TestedForm;
 using scene::claim::Claim;
 using scene::claim::RenderSubject;
@@ -53,8 +53,8 @@ evaluate::FormSummary summary_of_pixel(const Claim& claim, const scene::file::Sc
         scene::toml::fail(claim.where, fmt::format("pixel [{}, {}] is outside the picture of {}, which has columns 0 "
                                                    "to {} and rows 0 to {}",
                                                    x, y, scene.id, scene.width - 1, scene.height - 1));
-    const auto* const maker = scene::rays::maker_of(*row.form);
-    const scene::file::Scene made = maker ? with_rays(scene, *maker) : scene;
+    const auto* const generator = scene::rays::generator_of(*row.form);
+    const scene::file::Scene made = generator ? with_rays(scene, *generator) : scene;
     culling::Culler culler(made);
     truth::Band line(made, y, y + 1, limit, &culler);
     const evaluate::BandOfRows shared(line, {row}, metrics);
@@ -74,7 +74,7 @@ struct Rendered {
 
 scene::file::Scene one_scene(const Claim& claim, const ClaimRequest& run) {
     const std::string& called = claim.subject_name();
-    const auto name = find_or_blame_claim(claim, [&] { return scene::file::find_scene(called, run.data_dir); });
+    const auto name = find_for_claim(claim, [&] { return scene::file::find_scene(called, run.data_dir); });
     auto scenes = scene::file::load_scene(name.path, {.variant = name.variant, .stop = run.stop});
     if (scenes.size() != 1)
         scene::toml::fail(claim.where,

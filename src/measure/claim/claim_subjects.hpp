@@ -52,10 +52,10 @@ void measure(const ClaimsOn<scene::claim::ChoiceSubject>& claims, const ClaimReq
 void measure_exhaustive(const ClaimsOn<scene::claim::SweepSubject>& claims, const std::filesystem::path& path,
                         const ClaimRequest& run);
 
-/// Measures what it changes to pass on the nearest hit. The rays are seeded rays of `scene::box::BoxFamily`, eight
-/// adjoining boxes aimed at their shared edges from `distance` sizes away. Every box in turn gets the closest t so far
-/// as the end of the ray. Returns the share of the rays on which the nearest t over all boxes, or the decision, then
-/// differs.
+/// Measures what it changes to pass on the nearest hit. The rays are seeded rays of `scene::box::BoxDistribution`,
+/// eight adjoining boxes aimed at their shared edges from `distance` sizes away. Every box in turn gets the closest t
+/// so far as the end of the ray. Returns the share of the rays on which the nearest t over all boxes, or the decision,
+/// then differs.
 double differs_with_closest(const evaluate::TestedForm& row, double distance, std::uint64_t seed,
                             truth::TruthLimit limit);
 
@@ -115,13 +115,13 @@ evaluate::TestedForm row_for(const scene::claim::Claim& claim, const Rays& rays)
     const evaluate::TestedForm row = claim_row(claim);
     if (rays.meets(row.form->shapes())) return row;
     scene::toml::fail(claim.where, claim.form + " cannot handle " + claim.subject_name() + ": it has " +
-                                       (!is_solid(row.form->shape) ? "no [march] table" : "other primitives") +
+                                       (!is_primitive(row.form->shape) ? "no [march] table" : "other primitives") +
                                        "; name another form, or another scene or sweep");
 }
 
 /// Result of `find`. If it throws InputError, the claim's position is put in front of the message.
 template <class Find>
-auto find_or_blame_claim(const scene::claim::Claim& claim, const Find& find) {
+auto find_for_claim(const scene::claim::Claim& claim, const Find& find) {
     try {
         return find();
     } catch (const InputError& error) {

@@ -15,7 +15,7 @@
 
 namespace lostbits::measure::claim {
 
-using blame::SettingOf;
+using attribution::SettingOf;
 using evaluate::TestedForm;
 using scene::claim::Claim;
 using scene::claim::SearchSubject;
@@ -117,9 +117,9 @@ void measure_onsets(const OnAxes& on, sweep::SweepRequest request) {
 }
 
 /// Position on the axes of a sweep; absent for claims about onsets.
-using AxesPlace = std::optional<std::vector<double>>;
+using AxesPosition = std::optional<std::vector<double>>;
 
-void measure_axes(const ClaimsOn<SweepSubject>& claims, const AxesPlace& place, const scene::sweep::SweepFile& sweep,
+void measure_axes(const ClaimsOn<SweepSubject>& claims, const AxesPosition& place, const scene::sweep::SweepFile& sweep,
                   truth::TruthLimit limit) {
     sweep::SweepRequest request{.sweep = sweep, .rows = {}, .metrics = {}, .limit = limit};
     std::vector<std::size_t> rows;
@@ -140,7 +140,7 @@ void measure_axes(const ClaimsOn<SweepSubject>& claims, const AxesPlace& place, 
 void measure(const ClaimsOn<SweepSubject>& claims, const ClaimRequest& run) {
     const Claim& first = claims.front().claim;
     const std::string& called = first.subject_name();
-    const auto path = find_or_blame_claim(first, [&] { return scene::sweep::find_sweep(called, run.data_dir); });
+    const auto path = find_for_claim(first, [&] { return scene::sweep::find_sweep(called, run.data_dir); });
     switch (scene::sweep::sweep_kind(path)) {
         case SweepKind::cases: return measure_cases(claims, path, {.stop = run.stop});
         case SweepKind::search:
@@ -157,9 +157,9 @@ void measure(const ClaimsOn<SweepSubject>& claims, const ClaimRequest& run) {
                                   called + "\" is of another kind; leave it out");
     }
     const scene::sweep::SweepFile sweep(path, run.data_dir, {}, run.stop);
-    std::map<AxesPlace, ClaimsOn<SweepSubject>> together;
+    std::map<AxesPosition, ClaimsOn<SweepSubject>> together;
     for (const auto& asked : claims)
-        together[asked.claim.onset.empty() ? AxesPlace(place_on(asked, sweep)) : std::nullopt].push_back(asked);
+        together[asked.claim.onset.empty() ? AxesPosition(place_on(asked, sweep)) : std::nullopt].push_back(asked);
     for (const auto& part : together) {
         measure_draws(part.second, run, [&](const ClaimsOn<SweepSubject>& some, int draw) {
             measure_axes(some, part.first, sweep.drawn_again(draw), {.stop = run.stop});
@@ -170,7 +170,7 @@ void measure(const ClaimsOn<SweepSubject>& claims, const ClaimRequest& run) {
 void measure(const ClaimsOn<SearchSubject>& claims, const ClaimRequest& run) {
     const Claim& first = claims.front().claim;
     const std::string& called = first.subject_name();
-    const auto path = find_or_blame_claim(first, [&] { return scene::sweep::find_sweep(called, run.data_dir); });
+    const auto path = find_for_claim(first, [&] { return scene::sweep::find_sweep(called, run.data_dir); });
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::search)
         scene::toml::fail(first.where, "\"" + called +
                                            "\" has no [search] table; write `sweep = ` for axes and cases, or name a "
@@ -208,11 +208,11 @@ void measure(const ClaimsOn<SearchSubject>& claims, const ClaimRequest& run) {
         result = judge(claim, decided ? worst->value : std::numeric_limits<double>::infinity(), nullptr);
         result.evaluations = worst->evaluations;
         scene::rays::RayGroup one = scene::rays::group_of(worst->ray);
-        one.solids = {worst->solid};
+        one.primitives = {worst->primitive};
         result.witness = {.x = 0,
                           .y = 0,
                           .ray = worst->ray,
-                          .solid = worst->solid,
+                          .primitive = worst->primitive,
                           .t = worst->t,
                           .outcome = worst->outcome,
                           .given = std::make_shared<const scene::rays::RayGroup>(std::move(one))};

@@ -8,7 +8,7 @@
 #include "measure/claim/claim_subjects.hpp"
 #include "number/error.hpp"
 #include "number/rounded.hpp"
-#include "shapes/box/family/family.hpp"
+#include "shapes/box/distribution/distribution.hpp"
 
 namespace lostbits::measure::claim {
 
@@ -129,8 +129,8 @@ constexpr ArithmeticRow measured_rows[] = {
 std::vector<double> nearest(const evaluate::TestedForm& row, const FormatInputs& in, bool pass_on) {
     const std::size_t n = in.rays.size();
     std::vector<double> best(n, HUGE_VAL);
-    for (const Solid<double>& solid : in.solids.listed()) {
-        FormatInputs one{.format = in.format, .rays = in.rays, .solids = std::vector{solid}, .stop = in.stop};
+    for (const Primitive<double>& primitive : in.primitives.listed()) {
+        FormatInputs one{.format = in.format, .rays = in.rays, .primitives = std::vector{primitive}, .stop = in.stop};
         if (pass_on) one.rays.tmax = best;
         const answer::Answers answers = answer::evaluate(*row.form, one);
         for (std::size_t i = 0; i < n; ++i) {
@@ -144,14 +144,14 @@ std::vector<double> nearest(const evaluate::TestedForm& row, const FormatInputs&
 
 double differs_with_closest(const evaluate::TestedForm& row, double distance, std::uint64_t seed,
                             truth::TruthLimit limit) {
-    if (!told_end(row.form->shape))
+    if (!takes_tmax(row.form->shape))
         throw InputError(std::string(row.form->info->name) + " does not take the end of a ray; name a form that does");
-    scene::box::BoxFamily family;
-    family.adjoining = true;
-    family.distance = distance;
-    family.seed = seed;
+    scene::box::BoxDistribution distribution;
+    distribution.adjoining = true;
+    distribution.distance = distance;
+    distribution.seed = seed;
     std::size_t rays = 0, different = 0;
-    for (scene::rays::RayGroup& group : family.draw()) {
+    for (scene::rays::RayGroup& group : distribution.draw()) {
         const truth::Band band(std::move(group), limit);
         const FormatInputs in = band.inputs(row.format, {});
         const auto apart = nearest(row, in, false), passed = nearest(row, in, true);
@@ -174,9 +174,9 @@ ClaimResult judge_closest(const Claim& claim, const TableSubject& on, std::uint6
     Claim form = claim;
     form.form = on.row;
     const double differs =
-        find_or_blame_claim(claim, [&] { return differs_with_closest(claim_row(form), on.at, seed, limit); });
+        find_for_claim(claim, [&] { return differs_with_closest(claim_row(form), on.at, seed, limit); });
     auto result = judge(claim, differs, nullptr);
-    result.samples = scene::box::BoxFamily{}.views;
+    result.samples = scene::box::BoxDistribution{}.views;
     return result;
 }
 

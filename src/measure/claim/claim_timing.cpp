@@ -32,7 +32,7 @@ Works on_all(std::span<const TimedKernel> kernels, std::size_t bytes) {
 }
 
 constexpr std::pair<std::string_view, Works (*)(std::span<const TimedKernel>, std::size_t)> works[] = {
-    {"one_ray_many_boxes", on_all<speed::BoxWork>}, {"many_rays_one_solid", on_all<speed::RayWork>}};
+    {"one_ray_many_boxes", on_all<speed::BoxWork>}, {"many_rays_one_primitive", on_all<speed::RayWork>}};
 
 /// Makes a work for each kernel, on the same data.
 std::vector<TimedWork> make_work(const Claim& claim, const std::vector<TimedKernel>& kernels, std::size_t bytes) {
@@ -40,7 +40,7 @@ std::vector<TimedWork> make_work(const Claim& claim, const std::vector<TimedKern
     const auto named = std::ranges::find(works, called, [](const auto& each) { return each.first; });
     if (named == std::end(works))
         scene::toml::fail(claim.where,
-                          "unknown work \"" + called + "\"; write one_ray_many_boxes or many_rays_one_solid");
+                          "unknown work \"" + called + "\"; write one_ray_many_boxes or many_rays_one_primitive");
     std::vector<TimedWork> all;
     auto made = named->second(kernels, bytes);
     for (std::size_t i = 0; i < made.size(); ++i) {
@@ -96,7 +96,7 @@ namespace {
 /// Form and format of a claim, which must be possible to time on the scene.
 TestedForm timed_row(const Claim& claim, const Scene& scene) {
     const TestedForm row = row_for(claim, scene);
-    if (!is_solid(row.form->shape))
+    if (!is_primitive(row.form->shape))
         scene::toml::fail(claim.where, claim.form +
                                            " marches, and the time of a march depends on its steps; name a "
                                            "form of a primitive, such as sphere.half_b");
@@ -124,15 +124,15 @@ std::vector<TestedForm> candidates_of(const Claim& claim, const Others& others, 
 ChoiceRequest request_for(const Claim& claim, const Others& others, const Scene& scene,
                           intersect::process::StopToken stop) {
     ChoiceRequest request{.scene = &scene};
-    request.wish = {.bits = others.wish.bits, .wrong = others.wish.wrong};
-    request.wish.quantile = find_or_blame_claim(claim, [&] { return choice::quantile_named(others.wish.at); });
+    request.requirement = {.bits = others.requirement.bits, .wrong = others.requirement.wrong};
+    request.requirement.quantile = find_for_claim(claim, [&] { return choice::quantile_named(others.requirement.at); });
     request.limit.stop = request.plan.stop = stop;
     return request;
 }
 
 /// Median over interleaved repetitions of (seconds of the claim's row)/(seconds of `over`), each for one ray and
 /// primitive.
-double time_ratio(const Claim& claim, const ChoiceSubject::Over& over, const Scene& scene,
+double time_ratio(const Claim& claim, const ChoiceSubject::RelativeTime& over, const Scene& scene,
                   intersect::process::StopToken stop) {
     Claim other = claim;
     other.form = over.form;
@@ -149,7 +149,7 @@ double time_ratio(const Claim& claim, const ChoiceSubject::Over& over, const Sce
 double meets(const Claim& claim, const Others& others, const Scene& scene, intersect::process::StopToken stop) {
     ChoiceRequest request = request_for(claim, others, scene, stop);
     request.rows = {timed_row(claim, scene)};
-    return worth_of(request).front().meets(request.wish) ? 1 : 0;
+    return quality_of(request).front().meets(request.requirement) ? 1 : 0;
 }
 
 /// Number of other forms that fit the scene and meet the requirement, over all of the formats.
@@ -159,9 +159,9 @@ double others_that_meet(const Claim& claim, const Others& others, const Scene& s
     request.rows = candidates_of(claim, others, scene);
     std::erase_if(request.rows, [&claim](const TestedForm& row) { return row.form->info->name == claim.form; });
     if (request.rows.empty()) return 0;
-    const auto all = worth_of(request);
-    return static_cast<double>(
-        std::ranges::count_if(all, [&request](const choice::Worth& worth) { return worth.meets(request.wish); }));
+    const auto all = quality_of(request);
+    return static_cast<double>(std::ranges::count_if(
+        all, [&request](const choice::RowQuality& quality) { return quality.meets(request.requirement); }));
 }
 
 /// 1 if the row is the cheapest that meets the requirement, else 0.
@@ -169,21 +169,21 @@ double chosen(const Claim& claim, const Others& others, const Scene& scene, inte
     ChoiceRequest request = request_for(claim, others, scene, stop);
     request.rows = candidates_of(claim, others, scene);
     choice::TimedRays timed;
-    return cheapest(measure_candidates(request, timed), request.wish) == std::size_t{0} ? 1 : 0;
+    return cheapest(measure_candidates(request, timed), request.requirement) == std::size_t{0} ? 1 : 0;
 }
 
 constexpr std::pair<std::string_view,
                     double (*)(const Claim&, const Others&, const Scene&, intersect::process::StopToken)>
-    of_wishes[] = {{"meets", meets}, {"others_that_meet", others_that_meet}, {"chosen", chosen}};
+    of_requirements[] = {{"meets", meets}, {"others_that_meet", others_that_meet}, {"chosen", chosen}};
 
 double chosen_value(const Claim& claim, const ChoiceSubject& on, const ClaimRequest& run) {
     const Scene scene = one_scene(claim, run);
-    if (const auto* const over = std::get_if<ChoiceSubject::Over>(&on.against)) {
+    if (const auto* const over = std::get_if<ChoiceSubject::RelativeTime>(&on.against)) {
         if (claim.metric == "time_ratio") return time_ratio(claim, *over, scene, run.stop);
         scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; with `over`, write time_ratio");
     }
-    const auto named = std::ranges::find(of_wishes, claim.metric, [](const auto& each) { return each.first; });
-    if (named == std::end(of_wishes))
+    const auto named = std::ranges::find(of_requirements, claim.metric, [](const auto& each) { return each.first; });
+    if (named == std::end(of_requirements))
         scene::toml::fail(claim.where, "unknown metric \"" + claim.metric +
                                            "\"; with a requirement, write meets, others_that_meet or chosen");
     return named->second(claim, std::get<Others>(on.against), scene, run.stop);

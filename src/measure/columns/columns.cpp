@@ -119,7 +119,7 @@ const TrueLengths& BandColumns::find(Convention convention, Direction unit_of) {
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, truths.size(), 256), [&](const auto& range) {
         band_->stop().check();
         for (std::size_t i = range.begin(); i < range.end(); ++i)
-            if (band_->asks_anew(i, convention)) columns.put(i, band_->truth(i, convention), unit_of);
+            if (band_->needs_special_truth(i, convention)) columns.put(i, band_->truth(i, convention), unit_of);
     });
     return columns;
 }
@@ -155,12 +155,12 @@ double find_errors(std::span<const double> answers, const TrueLengths& truth, co
 void find_residuals(std::span<const double> answers, const HitPoints& points, double* out,
                     std::vector<std::uint32_t>& left) {
     const RawKernels* const run = kernels_of(intersect::simd::current_isa());
-    const Solid<double> first = points.solids[0];
+    const Primitive<double> first = points.primitives[0];
     const Shape shape = first.shape;
-    const auto same_shape = [shape](const Solid<double>& s) { return s.shape == shape && !s.placed; };
-    const bool same = std::ranges::all_of(points.solids.listed(), same_shape) &&
-                      (!points.solids.flake() || shape == scene::sphere::Sphereflake::shape) &&
-                      (!points.solids.mesh() || (shape == scene::triangle::Mesh::shape && !first.placed));
+    const auto same_shape = [shape](const Primitive<double>& s) { return s.shape == shape && !s.placed; };
+    const bool same = std::ranges::all_of(points.primitives.listed(), same_shape) &&
+                      (!points.primitives.flake() || shape == scene::sphere::Sphereflake::shape) &&
+                      (!points.primitives.mesh() || (shape == scene::triangle::Mesh::shape && !first.placed));
     void (*const residuals)(RawResiduals&) = run ? run->residuals[static_cast<std::size_t>(shape)] : nullptr;
     if (!residuals || points.engine == Format::Engine::rounded || !same) {
         leave_all(answers, {out}, left);
@@ -168,18 +168,18 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
     }
     const std::size_t used = first.used().size();
     std::array<std::array<double, block>, most_numbers> numbers;
-    const auto fill = [&](std::size_t i, std::size_t solid) {
-        const Solid<double> there = points.solids[solid];
+    const auto fill = [&](std::size_t i, std::size_t primitive) {
+        const Primitive<double> there = points.primitives[primitive];
         for (std::size_t k = 0; k < used; ++k) numbers[k][i] = there.numbers[k];
     };
-    if (points.solids.size() == 1) {
+    if (points.primitives.size() == 1) {
         for (std::size_t i = 0; i < block; ++i) fill(i, 0);
     }
-    const std::span<const Solid<double>> listed = points.solids.listed();
+    const std::span<const Primitive<double>> listed = points.primitives.listed();
     const scene::rays::RayBlock& rays = points.rays;
     for (std::size_t begin = 0; begin < answers.size(); begin += block) {
         const std::size_t size = std::min(block, answers.size() - begin);
-        for (std::size_t i = 0; points.solids.size() > 1 && i < size; ++i) {
+        for (std::size_t i = 0; points.primitives.size() > 1 && i < size; ++i) {
             const auto object = static_cast<std::size_t>(std::max(0, points.objects[begin + i]));
             if (object < listed.size()) {
                 for (std::size_t k = 0; k < most_numbers; ++k) numbers[k][i] = listed[object].numbers[k];
@@ -195,7 +195,7 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
             .out = out + begin,
             .binary32 = points.engine == Format::Engine::native32,
             .left = places.raw()};
-        for (std::size_t k = 0; k < most_numbers; ++k) batch.in[RawResiduals::solid + k] = numbers[k].data();
+        for (std::size_t k = 0; k < most_numbers; ++k) batch.in[RawResiduals::primitive + k] = numbers[k].data();
         residuals(batch);
         places.append(batch.left, begin, left);
     }

@@ -61,7 +61,7 @@ double find_errors(std::span<const double> answers, const TrueLengths& truth, co
 /// measured answer.
 struct HitPoints {
     const scene::rays::RayBlock& rays;
-    const scene::rays::SolidList<double>& solids;
+    const scene::rays::PrimitiveList<double>& primitives;
     std::span<const std::int32_t> objects;
     Format::Engine engine;
 };

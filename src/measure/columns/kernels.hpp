@@ -220,7 +220,7 @@ template <bool binary32, class Width, class Residual>
             const auto proved =
                 wanted &&
                 residual(
-                    p, [&](int k) __attribute__((always_inline)) { return at(RawResiduals::solid + k); }, value);
+                    p, [&](int k) __attribute__((always_inline)) { return at(RawResiduals::primitive + k); }, value);
             pass.leave(wanted && !proved, left);
             pass.store(select(proved, value, none), out);
         });
@@ -231,14 +231,14 @@ template <template <class> class S, bool binary32, class Width>
 [[gnu::flatten]] void residuals_in(RawResiduals& batch) {
     using P = Pack<double, Width>;
     residuals_of<binary32, Width>(
-        batch, [](const P* p, const auto& solid, P& value)
-                   __attribute__((always_inline)) { return find_residual<S>(p, solid, value); });
+        batch, [](const P* p, const auto& primitive, P& value)
+                   __attribute__((always_inline)) { return find_residual<S>(p, primitive, value); });
 }
 
 template <class Width>
 void fill_residuals(RawKernels& kernels) {
     auto* residuals = kernels.residuals;
-    Solids::each([&residuals]<template <class> class S>() {
+    Primitives::each([&residuals]<template <class> class S>() {
         *residuals++ = [](RawResiduals& all) {
             if (all.binary32) residuals_in<S, true, Width>(all);
             else residuals_in<S, false, Width>(all);

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::measure::columns {
 
@@ -34,10 +34,10 @@ struct RawErrors {
 
 /// Distances of hit points from primitives of one shape.
 struct RawResiduals {
-    enum In { answer, ox, oy, oz, dx, dy, dz, solid, columns_in = solid + most_numbers };
+    enum In { answer, ox, oy, oz, dx, dy, dz, primitive, columns_in = primitive + most_numbers };
 
     std::size_t size;
-    const double* in[columns_in];  ///< from `solid` on, in the order of `Solid::numbers`
+    const double* in[columns_in];  ///< from `primitive` on, in the order of `Primitive::numbers`
     double* out;
     bool binary32;  ///< true: the hit point is computed in float; false: in double
     RawLeft left;

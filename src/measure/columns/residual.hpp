@@ -2,7 +2,7 @@
 #pragma once
 
 #include "number/wide/running.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::measure::columns {
 
@@ -13,7 +13,7 @@ auto find_residual(const P* p, const Numbers& number, P& value) {
     using E = number::wide::Running<number::wide::TwoWords<P>>;
     using lostbits::abs, lostbits::max;
     const auto exact = [](const P& x) { return E({x, P(0)}); };
-    const S<E> shape = solid_from<S, E>([&](std::size_t k) { return exact(number(static_cast<int>(k))); });
+    const S<E> shape = primitive_from<S, E>([&](std::size_t k) { return exact(number(static_cast<int>(k))); });
     const E residual = shape.off_surface({exact(p[0]), exact(p[1]), exact(p[2])});
     value = residual.first();
     return residual.radius() <= max(P(0x1p-40) * abs(value), P(0x1p-90));

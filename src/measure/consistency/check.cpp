@@ -13,13 +13,13 @@ RowOnBand::RowOnBand(const Scene& of, const evaluate::TestedForm& asked, const t
       band(on),
       form(*asked.form, asked.format, on.stop()),
       inputs(on.inputs_for(asked.format, *asked.form->info)),
-      solids(inputs.solids.all()),
+      primitives(inputs.primitives.all()),
       closest(answer::evaluate(*asked.form, inputs)) {}
 
 scene::rays::RayGroup RowOnBand::shown(const Ray<double>& ray, double tmax) const {
     scene::rays::RayGroup group = scene::rays::group_of(ray);
-    if (std::ranges::all_of(solids, told_end, &Solid<double>::shape)) group.rays.tmax = {tmax};
-    if (solids.size() <= truth::Band::most_given) group.solids = solids;
+    if (std::ranges::all_of(primitives, takes_tmax, &Primitive<double>::shape)) group.rays.tmax = {tmax};
+    if (primitives.size() <= truth::Band::most_given) group.primitives = primitives;
     return group;
 }
 

@@ -26,13 +26,21 @@ namespace lostbits::measure::consistency {
 /// - `by_inputs`: the answers differ as the exact answers do, because the stored numbers of the two questions are not
 ///   quite the same problem.
 /// - `unresolved`: the exact answers are not proved.
-enum class Accord : std::uint8_t { not_asked, agree, first_alone, second_alone, other_number, by_inputs, unresolved };
-inline constexpr std::array<std::string_view, 7> accord_names{
+enum class CheckResult : std::uint8_t {
+    not_asked,
+    agree,
+    first_alone,
+    second_alone,
+    other_number,
+    by_inputs,
+    unresolved
+};
+inline constexpr std::array<std::string_view, 7> check_result_names{
     "not_asked", "agree", "first_alone", "second_alone", "other_number", "by_inputs", "unresolved"};
 
 /// True if the form is to blame.
-inline constexpr bool is_disagreement(Accord a) {
-    return a == Accord::first_alone || a == Accord::second_alone || a == Accord::other_number;
+inline constexpr bool is_disagreement(CheckResult a) {
+    return a == CheckResult::first_alone || a == CheckResult::second_alone || a == CheckResult::other_number;
 }
 
 /// Rays of both questions of a pixel, for `lostbits explain`. Directions are not yet normalised for a form that assumes
@@ -43,10 +51,10 @@ struct TwoRays {
 };
 
 /// Results of a check over a band, one for each pixel.
-struct AccordOfPixels {
-    explicit AccordOfPixels(std::size_t pixels) : accord(pixels, Accord::not_asked) {}
+struct PixelCheckResults {
+    explicit PixelCheckResults(std::size_t pixels) : results(pixels, CheckResult::not_asked) {}
 
-    std::vector<Accord> accord;
+    std::vector<CheckResult> results;
     /// For checks that compare numbers: the difference in ulps, and its excess over (or shortfall from) the difference
     /// of the exact numbers. NaN if nothing is compared; empty for other checks.
     std::vector<double> apart, excess;
@@ -54,8 +62,8 @@ struct AccordOfPixels {
 
     /// Sets the result of a pixel. `rays()` makes the two rays; called only for the first disagreement.
     template <class Rays>
-    void set(std::size_t pixel, Accord how, const Rays& rays) {
-        accord[pixel] = how;
+    void set(std::size_t pixel, CheckResult how, const Rays& rays) {
+        results[pixel] = how;
         if (is_disagreement(how) && !shown) {
             shown = rays();
             shown->pixel = pixel;
@@ -64,10 +72,10 @@ struct AccordOfPixels {
 };
 
 /// Result of comparing two decisions whose exact values are known.
-inline constexpr Accord accord_of(bool first, bool second, bool exact_first, bool exact_second) {
-    if (first == second) return Accord::agree;
-    if (first == exact_first && second == exact_second) return Accord::by_inputs;
-    return first ? Accord::first_alone : Accord::second_alone;
+inline constexpr CheckResult check_result_of(bool first, bool second, bool exact_first, bool exact_second) {
+    if (first == second) return CheckResult::agree;
+    if (first == exact_first && second == exact_second) return CheckResult::by_inputs;
+    return first ? CheckResult::first_alone : CheckResult::second_alone;
 }
 
 /// Answers of a form to some rays, widened to double. The numbers are meaningless where `hit` is 0.
@@ -82,22 +90,22 @@ struct AllAnswers {
 enum class Calls : std::uint8_t { together, one_by_one };
 
 /// A form in a format, evaluated by the kernels in `native`.
-struct AskedForm {
+struct FormKernels {
     const intersect::table::Intersector& form;
     Format format;
     intersect::process::StopToken stop;
     intersect::simd::PackedRow native;
 
     /// Uses the kernels of one ray, or those of a register width that this machine has.
-    AskedForm(const intersect::table::Intersector& asked, const Format& in, intersect::process::StopToken until = {},
-              intersect::simd::Isa isa = intersect::simd::Isa::scalar)
+    FormKernels(const intersect::table::Intersector& asked, const Format& in, intersect::process::StopToken until = {},
+                intersect::simd::Isa isa = intersect::simd::Isa::scalar)
         : form(asked), format(in), stop(until), native(intersect::simd::packed_kernels(asked, isa)) {}
 };
 
 /// Evaluates the form on rays whose numbers and ends are in the format. With one primitive, all rays are tested against
 /// it. With as many primitives as rays, each ray is tested against its own, by the kernels of one ray.
-AllAnswers ask(const AskedForm& asked, const scene::rays::RayBlock& rays, std::span<const Solid<double>> solids,
-               Calls calls = Calls::together);
+AllAnswers answers_of(const FormKernels& asked, const scene::rays::RayBlock& rays,
+                      std::span<const Primitive<double>> primitives, Calls calls = Calls::together);
 
 /// True if the form answers t, which an end can be compared with.
 bool tells_t(const intersect::Info& info);
@@ -106,8 +114,8 @@ bool tells_t(const intersect::Info& info);
 /// take the end of a ray (boxes) decide by themselves. For other forms a primitive counts if it is hit and its t, or
 /// the far side if the form answers that, lies in 0 < t < tmax. A near side that differs from t does not count: the
 /// form itself has rejected it.
-std::vector<std::uint8_t> meets_before_end(const AskedForm& asked, const scene::rays::RayBlock& rays,
-                                           std::span<const Solid<double>> solids);
+std::vector<std::uint8_t> meets_before_end(const FormKernels& asked, const scene::rays::RayBlock& rays,
+                                           std::span<const Primitive<double>> primitives);
 
 /// A form in a format over the pixels of a band: the input of every check.
 struct RowOnBand {
@@ -116,9 +124,9 @@ struct RowOnBand {
     const scene::file::Scene& scene;
     const evaluate::TestedForm& row;
     const truth::Band& band;
-    AskedForm form;
+    FormKernels form;
     truth::FormatInputs inputs;
-    std::vector<Solid<double>> solids;
+    std::vector<Primitive<double>> primitives;
     answer::Answers closest;  ///< answers as in a map
 
     /// Rays of the pixels, for the form's kind of direction.
@@ -137,7 +145,7 @@ struct Check {
     std::string_view second;  ///< the other question
     /// True if the check applies to a form on a scene.
     bool (*applies)(const scene::file::Scene&, const intersect::table::Intersector&);
-    void (*measure)(const RowOnBand&, AccordOfPixels&);
+    void (*measure)(const RowOnBand&, PixelCheckResults&);
     bool numbers = false;  ///< compares numbers, and fills `apart` and `excess`
 };
 
@@ -146,14 +154,14 @@ std::span<const Check> checks();
 std::vector<const Check*> all_checks();
 
 // Functions of the table.
-void check_beyond(const RowOnBand& on, AccordOfPixels& out);
-void check_end(const RowOnBand& on, AccordOfPixels& out);
-void check_before(const RowOnBand& on, AccordOfPixels& out);
-void check_segment(const RowOnBand& on, AccordOfPixels& out);
-void check_short(const RowOnBand& on, AccordOfPixels& out);
-void check_light(const RowOnBand& on, AccordOfPixels& out);
-void check_packs(const RowOnBand& on, AccordOfPixels& out);
-void check_reverse(const RowOnBand& on, AccordOfPixels& out);
-void check_placed(const RowOnBand& on, AccordOfPixels& out);
+void check_beyond(const RowOnBand& on, PixelCheckResults& out);
+void check_end(const RowOnBand& on, PixelCheckResults& out);
+void check_before(const RowOnBand& on, PixelCheckResults& out);
+void check_segment(const RowOnBand& on, PixelCheckResults& out);
+void check_short(const RowOnBand& on, PixelCheckResults& out);
+void check_light(const RowOnBand& on, PixelCheckResults& out);
+void check_packs(const RowOnBand& on, PixelCheckResults& out);
+void check_reverse(const RowOnBand& on, PixelCheckResults& out);
+void check_placed(const RowOnBand& on, PixelCheckResults& out);
 
 }  // namespace lostbits::measure::consistency

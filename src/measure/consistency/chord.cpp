@@ -17,8 +17,8 @@ using truth::Truth;
 namespace {
 
 template <class E>
-std::optional<Ends<E>> chord_of(const Ray<double>& ray, const Solid<double>& solid) {
-    return with_span(lift_ray<E>(ray), lift_solid<E>(solid), [](const auto& span) { return ends_of(span); });
+std::optional<Ends<E>> chord_of(const Ray<double>& ray, const Primitive<double>& primitive) {
+    return with_span(lift_ray<E>(ray), lift_primitive<E>(primitive), [](const auto& span) { return ends_of(span); });
 }
 
 /// A double with an error of at most `error`.
@@ -34,8 +34,8 @@ std::optional<double> within(const Interval& x, double error) {
 }
 
 template <class E>
-std::optional<ChordError> error_of(const EitherEnd& ends, const ToldChord& told, bool distances, double ulp) {
-    const auto forth = chord_of<E>(ends.forth, ends.solid), back = chord_of<E>(ends.back, ends.solid);
+std::optional<ChordError> error_of(const EitherEnd& ends, const ChordAnswer& told, bool distances, double ulp) {
+    const auto forth = chord_of<E>(ends.forth, ends.primitive), back = chord_of<E>(ends.back, ends.primitive);
     if (!forth || !back) return std::nullopt;
     const E size = distances ? length(lift_vec<E>(ends.forth.direction)) : E(1);
     ChordError most;
@@ -56,12 +56,12 @@ std::optional<ChordError> error_of(const EitherEnd& ends, const ToldChord& told,
 }
 
 /// A ball around a primitive, seen along a ray, in doubles. It only decides where the segment ends.
-struct Around {
+struct BallOnRay {
     double middle, half;  ///< t of the point nearest to its centre, and its radius in lengths of the direction
     double aside;         ///< distance of the line from the centre, in radii, squared
 
-    Around(const Ray<double>& ray, const Solid<double>& solid) {
-        const auto [centre, radius] = offset::ball_of(solid);
+    BallOnRay(const Ray<double>& ray, const Primitive<double>& primitive) {
+        const auto [centre, radius] = offset::ball_of(primitive);
         const Vec<double> f = centre - ray.origin;
         const double a = square(ray.direction);
         middle = dot(f, ray.direction) / a;
@@ -74,13 +74,13 @@ struct Around {
 };
 
 /// The primitive at the pixel. If there is none, the one ahead that the ray passes nearest to.
-std::optional<std::size_t> solid_of(const RowOnBand& on, std::size_t i) {
+std::optional<std::size_t> primitive_of(const RowOnBand& on, std::size_t i) {
     const Truth truth = on.band.truth(i, on.row.convention());
     if (truth.is_hit()) return static_cast<std::size_t>(truth.object);
     std::optional<std::size_t> nearest;
     double least = HUGE_VAL;
-    for (std::size_t k = 0; k < on.solids.size(); ++k) {
-        const Around around(on.inputs.rays[i], on.solids[k]);
+    for (std::size_t k = 0; k < on.primitives.size(); ++k) {
+        const BallOnRay around(on.inputs.rays[i], on.primitives[k]);
         if (around.is_ahead() && around.aside < least) least = around.aside, nearest = k;
     }
     return nearest;
@@ -88,10 +88,10 @@ std::optional<std::size_t> solid_of(const RowOnBand& on, std::size_t i) {
 
 /// The segment of a pixel; q is its end, rounded to the format. Nothing if there is no primitive.
 std::optional<EitherEnd> segment_of(const RowOnBand& on, std::size_t i) {
-    const auto k = solid_of(on, i);
+    const auto k = primitive_of(on, i);
     if (!k) return std::nullopt;
     const Ray<double> ray = on.inputs.rays[i];
-    const Around around(ray, on.solids[*k]);
+    const BallOnRay around(ray, on.primitives[*k]);
     if (!around.is_ahead()) return std::nullopt;
     const Vec<double> p = ray.origin;
     Vec<double> q{0, 0, 0}, way{0, 0, 0};
@@ -102,7 +102,7 @@ std::optional<EitherEnd> segment_of(const RowOnBand& on, std::size_t i) {
             way[axis] = as_double(end - static_cast<T>(p[axis]));
         }
     });
-    const EitherEnd ends{{p, way}, {q, Vec<double>(-way.x, -way.y, -way.z)}, on.solids[*k]};
+    const EitherEnd ends{{p, way}, {q, Vec<double>(-way.x, -way.y, -way.z)}, on.primitives[*k]};
     if (!truth::is_proper(ends.forth) || !truth::is_proper(ends.back)) return std::nullopt;
     return ends;
 }
@@ -117,66 +117,69 @@ struct FromOneEnd {
     truth::Band band;
     AllAnswers answers;
 
-    FromOneEnd(const RowOnBand& on, const RayBlock& rays, const std::vector<Solid<double>>& solids)
-        : band(scene::rays::RayGroup{.rays = rays, .solids = solids, .paired = true}),
-          answers(ask(on.form, on.is_unit() ? as_unit(rays, on.format()) : rays, solids)) {}
+    FromOneEnd(const RowOnBand& on, const RayBlock& rays, const std::vector<Primitive<double>>& primitives)
+        : band(scene::rays::RayGroup{.rays = rays, .primitives = primitives, .paired = true}),
+          answers(answers_of(on.form, on.is_unit() ? as_unit(rays, on.format()) : rays, primitives)) {}
 };
 
-Accord accord_of_numbers(const RowOnBand& on, const EitherEnd& ends, const ToldChord& told, double& apart,
-                         double& excess) {
+CheckResult check_result_of_numbers(const RowOnBand& on, const EitherEnd& ends, const ChordAnswer& told, double& apart,
+                                    double& excess) {
     const double size = on.is_unit() ? length(ends.forth.direction) : 1;
     const double ulp = std::ldexp(1.0, static_cast<int>(ulp_exponent(on.format(), std::ilogb(size))));
     const auto error = chord_error(ends, told, on.is_unit(), ulp);
-    if (!error) return Accord::unresolved;
+    if (!error) return CheckResult::unresolved;
     apart = error->apart;
     excess = error->excess;
     // Each t is at most L. Rounded correctly, it is off by at most half an ulp of L, and two of them by at most one.
     constexpr double most = 1;
-    return error->excess > most ? Accord::other_number : error->apart > most ? Accord::by_inputs : Accord::agree;
+    return error->excess > most  ? CheckResult::other_number
+           : error->apart > most ? CheckResult::by_inputs
+                                 : CheckResult::agree;
 }
 
 }  // namespace
 
-std::optional<ChordError> chord_error(const EitherEnd& ends, const ToldChord& told, bool distances, double ulp) {
+std::optional<ChordError> chord_error(const EitherEnd& ends, const ChordAnswer& told, bool distances, double ulp) {
     for (const double t : {told.near, told.far, told.near_back, told.far_back}) {
         if (!std::isfinite(t)) return ChordError{HUGE_VAL, HUGE_VAL};
     }
     return truth::by_rising_precision([&]<class E>() { return error_of<E>(ends, told, distances, ulp); });
 }
 
-void check_reverse(const RowOnBand& on, AccordOfPixels& out) {
+void check_reverse(const RowOnBand& on, PixelCheckResults& out) {
     out.apart.assign(on.pixels(), truth::missing);
     out.excess.assign(on.pixels(), truth::missing);
     std::vector<std::size_t> pixels;
     std::vector<EitherEnd> segments;
-    std::vector<Solid<double>> solids;
+    std::vector<Primitive<double>> primitives;
     RayBlock there, back;
     for (std::size_t i = 0; i < on.pixels(); ++i) {
         const auto ends = segment_of(on, i);
         if (!ends) continue;
         pixels.push_back(i);
         segments.push_back(*ends);
-        solids.push_back(ends->solid);
+        primitives.push_back(ends->primitive);
         there.push(ends->forth);
         back.push(ends->back);
     }
     if (pixels.empty()) return;
-    const FromOneEnd from_p(on, there, solids), from_q(on, back, solids);
+    const FromOneEnd from_p(on, there, primitives), from_q(on, back, primitives);
     const bool numbers = on.row.form->info->roots == intersect::Roots::both;
     const AllAnswers &a = from_p.answers, &b = from_q.answers;
     for (std::size_t k = 0; k < pixels.size(); ++k) {
         const std::size_t i = pixels[k];
         const auto p = from_p.band.truth(k, on.row.convention()).decision;
         const auto q = from_q.band.truth(k, on.row.convention()).decision;
-        Accord how = accord_of(a.hit[k] != 0, b.hit[k] != 0, p == Truth::Decision::hit, q == Truth::Decision::hit);
-        if (p == Truth::Decision::unresolved || q == Truth::Decision::unresolved) how = Accord::unresolved;
+        CheckResult how =
+            check_result_of(a.hit[k] != 0, b.hit[k] != 0, p == Truth::Decision::hit, q == Truth::Decision::hit);
+        if (p == Truth::Decision::unresolved || q == Truth::Decision::unresolved) how = CheckResult::unresolved;
         const bool all_hit = a.hit[k] != 0 && b.hit[k] != 0 && p == Truth::Decision::hit && q == Truth::Decision::hit;
         if (numbers && all_hit)
-            how = accord_of_numbers(on, segments[k], {a.near[k], a.far[k], b.near[k], b.far[k]}, out.apart[i],
-                                    out.excess[i]);
+            how = check_result_of_numbers(on, segments[k], {a.near[k], a.far[k], b.near[k], b.far[k]}, out.apart[i],
+                                          out.excess[i]);
         out.set(i, how, [&] {
             TwoRays two{i, scene::rays::group_of(segments[k].forth), scene::rays::group_of(segments[k].back)};
-            two.first.solids = two.second.solids = {segments[k].solid};
+            two.first.primitives = two.second.primitives = {segments[k].primitive};
             return two;
         });
     }

@@ -9,8 +9,8 @@ namespace lostbits::measure::consistency {
 
 namespace {
 
-void add_check(const AccordOfPixels& found, const ConsistencyBand& band, CheckSummary& summary) {
-    for (const Accord a : found.accord) ++summary.count[static_cast<std::size_t>(a)];
+void add_check(const PixelCheckResults& found, const ConsistencyBand& band, CheckSummary& summary) {
+    for (const CheckResult a : found.results) ++summary.count[static_cast<std::size_t>(a)];
     summary.apart.add(found.apart);
     summary.excess.add(found.excess);
     if (!found.shown || summary.shown) return;
@@ -21,11 +21,11 @@ void add_check(const AccordOfPixels& found, const ConsistencyBand& band, CheckSu
 using C = CheckSummary;
 
 double as_number(std::uint64_t n) { return static_cast<double>(n); }
-template <Accord a>
+template <CheckResult a>
 double count_of(const C& s) {
     return as_number(s.of(a));
 }
-template <Accord a>
+template <CheckResult a>
 double share_of(const C& s) {
     return truth::fraction(s.of(a), s.asked());
 }
@@ -36,23 +36,24 @@ double quantile_of(const C& s) {
 
 constexpr ConsistencyColumn column_rows[] = {
     {"rays", "", "pixels that have both questions", true, [](const C& s) { return as_number(s.asked()); }},
-    {"agree", "", "those of them with the same answer to both", true, count_of<Accord::agree>},
+    {"agree", "", "those of them with the same answer to both", true, count_of<CheckResult::agree>},
     {"first_alone", "", "the answer is yes only to the first question, and one of the answers is wrong", true,
-     count_of<Accord::first_alone>},
+     count_of<CheckResult::first_alone>},
     {"second_alone", "", "the answer is yes only to the second, and one of the answers is wrong", true,
-     count_of<Accord::second_alone>},
+     count_of<CheckResult::second_alone>},
     {"other_number", "",
      "the decisions are the same, the numbers are not: they differ in any bit (packs), or by an ulp more than the "
      "exact ones (reverse, placed)",
-     true, count_of<Accord::other_number>},
+     true, count_of<CheckResult::other_number>},
     {"by_inputs", "", "the answers differ as the exact ones do: the stored numbers of the questions differ", true,
-     count_of<Accord::by_inputs>},
-    {"unresolved", "", "the answers differ, and the exact ones are not proved", true, count_of<Accord::unresolved>},
+     count_of<CheckResult::by_inputs>},
+    {"unresolved", "", "the answers differ, and the exact ones are not proved", true,
+     count_of<CheckResult::unresolved>},
     {"disagree_fraction", "", "share of first_alone, second_alone and other_number", false,
      [](const C& s) { return truth::fraction(s.disagreements(), s.asked()); }},
     {"decision_fraction", "", "share of first_alone and second_alone", false,
      [](const C& s) { return truth::fraction(s.decisions(), s.asked()); }},
-    {"by_inputs_fraction", "", "share of by_inputs", false, share_of<Accord::by_inputs>},
+    {"by_inputs_fraction", "", "share of by_inputs", false, share_of<CheckResult::by_inputs>},
     {"apart_p50", "ulp",
      "|near + far from the other end - length| in ulps of the length; for placed |t - the other t| in ulps of t, as "
      "computed: "
@@ -69,7 +70,7 @@ constexpr ConsistencyColumn column_rows[] = {
 }  // namespace
 
 std::uint64_t CheckSummary::asked() const {
-    return std::accumulate(count.begin(), count.end(), std::uint64_t{0}) - of(Accord::not_asked);
+    return std::accumulate(count.begin(), count.end(), std::uint64_t{0}) - of(CheckResult::not_asked);
 }
 
 std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<evaluate::TestedForm>& rows,
@@ -81,15 +82,15 @@ std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std:
     return among;
 }
 
-bool can_be_compared(const intersect::table::Intersector& form) { return is_solid(form.shape); }
+bool can_be_compared(const intersect::table::Intersector& form) { return is_primitive(form.shape); }
 
-void ConsistencyStudy::require() const { offset::require_few_solids(scene); }
+void ConsistencyStudy::require() const { offset::require_few_primitives(scene); }
 
 ConsistencyBand ConsistencyStudy::measure(const truth::Band& band, std::size_t row, RowChecks& summary) const {
     const RowOnBand on(scene, rows[row], band);
     ConsistencyBand out{.y0 = band.y0(), .rows = band.rows(), .width = scene.width, .checks = {}};
     for (std::size_t c = 0; c < checks.size(); ++c) {
-        AccordOfPixels& pixels = out.checks.emplace_back(on.pixels());
+        PixelCheckResults& pixels = out.checks.emplace_back(on.pixels());
         if (checks[c]->applies(scene, *rows[row].form)) checks[c]->measure(on, pixels);
         add_check(pixels, out, summary[c]);
     }

@@ -22,16 +22,18 @@ struct ShownDisagreement {
 
 /// Results of one check over all pixels of a row.
 struct CheckSummary {
-    std::array<std::uint64_t, accord_names.size()> count{};
+    std::array<std::uint64_t, check_result_names.size()> count{};
     metric::Distribution apart, excess;  ///< for checks that compare numbers, in ulps
     std::optional<ShownDisagreement> shown;
 
-    [[nodiscard]] std::uint64_t of(Accord a) const { return count[static_cast<std::size_t>(a)]; }
+    [[nodiscard]] std::uint64_t of(CheckResult a) const { return count[static_cast<std::size_t>(a)]; }
     /// Number of pixels that have both questions.
     [[nodiscard]] std::uint64_t asked() const;
     /// Number of differences that the form is to blame for; `decisions` counts those in the decision.
-    [[nodiscard]] std::uint64_t disagreements() const { return decisions() + of(Accord::other_number); }
-    [[nodiscard]] std::uint64_t decisions() const { return of(Accord::first_alone) + of(Accord::second_alone); }
+    [[nodiscard]] std::uint64_t disagreements() const { return decisions() + of(CheckResult::other_number); }
+    [[nodiscard]] std::uint64_t decisions() const {
+        return of(CheckResult::first_alone) + of(CheckResult::second_alone);
+    }
 };
 
 LOSTBITS_FIELDS(TwoRays, pixel, first, second)
@@ -44,7 +46,7 @@ using RowChecks = std::vector<CheckSummary>;
 /// Results of a row on some scanlines, for each check in the order of the request.
 struct ConsistencyBand {
     int y0 = 0, rows = 0, width = 0;
-    std::vector<AccordOfPixels> checks;
+    std::vector<PixelCheckResults> checks;
 };
 
 /// A study, see measure/study/study.hpp.

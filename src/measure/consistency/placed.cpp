@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "intersect/space/spaced.hpp"
 #include "intersect/table/sets.hpp"
+#include "intersect/transform/spaced.hpp"
 #include "measure/consistency/check.hpp"
 
 namespace lostbits::measure::consistency {
@@ -14,13 +14,13 @@ using truth::Truth;
 namespace {
 
 /// Moves the primitive to its own centre, under a matrix that moves it back.
-Solid<double> under_matrix(const Solid<double>& solid, const FloatFormat& format) {
+Primitive<double> under_matrix(const Primitive<double>& primitive, const FloatFormat& format) {
     const auto stored = [&format](double x) { return rounding::to_format(x, 0, format); };
     const auto stored_point = [&](const Vec<double>& v) { return Vec<double>(stored(v.x), stored(v.y), stored(v.z)); };
-    const Vec<double> middle = stored_point(visit(solid, [](const auto& shape) { return shape.middle(); }));
-    Solid<double> there = solid;
-    for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
-        if (key.kind == Key::Kind::point) there.set_point(k, stored_point(solid.point(k) - middle));
+    const Vec<double> middle = stored_point(visit(primitive, [](const auto& shape) { return shape.middle(); }));
+    Primitive<double> there = primitive;
+    for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
+        if (key.kind == Key::Kind::point) there.set_point(k, stored_point(primitive.point(k) - middle));
     });
     there.placed = Placement<double>{{1, 0, 0, middle.x, 0, 1, 0, middle.y, 0, 0, 1, middle.z}, false, 1};
     return there;
@@ -48,23 +48,23 @@ bool is_diagonal(const Affine<double>& m) {
 /// - a box, under a matrix that is not diagonal;
 /// - a shape with a radius for each axis;
 /// - a matrix that is stored as its inverse.
-std::optional<Solid<double>> image_of(const Solid<double>& solid, const FloatFormat& format) {
-    if (!solid.placed || solid.placed->is_inverse) return std::nullopt;
-    const Affine<double> m = solid.placed->map();
-    const std::span<const Key> keys = row_of(solid.shape).keys;
+std::optional<Primitive<double>> image_of(const Primitive<double>& primitive, const FloatFormat& format) {
+    if (!primitive.placed || primitive.placed->is_inverse) return std::nullopt;
+    const Affine<double> m = primitive.placed->map();
+    const std::span<const Key> keys = row_of(primitive.shape).keys;
     const bool along_axes =
         std::ranges::any_of(keys, [](const Key& key) { return key.limit == Key::Limit::at_least_before; });
     const bool all_points = std::ranges::all_of(keys, [](const Key& key) { return key.kind == Key::Kind::point; });
     const bool by_axis = std::ranges::any_of(keys, [](const Key& key) { return key.kind == Key::Kind::lengths; });
     const auto scale = common_scale(m, format);
     if (along_axes ? !is_diagonal(m) : by_axis || (!all_points && !scale)) return std::nullopt;
-    Solid<double> image = solid;
+    Primitive<double> image = primitive;
     image.placed.reset();
-    for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
+    for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
         switch (key.kind) {
-            case Key::Kind::point: image.set_point(k, m.point(solid.point(k))); break;
-            case Key::Kind::direction: image.set_point(k, m.linear(solid.point(k))); break;
-            default: image.numbers[k] = scale.value_or(1) * solid.numbers[k];
+            case Key::Kind::point: image.set_point(k, m.point(primitive.point(k))); break;
+            case Key::Kind::direction: image.set_point(k, m.linear(primitive.point(k))); break;
+            default: image.numbers[k] = scale.value_or(1) * primitive.numbers[k];
         }
     });
     if (along_axes)
@@ -75,48 +75,48 @@ std::optional<Solid<double>> image_of(const Solid<double>& solid, const FloatFor
 
 /// A form that takes primitives with and without matrices: the form itself, or the form with the usual transform.
 const Intersector& form_for(const Intersector& form) {
-    const auto& usual = intersect::space::usual_space();
+    const auto& usual = intersect::transform::usual_transform_method();
     if (form.shapes().are_placed()) return form;
-    if (!form.is_set()) return intersect::space::through(usual, form);
+    if (!form.is_set()) return intersect::transform::through(usual, form);
     std::vector<const Intersector*> parts;
-    for (const Intersector* const part : form.parts) parts.push_back(&intersect::space::through(usual, *part));
+    for (const Intersector* const part : form.parts) parts.push_back(&intersect::transform::through(usual, *part));
     return intersect::table::set_of(parts);
 }
 
 /// The primitives changed to the other way where possible, and unchanged elsewhere. Empty if none can be changed.
-std::vector<Solid<double>> in_other_place(const RowOnBand& on) {
+std::vector<Primitive<double>> in_other_place(const RowOnBand& on) {
     bool any = false;
-    std::vector<Solid<double>> others;
-    for (const Solid<double>& solid : on.solids) {
+    std::vector<Primitive<double>> others;
+    for (const Primitive<double>& primitive : on.primitives) {
         const auto other =
-            solid.placed ? image_of(solid, on.format()) : std::optional(under_matrix(solid, on.format()));
+            primitive.placed ? image_of(primitive, on.format()) : std::optional(under_matrix(primitive, on.format()));
         any = any || other;
-        others.push_back(other.value_or(solid));
+        others.push_back(other.value_or(primitive));
     }
-    return any ? others : std::vector<Solid<double>>{};
+    return any ? others : std::vector<Primitive<double>>{};
 }
 
-truth::Band band_of(const RowOnBand& on, const std::vector<Solid<double>>& solids) {
-    return truth::Band(scene::rays::RayGroup{.rays = on.inputs.rays, .solids = solids}, {.stop = on.form.stop});
+truth::Band band_of(const RowOnBand& on, const std::vector<Primitive<double>>& primitives) {
+    return truth::Band(scene::rays::RayGroup{.rays = on.inputs.rays, .primitives = primitives}, {.stop = on.form.stop});
 }
 
 }  // namespace
 
-void check_placed(const RowOnBand& on, AccordOfPixels& out) {
+void check_placed(const RowOnBand& on, PixelCheckResults& out) {
     out.apart.assign(on.pixels(), truth::missing);
     out.excess.assign(on.pixels(), truth::missing);
-    const std::vector<Solid<double>> others = in_other_place(on);
+    const std::vector<Primitive<double>> others = in_other_place(on);
     if (others.empty()) return;
-    const truth::Band here = band_of(on, on.solids), there = band_of(on, others);
+    const truth::Band here = band_of(on, on.primitives), there = band_of(on, others);
     const Intersector& form = form_for(*on.row.form);
     const bool unit = form.info->direction == intersect::Direction::unit;
     const auto answers = answer::evaluate(form, there.inputs_for(on.row.format, *form.info));
     const answer::Answers &a = on.closest, &b = answers;
     for (std::size_t i = 0; i < on.pixels(); ++i) {
         const Truth p = here.truth(i, on.row.convention()), q = there.truth(i, on.row.convention());
-        Accord how = accord_of(a.hit[i] != 0, b.hit[i] != 0, p.is_hit(), q.is_hit());
+        CheckResult how = check_result_of(a.hit[i] != 0, b.hit[i] != 0, p.is_hit(), q.is_hit());
         if (p.decision == Truth::Decision::unresolved || q.decision == Truth::Decision::unresolved)
-            how = Accord::unresolved;
+            how = CheckResult::unresolved;
         else if (a.hit[i] != 0 && b.hit[i] != 0 && p.is_hit() && q.is_hit() && tells_t(*form.info)) {
             const auto &one = unit ? p.distance : p.t, &other = unit ? q.distance : q.t;
             const std::int64_t ulp = ulp_exponent(on.format(), one.floor_log2());
@@ -126,11 +126,13 @@ void check_placed(const RowOnBand& on, AccordOfPixels& out) {
             out.apart[i] = std::fabs(off(a.t[i], truth::exactly(b.t[i])));
             out.excess[i] = std::fabs(off(a.t[i], one) - off(b.t[i], other));
             // Each t that is rounded correctly is off by at most half an ulp, and two of them by at most one.
-            how = !(out.excess[i] <= 1) ? Accord::other_number : out.apart[i] > 1 ? Accord::by_inputs : Accord::agree;
+            how = !(out.excess[i] <= 1) ? CheckResult::other_number
+                  : out.apart[i] > 1    ? CheckResult::by_inputs
+                                        : CheckResult::agree;
         }
         out.set(i, how, [&] {
             TwoRays two{i, on.shown(on.inputs.rays[i], HUGE_VAL), scene::rays::group_of(on.inputs.rays[i])};
-            if (others.size() <= truth::Band::most_given) two.second.solids = others;
+            if (others.size() <= truth::Band::most_given) two.second.primitives = others;
             return two;
         });
     }

@@ -21,24 +21,24 @@ using truth::Truth;
 namespace {
 
 /// Sign of t* − m for the first t* of a ray that truly hits the sphere; m > 0.
-std::optional<int> side_of_end(const Ray<double>& ray, const Solid<double>& sphere, double m) {
+std::optional<int> side_of_end(const Ray<double>& ray, const Primitive<double>& sphere, double m) {
     return truth::by_rising_precision([&]<class E>() {
-        return truth::side_of<E>(lift_ray<E>(ray), lift_solid<E>(sphere), E(m), truth::Length::parameter);
+        return truth::side_of<E>(lift_ray<E>(ray), lift_primitive<E>(sphere), E(m), truth::Length::parameter);
     });
 }
 
 /// True decision for primitives of one shape.
-Truth::Decision truly_meets_alike(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
+Truth::Decision truly_meets_alike(const Ray<double>& ray, double end, std::span<const Primitive<double>> primitives,
                                   const intersect::Convention& own) {
-    const bool ends = !solids.empty() && told_end(solids.front().shape);
+    const bool ends = !primitives.empty() && takes_tmax(primitives.front().shape);
     intersect::Convention convention(own.touching, ends ? intersect::AtOrigin::hit : intersect::AtOrigin::miss);
     convention.facing = own.facing;
-    const Truth first = truth::find_truth(ray, solids, {}, convention, {.tmax = ends ? end : HUGE_VAL});
+    const Truth first = truth::find_truth(ray, primitives, {}, convention, {.tmax = ends ? end : HUGE_VAL});
     if (ends || !first.is_hit()) return first.decision;
     if (!(end > 0)) return Truth::Decision::miss;
     if (std::isinf(end)) return Truth::Decision::hit;
     std::optional<int> side = truth::compare(first.t, truth::exactly(end));
-    if (*side == 0) side = side_of_end(ray, solids[static_cast<std::size_t>(first.object)], end);
+    if (*side == 0) side = side_of_end(ray, primitives[static_cast<std::size_t>(first.object)], end);
     if (!side) return Truth::Decision::unresolved;
     return *side < 0 ? Truth::Decision::hit : Truth::Decision::miss;
 }
@@ -59,18 +59,18 @@ bool is_ray(const SegmentInTwoWays& s) {
     return truth::is_proper(s.by_difference) && truth::is_proper(s.by_unit) && std::isfinite(s.unit_end);
 }
 
-Accord accord_of_segment(const RowOnBand& on, const SegmentInTwoWays& s, bool first, bool second) {
-    if (first == second) return Accord::agree;
+CheckResult check_result_of_segment(const RowOnBand& on, const SegmentInTwoWays& s, bool first, bool second) {
+    if (first == second) return CheckResult::agree;
     const intersect::Convention convention = on.row.convention();
-    const auto one = truly_meets_before(s.by_difference, s.difference_end, on.solids, convention);
-    const auto other = truly_meets_before(s.by_unit, s.unit_end, on.solids, convention);
-    if (one == Truth::Decision::unresolved || other == Truth::Decision::unresolved) return Accord::unresolved;
-    return accord_of(first, second, one == Truth::Decision::hit, other == Truth::Decision::hit);
+    const auto one = truly_meets_before(s.by_difference, s.difference_end, on.primitives, convention);
+    const auto other = truly_meets_before(s.by_unit, s.unit_end, on.primitives, convention);
+    if (one == Truth::Decision::unresolved || other == Truth::Decision::unresolved) return CheckResult::unresolved;
+    return check_result_of(first, second, one == Truth::Decision::hit, other == Truth::Decision::hit);
 }
 
 /// Compares the segments of all pixels; the segment of pixel i starts at `from(i)`.
 template <class From>
-void compare_segments(const RowOnBand& on, const From& from, EndOfSegment end, AccordOfPixels& out) {
+void compare_segments(const RowOnBand& on, const From& from, EndOfSegment end, PixelCheckResults& out) {
     std::vector<std::size_t> pixels;
     std::vector<SegmentInTwoWays> segments;
     RayBlock first, second;
@@ -86,10 +86,11 @@ void compare_segments(const RowOnBand& on, const From& from, EndOfSegment end, A
         second.push(s.by_unit);
         second.tmax.push_back(s.unit_end);
     }
-    const auto one = meets_before_end(on.form, first, on.solids), other = meets_before_end(on.form, second, on.solids);
+    const auto one = meets_before_end(on.form, first, on.primitives),
+               other = meets_before_end(on.form, second, on.primitives);
     for (std::size_t k = 0; k < pixels.size(); ++k) {
         const SegmentInTwoWays& s = segments[k];
-        out.set(pixels[k], accord_of_segment(on, s, one[k] != 0, other[k] != 0), [&] {
+        out.set(pixels[k], check_result_of_segment(on, s, one[k] != 0, other[k] != 0), [&] {
             return TwoRays{0, on.shown(s.by_difference, s.difference_end), on.shown(s.by_unit, s.unit_end)};
         });
     }
@@ -98,18 +99,18 @@ void compare_segments(const RowOnBand& on, const From& from, EndOfSegment end, A
 /// Compares a map's hit at a pixel with a shadow test whose end is computed from its t. `expected`: the right answer of
 /// the test.
 template <class End>
-void compare_with_ends(const RowOnBand& on, const End& end, bool expected, AccordOfPixels& out) {
+void compare_with_ends(const RowOnBand& on, const End& end, bool expected, PixelCheckResults& out) {
     scene::rays::RayBlock rays = on.rays();
     rays.tmax.assign(rays.size(), HUGE_VAL);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (on.closest.hit[i] != 0) rays.tmax[i] = end(on.closest.t[i]);
     }
-    const auto meets = meets_before_end(on.form, rays, on.solids);
+    const auto meets = meets_before_end(on.form, rays, on.primitives);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (on.closest.hit[i] == 0 || std::isnan(rays.tmax[i])) continue;
-        const Accord how = (meets[i] != 0) == expected ? Accord::agree
-                           : expected                  ? Accord::first_alone
-                                                       : Accord::second_alone;
+        const CheckResult how = (meets[i] != 0) == expected ? CheckResult::agree
+                                : expected                  ? CheckResult::first_alone
+                                                            : CheckResult::second_alone;
         out.set(i, how, [&] {
             return TwoRays{i, on.shown(on.inputs.rays[i], HUGE_VAL), on.shown(on.inputs.rays[i], rays.tmax[i])};
         });
@@ -118,13 +119,13 @@ void compare_with_ends(const RowOnBand& on, const End& end, bool expected, Accor
 
 }  // namespace
 
-Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
+Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span<const Primitive<double>> primitives,
                                    intersect::Convention convention) {
     bool unresolved = false;
     for (const ShapeRow& row : shape_rows) {
-        std::vector<Solid<double>> alike;
-        std::ranges::copy_if(solids, std::back_inserter(alike),
-                             [&row](const Solid<double>& solid) { return solid.shape == row.shape; });
+        std::vector<Primitive<double>> alike;
+        std::ranges::copy_if(primitives, std::back_inserter(alike),
+                             [&row](const Primitive<double>& primitive) { return primitive.shape == row.shape; });
         const auto meets = truly_meets_alike(ray, end, alike, convention.of(row.shape));
         if (meets == Truth::Decision::hit) return meets;
         unresolved = unresolved || meets == Truth::Decision::unresolved;
@@ -145,34 +146,34 @@ SegmentInTwoWays write_segment(const Vec<double>& p, const Vec<double>& q, const
     });
 }
 
-void check_segment(const RowOnBand& on, AccordOfPixels& out) {
+void check_segment(const RowOnBand& on, PixelCheckResults& out) {
     compare_segments(
         on, [&](std::size_t i) { return on.inputs.rays[i].origin; }, EndOfSegment::whole, out);
 }
 
-void check_short(const RowOnBand& on, AccordOfPixels& out) {
+void check_short(const RowOnBand& on, PixelCheckResults& out) {
     compare_segments(
         on, [&](std::size_t i) { return on.inputs.rays[i].origin; }, EndOfSegment::shortened, out);
 }
 
-void check_light(const RowOnBand& on, AccordOfPixels& out) {
+void check_light(const RowOnBand& on, PixelCheckResults& out) {
     const Vec<double> light = picture::input_appearance(on.scene, on.format()).light;
     compare_segments(
         on, [&](std::size_t) { return light; }, EndOfSegment::shortened, out);
 }
 
-void check_beyond(const RowOnBand& on, AccordOfPixels& out) {
+void check_beyond(const RowOnBand& on, PixelCheckResults& out) {
     // No end lies after an infinite t or a NaN, so any hit is right.
     compare_with_ends(
         on, [&](double t) { return std::isfinite(t) ? rounding::next_up(t, on.format()) : HUGE_VAL; }, true, out);
 }
 
-void check_end(const RowOnBand& on, AccordOfPixels& out) {
+void check_end(const RowOnBand& on, PixelCheckResults& out) {
     compare_with_ends(
         on, [](double t) { return std::isfinite(t) ? t : truth::missing; }, false, out);
 }
 
-void check_before(const RowOnBand& on, AccordOfPixels& out) {
+void check_before(const RowOnBand& on, PixelCheckResults& out) {
     // A ray cannot end before t = 0.
     compare_with_ends(
         on, [&](double t) { return std::isfinite(t) && t > 0 ? -rounding::next_up(-t, on.format()) : truth::missing; },

@@ -7,7 +7,7 @@
 
 #include "measure/consistency/check.hpp"
 #include "measure/truth/truth.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::measure::consistency {
 
@@ -27,18 +27,19 @@ SegmentInTwoWays write_segment(const Vec<double>& p, const Vec<double>& q, const
 
 /// True decision for a ray with this end and any of the primitives: a sphere counts at 0 < t < end, a closed (or open)
 /// box at 0 ≤ t ≤ end (or <). For boxes, whose forms take the end, the convention on touching decides.
-truth::Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span<const Solid<double>> solids,
+truth::Truth::Decision truly_meets_before(const Ray<double>& ray, double end,
+                                          std::span<const Primitive<double>> primitives,
                                           intersect::Convention convention);
 
 /// A chord as the form answers it from either end: t of entry and exit from p, and t of entry and exit from q.
-struct ToldChord {
+struct ChordAnswer {
     double near = 0, far = 0, near_back = 0, far_back = 0;
 };
 
 /// A ray from p and one from q, each the other's reverse as far as their stored numbers go, with one primitive.
 struct EitherEnd {
     Ray<double> forth, back;
-    Solid<double> solid;
+    Primitive<double> primitive;
 };
 
 /// Error of t and the remaining part of the other t, whose sum should be the length of the segment. The length L is 1
@@ -52,6 +53,6 @@ struct ChordError {
 /// Computes the chord error. `distances`: the answers are distances, not parameters. A near side behind p (or q) is not
 /// used, because not every form answers it. Both rays must truly meet the primitive. Nothing if no precision settles
 /// it.
-std::optional<ChordError> chord_error(const EitherEnd& ends, const ToldChord& told, bool distances, double ulp);
+std::optional<ChordError> chord_error(const EitherEnd& ends, const ChordAnswer& told, bool distances, double ulp);
 
 }  // namespace lostbits::measure::consistency

@@ -19,7 +19,7 @@ namespace lostbits::measure::contract {
 using intersect::Direction;
 using intersect::Inside;
 using intersect::Roots;
-using intersect::doors::ForeignForm;
+using intersect::external::ForeignForm;
 
 namespace {
 
@@ -55,7 +55,7 @@ std::vector<Question> many(Shape shape) {
     return questions;
 }
 
-std::string solid_words(Shape shape) { return std::string(row_of(shape).words.plainest); }
+std::string primitive_words(Shape shape) { return std::string(row_of(shape).words.plainest); }
 
 void try_hit_is_written(Trial& trial) {
     const auto all = ask(trial.form, many(trial.shape));
@@ -81,11 +81,11 @@ void try_batches(Trial& trial) {
                "a ray gets another answer in a batch than alone");
 }
 
-void try_solids(Trial& trial) {
+void try_primitives(Trial& trial) {
     const auto questions = many(trial.shape);
     trial.hold(all_same(ask(trial.form, questions), ask(trial.form, questions, true)),
                "one primitive for all rays, or one for each: the same answers",
-               "the primitives of each ray (solid_stride) are ignored; step by solid_stride from ray to ray");
+               "the primitives of each ray (primitive_stride) are ignored; step by primitive_stride from ray to ray");
 }
 
 void try_threads(Trial& trial) {
@@ -112,11 +112,11 @@ void try_threads(Trial& trial) {
 }
 
 /// A mistake about a length of a shape, such as a radius: the length that the form uses instead, and its description.
-struct TakenLength {
+struct LengthMisuse {
     double (*change)(double);
     const char *words, *mend;  ///< {0} is the key
 };
-constexpr TakenLength taken_lengths[]{
+constexpr LengthMisuse length_misuses[]{
     {[](double x) { return std::sqrt(x); }, "the {0} is taken for its square", "; hand over {0} * {0}"},
     {[](double x) { return x * x; }, "the {0} is squared once too often", ""},
     {[](double x) { return 2 * x; }, "the {0} is taken twice (a diameter?)", "; hand over {0}, not 2 * {0}"},
@@ -129,36 +129,36 @@ std::vector<Question> rays_at_lengths(Shape shape, std::size_t number) {
     aside.ray[0] = 0.5, aside.ray[1] = 0.25;
     std::vector<Question> all{along(shape, -5, 1), aside};
     for (Question q : {all[0], all[1]}) {
-        q.solid[number] *= 0.75;
+        q.primitive[number] *= 0.75;
         all.push_back(q);
     }
     return all;
 }
 
 /// The mistake about the length that explains all answers of a form; null if none does.
-const TakenLength* find_taken_length(const Trial& trial, std::size_t number) {
+const LengthMisuse* find_taken_length(const Trial& trial, std::size_t number) {
     std::vector<std::pair<Question, Reply>> asked;
     for (const Question& q : rays_at_lengths(trial.shape, number)) asked.emplace_back(q, trial.ask(q));
-    const auto explains = [&](const TakenLength& mistake) {
+    const auto explains = [&](const LengthMisuse& mistake) {
         return std::ranges::all_of(asked, [&](const auto& one) {
             auto [q, r] = one;
-            q.solid[number] = mistake.change(q.solid[number]);
+            q.primitive[number] = mistake.change(q.primitive[number]);
             const auto ends = ends_of(q, trial.shape);
             return ends ? r.hit == 1 && is_answer(r.near, ends->near) : r.hit == 0;
         });
     };
-    const auto found = std::ranges::find_if(taken_lengths, explains);
-    return found == std::end(taken_lengths) ? nullptr : &*found;
+    const auto found = std::ranges::find_if(length_misuses, explains);
+    return found == std::end(length_misuses) ? nullptr : &*found;
 }
 
 /// Tests near, as answered to a ray from outside.
 void try_t(Trial& trial) {
     const Reply plain = trial.ask(along(trial.shape, -5, 1));
     if (is_answer(plain.near, 3)) return trial.kept("the plainest ray gets t = 3, which is right");
-    const auto where = " (origin (0, 0, -5), direction (0, 0, 1), " + solid_words(trial.shape) +
+    const auto where = " (origin (0, 0, -5), direction (0, 0, 1), " + primitive_words(trial.shape) +
                        ": 3 is right, it answers " + text_of(plain.near) + ")";
     if (const auto length = length_key(trial.shape)) {
-        if (const TakenLength* const found = find_taken_length(trial, length->number)) {
+        if (const LengthMisuse* const found = find_taken_length(trial, length->number)) {
             const auto text = [&](const char* words) { return fmt::format(fmt::runtime(words), length->key->name); };
             return trial.broken(text(found->words) + where + text(found->mend));
         }
@@ -243,7 +243,7 @@ void try_end(Trial& trial) {
     const bool before = trial.ask(q).hit == 1;
     const ShapeRow& row = row_of(trial.shape);
     const std::string ends = "a ray that ends before the " + std::string(row.name);
-    if (!row.told_end && !trial.says(LB_RANGE)) {
+    if (!row.takes_tmax && !trial.says(LB_RANGE)) {
         if (!before) trial.told(ends + " misses; maps and sweeps give " + std::string(row.plural) + " no ends");
         return;
     }
@@ -327,10 +327,10 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     trial.probe("answers", try_hit_is_written);
     trial.probe("again", try_again);
     if (trial.breaks("again")) {
-        trial.told("the probes batches, solids and threads compare repeated answers, so they are left out");
+        trial.told("the probes batches, primitives and threads compare repeated answers, so they are left out");
     } else {
         trial.probe("batches", try_batches);
-        trial.probe("solids", try_solids);
+        trial.probe("primitives", try_primitives);
         if (!trial.says(LB_ONE_THREAD)) trial.probe("threads", try_threads);
     }
     bool hits = false;
@@ -338,7 +338,7 @@ std::vector<Observation> try_all(const ForeignForm& form) {
         hits = t.ask(along(t.shape, -5, 1)).hit == 1;
         if (!hits && !try_other_side(t))
             t.broken("misses the plainest ray: origin (0, 0, -5), direction (0, 0, 1), against " +
-                     solid_words(t.shape));
+                     primitive_words(t.shape));
     });
     if (!hits) return std::move(trial.findings);
     if (trial.tells_t) trial.probe("t", try_t);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "intersect/doors/contract.hpp"
+#include "intersect/external/contract.hpp"
 
 namespace lostbits::measure::contract {
 
@@ -26,12 +26,12 @@ struct Observation {
 ///
 /// The right answer is the truth by the form's own properties, to within 2^-10 of itself or of 1, whichever is larger.
 /// If a form cannot answer at all, its exception is passed on. A formula of both roots has a t of its own: `first`
-/// answers that one (`doors::first_of`), and every probe tests it too.
-std::vector<Observation> try_contract(const intersect::doors::ForeignForm& form,
-                                      const intersect::doors::ForeignForm* first = nullptr);
+/// answers that one (`external::first_of`), and every probe tests it too.
+std::vector<Observation> try_contract(const intersect::external::ForeignForm& form,
+                                      const intersect::external::ForeignForm* first = nullptr);
 
 /// Tests if the processor's floating-point state is the same after the form's calls so far as before, and reports the
 /// state in them.
-Observation observe_state(const intersect::doors::ForeignForm& form);
+Observation observe_state(const intersect::external::ForeignForm& form);
 
 }  // namespace lostbits::measure::contract

@@ -10,7 +10,7 @@
 
 #include "measure/contract/random_questions.hpp"
 #include "measure/crossing/mesh_crossings.hpp"
-#include "scene/sweep/families.hpp"
+#include "scene/sweep/distributions.hpp"
 #include "shapes/triangle/mesh/made.hpp"
 
 namespace lostbits::measure::contract {
@@ -23,38 +23,40 @@ using scene::triangle::Mesh;
 /// Powers of two by which all lengths are multiplied, the smallest change first.
 constexpr std::array scale_powers{0, -15, 15, -30, 30, -45, 45, -60, 60};
 
-bool is_off_surface(const Solid<double>& solid, const Vec<double>& p) {
-    return std::fabs(visit(solid, [&p](const auto& shape) { return shape.distance(p); })) > half_extent_of(solid) / 16;
+bool is_off_surface(const Primitive<double>& primitive, const Vec<double>& p) {
+    return std::fabs(visit(primitive, [&p](const auto& shape) { return shape.distance(p); })) >
+           half_extent_of(primitive) / 16;
 }
 
 /// Sets lengths that may be 0 to 0: such a cone has an apex.
-Solid<double> pointed(Solid<double> solid) {
-    for_each_key(solid.shape, [&solid](const Key& key, std::size_t k) {
-        if (key.limit == Key::Limit::not_negative) solid.numbers[k] = 0;
+Primitive<double> pointed(Primitive<double> primitive) {
+    for_each_key(primitive.shape, [&primitive](const Key& key, std::size_t k) {
+        if (key.limit == Key::Limit::not_negative) primitive.numbers[k] = 0;
     });
-    return solid;
+    return primitive;
 }
 
 /// Rays at one kind of place of random primitives. Half of them are aimed at the place itself, the others up to 2^-10
 /// of the primitive beside it. All are benign. A ray that misses counts only if the place is not of the surface: one
 /// that touches an edge from outside would pass for benign, as few rays near it hit.
-std::vector<Known> rays_at(const Trial& trial, const scene::sweep::FamilyRow& family, int aim, bool upright) {
+std::vector<Known> rays_at(const Trial& trial, const scene::sweep::DistributionRow& distribution, int aim,
+                           bool upright) {
     constexpr int attempts = 320, changes = 32;
     constexpr std::size_t most = 64;
     RandomNumbers random;
     rays::Random places(1);
     std::vector<Question> all;
     for (int i = 0; i < attempts && all.size() < most; ++i) {
-        const Solid<double> any_solid = random_solid(trial.shape, upright, random);
-        const Solid<double> solid = i % 4 < 2 ? any_solid : pointed(any_solid);
-        const rays::AimedPlace target = family.aimed_at(places, solid, aim);
+        const Primitive<double> any_primitive = random_primitive(trial.shape, upright, random);
+        const Primitive<double> primitive = i % 4 < 2 ? any_primitive : pointed(any_primitive);
+        const rays::AimedPlace target = distribution.aimed_at(places, primitive, aim);
         const Vec<double> any = random.unit(), d = target.along.value_or(any);
-        const double half = half_extent_of(solid), aside = i % 2 == 0 ? 0 : half * std::ldexp(1, -10 - i % 16);
+        const double half = half_extent_of(primitive), aside = i % 2 == 0 ? 0 : half * std::ldexp(1, -10 - i % 16);
         const Vec<double> origin = target.point + aside * random.unit() - 4 * half * d;
-        Question q = question_of(origin, d, solid);
+        Question q = question_of(origin, d, primitive);
         for (int k = 0; k < 3 && trial.contract.bits == 64; ++k)  // nearer to the place than floats are
             q.ray[static_cast<std::size_t>(k)] = origin[k], q.ray[static_cast<std::size_t>(k) + 3] = d[k];
-        if ((trial.truth(q).hit || is_off_surface(solid, target.point)) && is_benign(trial, q, random, changes))
+        if ((trial.truth(q).hit || is_off_surface(primitive, target.point)) && is_benign(trial, q, random, changes))
             all.push_back(q);
     }
     return with_truth(trial, all);
@@ -63,9 +65,10 @@ std::vector<Known> rays_at(const Trial& trial, const scene::sweep::FamilyRow& fa
 /// Rays at all places of a shape, by the name of the place.
 using Places = std::vector<std::pair<std::string_view, std::vector<Known>>>;
 
-Places places_of(const Trial& trial, const scene::sweep::FamilyRow& family, bool upright) {
+Places places_of(const Trial& trial, const scene::sweep::DistributionRow& distribution, bool upright) {
     Places places;
-    for (const auto& [name, aim] : family.aims) places.emplace_back(name, rays_at(trial, family, aim, upright));
+    for (const auto& [name, aim] : distribution.aims)
+        places.emplace_back(name, rays_at(trial, distribution, aim, upright));
     return places;
 }
 
@@ -91,13 +94,13 @@ std::string words_about_scale(int power, std::size_t wrong, std::size_t asked) {
 constexpr const char* all_scales = ", at nine scales from 2^-60 to 2^60";
 
 /// Axes along x, y and z come first: a form may know no others.
-void try_places(Trial& trial, const scene::sweep::FamilyRow& family) {
+void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution) {
     std::size_t asked = 0;
     std::string names, beyond;
-    for (const auto& [name, aim] : family.aims) names += (names.empty() ? "" : ", ") + std::string(name);
+    for (const auto& [name, aim] : distribution.aims) names += (names.empty() ? "" : ", ") + std::string(name);
     for (const bool upright : {true, false}) {
         if (upright && !has_axis(trial.shape)) continue;
-        const Places places = places_of(trial, family, upright);
+        const Places places = places_of(trial, distribution, upright);
         const Wrong plain = wrong_at_scale(trial, places, 0);
         asked += plain.asked;
         if (plain.wrong > 0) {
@@ -135,9 +138,9 @@ Mesh random_mesh(int bits, rays::Random& random) {
 struct RayAtMeshEdge {
     Ray<double> ray{};
     bool at_vertex = false;
-    double distance = 0;                        ///< from the origin to the point, in lengths of the edge
-    std::vector<Solid<double>> around = {};     ///< those at the edge or the vertex first
-    std::vector<Solid<double>> elsewhere = {};  ///< the others that face the ray
+    double distance = 0;                            ///< from the origin to the point, in lengths of the edge
+    std::vector<Primitive<double>> around = {};     ///< those at the edge or the vertex first
+    std::vector<Primitive<double>> elsewhere = {};  ///< the others that face the ray
 };
 
 /// Moves a number by up to two places of the format.
@@ -152,7 +155,7 @@ double moved(double x, int bits, rays::Random& random) {
 
 /// Draws a ray from 2^-10 to 2^20 lengths of an edge away. It meets all triangles at the edge or the vertex from the
 /// front, at an angle of 7° or more, so that no light should pass. Nothing if that is not so for the rounded ray.
-std::optional<RayAtMeshEdge> draw_ray(const Mesh& mesh, const intersect::doors::Contract& contract,
+std::optional<RayAtMeshEdge> draw_ray(const Mesh& mesh, const intersect::external::Contract& contract,
                                       rays::Random& random) {
     const Face& face = mesh.faces[static_cast<std::size_t>(random.below(static_cast<int>(mesh.faces.size())))];
     const auto k = static_cast<std::size_t>(random.below(3));
@@ -180,16 +183,16 @@ std::optional<RayAtMeshEdge> draw_ray(const Mesh& mesh, const intersect::doors::
             continue;
         }
         if (is_at && !(-dot(n, direction) > 0.125 * length(n))) return std::nullopt;
-        if (is_at) is_met = is_met || truth::find_truth(drawn.ray, Solid<double>(triangle)).is_hit();
+        if (is_at) is_met = is_met || truth::find_truth(drawn.ray, Primitive<double>(triangle)).is_hit();
         drawn.around.insert(is_at ? drawn.around.begin() : drawn.around.end(), triangle);
     }
     return is_met ? std::optional(drawn) : std::nullopt;
 }
 
-Question question_at(const Ray<double>& ray, const Solid<double>& solid) {
+Question question_at(const Ray<double>& ray, const Primitive<double>& primitive) {
     Question q{.ray = {ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z},
-               .solid = {}};
-    std::ranges::copy(solid.used(), q.solid.begin());
+               .primitive = {}};
+    std::ranges::copy(primitive.used(), q.primitive.begin());
     return q;
 }
 
@@ -208,13 +211,13 @@ struct Light {
 
 /// The ray and each of the triangles, at a scale.
 std::vector<Question> questions_at(const Trial& trial, const Ray<double>& ray,
-                                   const std::vector<Solid<double>>& triangles, int power) {
+                                   const std::vector<Primitive<double>>& triangles, int power) {
     std::vector<Question> questions;
-    for (Solid<double> solid : triangles) {
+    for (Primitive<double> primitive : triangles) {
         // Forms for one side see the mesh from inside: `ask` mirrors what only sees fronts.
         if (trial.contract.facing != intersect::Facing::both)
-            std::swap_ranges(solid.numbers.begin(), solid.numbers.begin() + 3, solid.numbers.begin() + 3);
-        questions.push_back(scaled_by(question_at(ray, solid), trial.shape, power));
+            std::swap_ranges(primitive.numbers.begin(), primitive.numbers.begin() + 3, primitive.numbers.begin() + 3);
+        questions.push_back(scaled_by(question_at(ray, primitive), trial.shape, power));
     }
     return questions;
 }
@@ -257,8 +260,8 @@ Light light_at_scale(const Trial& trial, std::size_t scale) {
         if (!is_stopped && light.first.empty())
             light.first = fmt::format("ray {} at {} of triangles {} and {}, {:.3g} edge lengths away",
                                       numbers_text(around[0].ray), drawn.at_vertex ? "a vertex" : "the edge",
-                                      numbers_text(std::span(around[0].solid).first(9)),
-                                      numbers_text(std::span(around[1].solid).first(9)), drawn.distance);
+                                      numbers_text(std::span(around[0].primitive).first(9)),
+                                      numbers_text(std::span(around[1].primitive).first(9)), drawn.distance);
     }
     return light;
 }
@@ -293,8 +296,10 @@ void try_mesh(Trial& trial) {
 
 void try_edges(Trial& trial) {
     if (trial.shape == Mesh::shape) return try_mesh(trial);
-    const auto family = std::ranges::find(scene::sweep::families(), trial.shape, &scene::sweep::FamilyRow::shape);
-    if (family != scene::sweep::families().end() && !family->aims.empty()) try_places(trial, *family);
+    const auto distribution =
+        std::ranges::find(scene::sweep::distributions(), trial.shape, &scene::sweep::DistributionRow::shape);
+    if (distribution != scene::sweep::distributions().end() && !distribution->aims.empty())
+        try_places(trial, *distribution);
 }
 
 }  // namespace lostbits::measure::contract

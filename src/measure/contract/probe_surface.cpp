@@ -1,6 +1,6 @@
 // Probes the answers of a form from inside, where a ray touches, and from the surface itself, and the state in which it
 // leaves the processor.
-#include "intersect/doors/guard.hpp"
+#include "intersect/external/guard.hpp"
 #include "measure/contract/trial.hpp"
 
 namespace lostbits::measure::contract {
@@ -27,7 +27,7 @@ RightAnswer answer_of(const Reply& r, double near, double far) {
 /// A ray from inside along z, with the points next to its origin at which the line enters and leaves.
 struct RayFromInside {
     RayFromInside(const Trial& trial, double z) : from(z), reply(trial.ask(along(trial.shape, z, 1))) {
-        intersect::doors::Contract exits = trial.contract;
+        intersect::external::Contract exits = trial.contract;
         exits.inside = Inside::exit, exits.roots = Roots::first_only, exits.facing = Facing::both;
         far = truth_by(exits, along(trial.shape, z, 1)).t;
         near = -truth_by(exits, along(trial.shape, z, -1)).t;
@@ -62,7 +62,7 @@ struct FromInside {
 void try_interval(Trial& trial, const FromInside& inside) {
     const RightAnswer answer = inside.answer();
     const bool clipped = trial.says(LB_CLIPPED), right = inside.far_is_right();
-    const bool zero_is_right = zero_inside(trial.shape) && trial.contract.inside != Inside::exit;
+    const bool zero_is_right = inside_returns_zero(trial.shape) && trial.contract.inside != Inside::exit;
     if (answer == RightAnswer::miss) {
         trial.hold(trial.contract.inside == Inside::miss, "a ray from inside misses",
                    "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)");
@@ -95,7 +95,7 @@ std::string word_for(RightAnswer answer, Roots roots) {
     return "";
 }
 
-RightAnswer promised_inside(const intersect::doors::Contract& c) {
+RightAnswer promised_inside(const intersect::external::Contract& c) {
     switch (c.inside) {
         case Inside::exit: return RightAnswer::exit;
         case Inside::zero: return RightAnswer::zero;
@@ -104,7 +104,7 @@ RightAnswer promised_inside(const intersect::doors::Contract& c) {
         case Inside::usual: break;
     }
     if (c.roots == Roots::near_only) return RightAnswer::miss;
-    return zero_inside(c.shape) ? RightAnswer::zero : RightAnswer::exit;
+    return inside_returns_zero(c.shape) ? RightAnswer::zero : RightAnswer::exit;
 }
 
 constexpr std::array<const char*, 6> answer_words{"misses",
@@ -128,7 +128,7 @@ constexpr std::array<const char*, 3> at_origin_words{
 
 void try_inside(Trial& trial) {
     const FromInside inside(trial);
-    const intersect::doors::Contract& c = trial.contract;
+    const intersect::external::Contract& c = trial.contract;
     if (c.roots == Roots::both) return try_interval(trial, inside);
     const RightAnswer answer = inside.answer(), promised = promised_inside(c);
     if (!trial.tells_t) {
@@ -165,7 +165,7 @@ bool try_other_side(Trial& trial) {
 void try_touching(Trial& trial) {
     // A tangent, a ray in the plane of a face, or one through a rim: the closed primitive is hit and the open one
     // missed.
-    intersect::doors::Contract closed = trial.contract, open = trial.contract;
+    intersect::external::Contract closed = trial.contract, open = trial.contract;
     closed.touching = Touching::hit, open.touching = Touching::miss;
     Question q = along(trial.shape, -5, 1);
     const auto touches = [&](double x) {
@@ -250,12 +250,12 @@ std::vector<FromSurface> from_surface(const Trial& trial) {
 
 /// If a form answers near and far, the table picks the one that counts, whatever the contract says about the origin.
 /// The form only has to answer them.
-bool is_right_from_surface(const Trial& trial, const FromSurface& r, const intersect::doors::Contract& by) {
+bool is_right_from_surface(const Trial& trial, const FromSurface& r, const intersect::external::Contract& by) {
     if (by.roots == Roots::both) return r.reply.hit == 1 || !trial.truth(r.q, by).hit;
     return trial.is_right(r.q, r.reply, by);
 }
 
-bool all_right(const Trial& trial, const std::vector<FromSurface>& rays, const intersect::doors::Contract& by) {
+bool all_right(const Trial& trial, const std::vector<FromSurface>& rays, const intersect::external::Contract& by) {
     return std::ranges::all_of(rays, [&](const FromSurface& r) { return is_right_from_surface(trial, r, by); });
 }
 
@@ -277,7 +277,7 @@ void try_at_origin(Trial& trial) {
     const bool is_denied = flat && counts && trial.contract.at_origin == AtOrigin::miss;
     if (!is_denied && all_right(trial, rays, trial.contract)) return trial.kept(does);
     for (const AtOrigin at : all_at_origin) {
-        intersect::doors::Contract other = trial.contract;
+        intersect::external::Contract other = trial.contract;
         other.at_origin = at;
         if (makes_sense(other) && all_right(trial, rays, other))
             return trial.broken(does + "; say " + at_origin_words[static_cast<std::size_t>(at)]);
@@ -306,11 +306,11 @@ void try_close(Trial& trial) {
         "caller");
 }
 
-Observation observe_state(const intersect::doors::ForeignForm& form) {
+Observation observe_state(const intersect::external::ForeignForm& form) {
     const std::string& loaded = form.contract.state;
     const std::string where =
         loaded.empty() ? "" : "loading its library leaves the processor with " + loaded + ", and it runs in that state";
-    const std::string noted = intersect::doors::change_noted(intersect::doors::name_in_messages(form));
+    const std::string noted = intersect::external::change_noted(intersect::external::name_in_messages(form));
     if (!noted.empty()) return {"state", Observation::Verdict::broken, noted + (where.empty() ? "" : "; " + where)};
     if (!where.empty()) return {"state", Observation::Verdict::told, where + ", as for its users; nothing else does"};
     return {"state", Observation::Verdict::kept, "it computes with rounding to nearest and with subnormal numbers"};

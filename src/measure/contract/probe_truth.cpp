@@ -16,7 +16,7 @@ using intersect::Direction;
 /// boxes, and up to ten for others. Beyond this power numbers under- or overflow, which is not the fault of an epsilon.
 /// The roots of a primitive that a line enters twice are found with steps and tolerances, which are not epsilons
 /// either.
-int greatest_power(const intersect::doors::Contract& contract) {
+int greatest_power(const intersect::external::Contract& contract) {
     const ShapeRow& row = row_of(contract.shape);
     const auto ends = ends_of(along(contract.shape, -5, 1), contract.shape);
     if (has_inside(contract.shape) && ends && ends->far < 7) return 12;
@@ -36,53 +36,53 @@ std::vector<Question> of_size(Shape shape, double size) {
 /// A method of aiming rays.
 struct Aim {
     const char* words;
-    Question (*make)(const Solid<double>& solid, RandomNumbers& random);
+    Question (*make)(const Primitive<double>& primitive, RandomNumbers& random);
 };
 
-Vec<double> point_of(const Solid<double>& solid, RandomNumbers& random) {
+Vec<double> point_of(const Primitive<double>& primitive, RandomNumbers& random) {
     const Vec<double> u{random.between(0, 1), random.between(0, 1), random.between(0, 1)};
-    return visit(solid, [&u](const auto& shape) { return shape.point_at(u); });
+    return visit(primitive, [&u](const auto& shape) { return shape.point_at(u); });
 }
-Vec<double> middle_of(const Solid<double>& solid) {
-    return visit(solid, [](const auto& shape) { return shape.middle(); });
+Vec<double> middle_of(const Primitive<double>& primitive) {
+    return visit(primitive, [](const auto& shape) { return shape.middle(); });
 }
 
 constexpr Aim aims[]{
     {"at it",
-     [](const Solid<double>& solid, RandomNumbers& random) {
+     [](const Primitive<double>& primitive, RandomNumbers& random) {
          const Vec<double> d = random.unit();
-         return question_of(point_of(solid, random) - 4 * half_extent_of(solid) * d, d, solid);
+         return question_of(point_of(primitive, random) - 4 * half_extent_of(primitive) * d, d, primitive);
      }},
     {"at its middle",
-     [](const Solid<double>& solid, RandomNumbers& random) {
-         const Vec<double> d = random.unit(), aside = 0.125 * half_extent_of(solid) * random.vector();
-         return question_of(middle_of(solid) + aside - 4 * half_extent_of(solid) * d, d, solid);
+     [](const Primitive<double>& primitive, RandomNumbers& random) {
+         const Vec<double> d = random.unit(), aside = 0.125 * half_extent_of(primitive) * random.vector();
+         return question_of(middle_of(primitive) + aside - 4 * half_extent_of(primitive) * d, d, primitive);
      }},
     {"from around its middle",
-     [](const Solid<double>& solid, RandomNumbers& random) {
-         const Vec<double> m = middle_of(solid), p = point_of(solid, random);
+     [](const Primitive<double>& primitive, RandomNumbers& random) {
+         const Vec<double> m = middle_of(primitive), p = point_of(primitive, random);
          const double share = random.between(0, 1);
-         return question_of(m + share * (p - m), random.unit(), solid);
+         return question_of(m + share * (p - m), random.unit(), primitive);
      }},
     {"past it",
-     [](const Solid<double>& solid, RandomNumbers& random) {
-         const Vec<double> m = middle_of(solid), d = random.unit(), p = point_of(solid, random);
+     [](const Primitive<double>& primitive, RandomNumbers& random) {
+         const Vec<double> m = middle_of(primitive), d = random.unit(), p = point_of(primitive, random);
          const Vec<double> at = m + random.between(1, 2.5) * (p - m);
-         return question_of(at - 4 * half_extent_of(solid) * d, d, solid);
+         return question_of(at - 4 * half_extent_of(primitive) * d, d, primitive);
      }},
     {"away from it",
-     [](const Solid<double>& solid, RandomNumbers& random) {
+     [](const Primitive<double>& primitive, RandomNumbers& random) {
          const Vec<double> d = random.unit();
-         return question_of(point_of(solid, random) + 4 * half_extent_of(solid) * d, d, solid);
+         return question_of(point_of(primitive, random) + 4 * half_extent_of(primitive) * d, d, primitive);
      }},
     {"along an axis",
-     [](const Solid<double>& solid, RandomNumbers& random) {
-         const double half = half_extent_of(solid);
-         Vec<double> d{0, 0, 0}, from = middle_of(solid) + 1.5 * half * random.vector();
+     [](const Primitive<double>& primitive, RandomNumbers& random) {
+         const double half = half_extent_of(primitive);
+         Vec<double> d{0, 0, 0}, from = middle_of(primitive) + 1.5 * half * random.vector();
          const int axis = static_cast<int>(random.between(0, 2.999));
          d[axis] = random() < 0 ? -1 : 1;
          from[axis] -= 4 * half * d[axis];
-         return question_of(from, d, solid);
+         return question_of(from, d, primitive);
      }},
 };
 
@@ -91,9 +91,9 @@ std::vector<Question> aimed(const Trial& trial, const Aim& aim, bool upright) {
     RandomNumbers random;
     std::vector<Question> all;
     for (int i = 0; i < 320 && all.size() < 96; ++i) {
-        const Solid<double> solid =
-            i % 4 == 0 ? solid_around<double>(trial.shape, {0, 0, 0}, 2) : random_solid(trial.shape, upright, random);
-        Question q = aim.make(solid, random);
+        const Primitive<double> primitive = i % 4 == 0 ? primitive_around<double>(trial.shape, {0, 0, 0}, 2)
+                                                       : random_primitive(trial.shape, upright, random);
+        Question q = aim.make(primitive, random);
         if (trial.contract.direction == Direction::any && i % 2 == 1)
             for (std::size_t k = 3; k < 6; ++k) q.ray[k] = static_cast<float>(1.5 * q.ray[k]);
         if (is_benign(trial, q, random)) all.push_back(q);
@@ -114,7 +114,7 @@ bool has_axis(Shape shape) {
     });
 }
 
-Solid<double> random_solid(Shape shape, bool upright, RandomNumbers& random) {
+Primitive<double> random_primitive(Shape shape, bool upright, RandomNumbers& random) {
     for (;;) {
         const double half = random.between(0.5, 2), stretch = random.between(0.5, 1.5);
         const Vec<double> centre = 4.0 * random.vector();
@@ -122,42 +122,42 @@ Solid<double> random_solid(Shape shape, bool upright, RandomNumbers& random) {
         const auto turned = [&turn](const Vec<double>& v) {
             return Vec<double>(v[turn], v[(turn + 1) % 3], v[(turn + 2) % 3]);
         };
-        Solid<double> solid = solid_around<double>(shape, {0, 0, 0}, half);
+        Primitive<double> primitive = primitive_around<double>(shape, {0, 0, 0}, half);
         for_each_key(shape, [&](const Key& key, std::size_t k) {
             const bool is_length = key.is_length(), is_point = key.kind == Key::Kind::point;
-            const Vec<double> now = is_length ? Vec<double>(0, 0, 0) : solid.point(k);
+            const Vec<double> now = is_length ? Vec<double>(0, 0, 0) : primitive.point(k);
             if (!is_length && upright)
-                solid.set_point(k, stretch * turned(now) + (is_point ? centre : Vec<double>(0, 0, 0)));
-            else if (is_point) solid.set_point(k, now + centre + (0.5 * half) * random.vector());
-            else if (!is_length) solid.set_point(k, 2.0 * random.vector());
+                primitive.set_point(k, stretch * turned(now) + (is_point ? centre : Vec<double>(0, 0, 0)));
+            else if (is_point) primitive.set_point(k, now + centre + (0.5 * half) * random.vector());
+            else if (!is_length) primitive.set_point(k, 2.0 * random.vector());
             for (const std::size_t end = k + key.count(); k < end; ++k) {
-                double& x = solid.numbers[k];
-                if (key.optional) x = std::max(0.0, random()) * solid.numbers[k - 1];
+                double& x = primitive.numbers[k];
+                if (key.optional) x = std::max(0.0, random()) * primitive.numbers[k - 1];
                 else if (is_length) x *= random.between(0.5, 1.25);
                 x = static_cast<float>(x);
             }
         });
-        if (!broken_limit(solid)) return solid;
+        if (!broken_limit(primitive)) return primitive;
     }
 }
 
-Question question_of(const Vec<double>& origin, const Vec<double>& direction, const Solid<double>& solid) {
-    Question q{.ray = {}, .solid = {}};
+Question question_of(const Vec<double>& origin, const Vec<double>& direction, const Primitive<double>& primitive) {
+    Question q{.ray = {}, .primitive = {}};
     for (int k = 0; k < 3; ++k) {
         q.ray[static_cast<std::size_t>(k)] = static_cast<float>(origin[k]);
         q.ray[static_cast<std::size_t>(k) + 3] = static_cast<float>(direction[k]);
     }
-    std::ranges::copy(solid.used(), q.solid.begin());
+    std::ranges::copy(primitive.used(), q.primitive.begin());
     return q;
 }
 
-double half_extent_of(const Solid<double>& solid) {
-    return std::min(visit(solid, [](const auto& shape) { return shape.half_extent(); }), 4.0);
+double half_extent_of(const Primitive<double>& primitive) {
+    return std::min(visit(primitive, [](const auto& shape) { return shape.half_extent(); }), 4.0);
 }
 
 bool is_benign(const Trial& trial, const Question& q, RandomNumbers& random, int changes) {
     const HitOrMiss right = trial.truth(q);
-    const double size = half_extent_of(solid_of(q, trial.shape)), length = std::hypot(q.ray[3], q.ray[4], q.ray[5]);
+    const double size = half_extent_of(primitive_of(q, trial.shape)), length = std::hypot(q.ray[3], q.ray[4], q.ray[5]);
     if (right.hit && right.t != 0 && right.t * length < size / 16) return false;
     for (int i = 0; i < changes; ++i) {
         Question near = q;
@@ -185,7 +185,7 @@ std::string words_of(const Trial& trial, const HitOrMiss& d) {
 Question scaled_by(const Question& q, Shape shape, int power) {
     Question to = q;
     for (std::size_t k = 0; k < 3; ++k) to.ray[k] = std::ldexp(q.ray[k], power);
-    std::ranges::copy(scaled(solid_of(q, shape), std::ldexp(1.0, power)).used(), to.solid.begin());
+    std::ranges::copy(scaled(primitive_of(q, shape), std::ldexp(1.0, power)).used(), to.primitive.begin());
     return to;
 }
 
@@ -204,14 +204,14 @@ Wrong::Wrong(const Trial& trial, const std::vector<Known>& rays, int power) : as
         HitOrMiss taken = taken_by(trial.contract, replies[i], questions[i]);
         taken.t = std::ldexp(taken.t, -power);
         const double tolerance =
-            0x1p-5 * half_extent_of(solid_of(plain, trial.shape)) / length(ray_of(plain).direction);
+            0x1p-5 * half_extent_of(primitive_of(plain, trial.shape)) / length(ray_of(plain).direction);
         if (right.hit == taken.hit && (!right.hit || !trial.tells_t || std::fabs(taken.t - right.t) <= tolerance))
             continue;
         if (wrong++ > 0) continue;
         const Question q = from_its_side(questions[i], trial.contract);
         const auto words = [&](const HitOrMiss& of) { return words_of(trial, {of.hit, std::ldexp(of.t, power)}); };
         first = "ray " + numbers_text(q.ray) + " at " + std::string(row_of(trial.shape).name) + " " +
-                numbers_text(std::span(q.solid).first(row_of(trial.shape).numbers)) + ": " + words(right) +
+                numbers_text(std::span(q.primitive).first(row_of(trial.shape).numbers)) + ": " + words(right) +
                 " is right, it answers " + words(taken);
     }
 }

@@ -36,13 +36,13 @@ bool has_axis(Shape shape);
 
 /// A primitive of random position and shape, in numbers that floats can represent. An upright one has its axis along x,
 /// y or z.
-Solid<double> random_solid(Shape shape, bool upright, RandomNumbers& random);
+Primitive<double> random_primitive(Shape shape, bool upright, RandomNumbers& random);
 
 /// The ray and the primitive, in numbers that floats can represent.
-Question question_of(const Vec<double>& origin, const Vec<double>& direction, const Solid<double>& solid);
+Question question_of(const Vec<double>& origin, const Vec<double>& direction, const Primitive<double>& primitive);
 
 /// At most 4: a plane has no extent.
-double half_extent_of(const Solid<double>& solid);
+double half_extent_of(const Primitive<double>& primitive);
 
 /// Multiplies the lengths of a question by 2^power, exactly. Directions keep their length, so t is multiplied, too.
 Question scaled_by(const Question& q, Shape shape, int power);

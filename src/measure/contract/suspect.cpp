@@ -65,17 +65,17 @@ std::string ways_of(const std::vector<Judged>& wrong) {
 }
 
 /// Answers to analyse: those of rays that hit or should hit, or of fewer.
-struct Asked {
+struct SuspectAnswers {
     std::vector<Judged> all, wrong, right_misses;  ///< right misses are kept apart from `all`
     std::uint64_t more_right_misses = 0;           ///< further right misses, of which only the number is known
 
-    Asked() = default;
+    SuspectAnswers() = default;
     template <class Belongs>
-    Asked(const std::vector<Judged>& rays, const Belongs& belongs) {
+    SuspectAnswers(const std::vector<Judged>& rays, const Belongs& belongs) {
         for (const Judged& j : rays) add(j, belongs(j));
     }
-    explicit Asked(const std::vector<Judged>& rays)
-        : Asked(rays, [](const Judged& j) { return j.hit || j.truly_hits; }) {}
+    explicit SuspectAnswers(const std::vector<Judged>& rays)
+        : SuspectAnswers(rays, [](const Judged& j) { return j.hit || j.truly_hits; }) {}
 
     void add(const Judged& j, bool belongs = true) {
         if (!j.hit && !j.truly_hits) return right_misses.push_back(j);
@@ -85,8 +85,8 @@ struct Asked {
     }
 
     /// Divides every kind of answer into two halves: a guess made from one half is tested on the other.
-    [[nodiscard]] std::array<Asked, 2> halves() const {
-        std::array<Asked, 2> two;
+    [[nodiscard]] std::array<SuspectAnswers, 2> halves() const {
+        std::array<SuspectAnswers, 2> two;
         std::array<std::size_t, 8> seen{};
         const auto divide = [&](const std::vector<Judged>& some) {
             for (const Judged& j : some) {
@@ -95,7 +95,7 @@ struct Asked {
             }
         };
         divide(all), divide(right_misses);
-        for (Asked& half : two) half.more_right_misses = more_right_misses / 2;
+        for (SuspectAnswers& half : two) half.more_right_misses = more_right_misses / 2;
         return two;
     }
 
@@ -142,7 +142,7 @@ double middle_of(std::vector<double> numbers) {
 /// and tested on the others; empty if there is none. Answers that are all equal have no units. A factor that is not
 /// round must explain true t that differ by more than a twentieth, and must explain them better than adding one number
 /// does. Near 1, and where all t are about the same, the two cannot be told apart.
-std::string other_units(const std::array<Asked, 2>& halves) {
+std::string other_units(const std::array<SuspectAnswers, 2>& halves) {
     std::vector<double> factors, offsets;
     for (const Judged& j : halves[0].wrong) {
         if (!j.hit || !j.truly_hits || !(j.true_t > 0) || !std::isfinite(j.t) || j.t == 0) continue;
@@ -152,13 +152,14 @@ std::string other_units(const std::array<Asked, 2>& halves) {
     if (factors.empty()) return "";
     const double factor = middle_of(factors), offset = middle_of(offsets);
     const auto in_both = [&halves](const Explains& fits) {
-        return std::ranges::all_of(halves, [&fits](const Asked& half) { return explains_most(half.wrong, fits); });
+        return std::ranges::all_of(halves,
+                                   [&fits](const SuspectAnswers& half) { return explains_most(half.wrong, fits); });
     };
     const auto scales = [factor](const Judged& j) { return j.hit && j.truly_hits && is_about(j.t, factor * j.true_t); };
     const auto adds = [offset](const Judged& j) { return j.hit && j.truly_hits && is_about(j.t, j.true_t + offset); };
     if (!in_both(scales)) return "";
     std::vector<double> truths, answers;
-    for (const Asked& half : halves) {
+    for (const SuspectAnswers& half : halves) {
         for (const Judged& j : half.wrong) {
             if (!scales(j)) continue;
             truths.push_back(j.true_t);
@@ -174,22 +175,22 @@ std::string other_units(const std::array<Asked, 2>& halves) {
 
 }  // namespace
 
-std::string suspicion(const std::vector<Judged>& rays, Whose whose, std::uint64_t more_misses) {
-    Asked asked(rays);
+std::string suspicion(const std::vector<Judged>& rays, AnswerSource source, std::uint64_t more_misses) {
+    SuspectAnswers asked(rays);
     asked.more_right_misses = more_misses;
     // If enough rays both hit and should hit, mistakes about t are tested on those only.
-    const Asked both(rays, [](const Judged& j) { return j.hit && j.truly_hits; });
-    const Asked hits(rays, [](const Judged& j) { return j.hit; });
+    const SuspectAnswers both(rays, [](const Judged& j) { return j.hit && j.truly_hits; });
+    const SuspectAnswers hits(rays, [](const Judged& j) { return j.hit; });
     const bool most_hit = 2 * both.all.size() >= asked.all.size();
     if (!asked.is_mostly_wrong()) return "";
-    const std::array<Asked, 2> halves = asked.halves(), halves_of_both = both.halves();
+    const std::array<SuspectAnswers, 2> halves = asked.halves(), halves_of_both = both.halves();
     for (const Reason& reason : reasons()) {
         const bool about_t = reason.about == Reason::About::t;
         if (about_t && !(most_hit && both.is_mostly_wrong())) continue;
-        const auto explained = [&reason](const Asked& half) { return half.is_explained_by(reason); };
+        const auto explained = [&reason](const SuspectAnswers& half) { return half.is_explained_by(reason); };
         if (!std::ranges::all_of(about_t ? halves_of_both : halves, explained)) continue;
         return fmt::format("{}{}; {}", about_t ? both.count("hit and should") : asked.count("hit or should"),
-                           reason.words, whose == Whose::file ? reason.to_file : reason.to_library);
+                           reason.words, source == AnswerSource::file ? reason.to_file : reason.to_library);
     }
     if (const std::string units = most_hit && both.is_mostly_wrong() ? other_units(hits.halves()) : ""; !units.empty())
         return both.count("hit and should") + units;

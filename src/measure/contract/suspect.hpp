@@ -14,7 +14,7 @@ namespace lostbits::measure::contract {
 /// intersector.
 struct Judged {
     Ray<double> ray;
-    Solid<double> solid;
+    Primitive<double> primitive;
     bool truly_hits = false;
     bool unit = false;         ///< by contract, directions have unit length and t is a distance
     double true_t = 0;         ///< in the unit that the contract declares
@@ -24,11 +24,11 @@ struct Judged {
 };
 
 /// Makes a Judged with both units of a true hit. `unit`: by contract, directions have unit length.
-Judged judged(const Ray<double>& ray, const Solid<double>& solid, const truth::Truth& truth, bool unit, bool hit,
-              double t, const FloatFormat& format);
+Judged judged(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth, bool unit,
+              bool hit, double t, const FloatFormat& format);
 
 /// Source of the answers. The advice about a file does not mention the contract of a library.
-enum class Whose : std::uint8_t { intersector, file };
+enum class AnswerSource : std::uint8_t { intersector, file };
 
 /// Describes what is wrong with answers if most are wrong; empty if fewer are. Wrong are decisions, and t that are off
 /// by more than 2^-8. Most means at least half of the answers that are not right misses. The text names the mistake
@@ -46,7 +46,8 @@ enum class Whose : std::uint8_t { intersector, file };
 /// primitive, or t, in other units · hit inverted
 ///
 /// `more_misses`: number of right misses in addition to those in `rays`.
-std::string suspicion(const std::vector<Judged>& rays, Whose whose = Whose::intersector, std::uint64_t more_misses = 0);
+std::string suspicion(const std::vector<Judged>& rays, AnswerSource source = AnswerSource::intersector,
+                      std::uint64_t more_misses = 0);
 
 /// Does the same for a row on a small picture of a scene, or on the first rays of a step of a sweep that is called
 /// `where`. The text begins with the rays that were counted: `on all 64 rays of x: `, `on a sample of x, …: `.

@@ -12,13 +12,13 @@ namespace {
 using Line = Ends<double>;
 
 /// Computes in double, which is accurate to many more bits than the comparison needs.
-std::optional<Line> line_through(const Ray<double>& ray, const Solid<double>& solid) {
-    const auto line = with_span(ray, solid, [](const auto& span) { return ends_of(span); });
+std::optional<Line> line_through(const Ray<double>& ray, const Primitive<double>& primitive) {
+    const auto line = with_span(ray, primitive, [](const auto& span) { return ends_of(span); });
     return line && line->near <= line->far ? line : std::nullopt;
 }
 
-bool is_answer_of(const Judged& j, const Ray<double>& ray, const Solid<double>& solid) {
-    const auto line = line_through(ray, solid);
+bool is_answer_of(const Judged& j, const Ray<double>& ray, const Primitive<double>& primitive) {
+    const auto line = line_through(ray, primitive);
     const bool ahead = line && line->far >= 0;
     if (!ahead || !j.hit || std::isnan(j.t)) return ahead == j.hit;
     return is_about(j.t, line->near >= 0 ? line->near : line->far);
@@ -26,15 +26,15 @@ bool is_answer_of(const Judged& j, const Ray<double>& ray, const Solid<double>& 
 
 /// True if the answer is that for another ray or another primitive. A wrong answer that fits the ray's own line does
 /// not count: it is about an end, a touch or a side. If the two rays are alike, it would fit any exchange.
-bool fits(const Judged& j, const Ray<double>& ray, const Solid<double>& solid) {
-    return is_answer_of(j, ray, solid) && (is_right(j) || !is_answer_of(j, j.ray, j.solid));
+bool fits(const Judged& j, const Ray<double>& ray, const Primitive<double>& primitive) {
+    return is_answer_of(j, ray, primitive) && (is_right(j) || !is_answer_of(j, j.ray, j.primitive));
 }
 
 /// True if the answer is that for a primitive with another length. If the length does not change, only right answers
 /// fit.
 bool fits_length(const Judged& j, const ShapeRow& row, double (*change)(double)) {
-    if (j.solid.shape != row.shape) return false;
-    Solid<double> other = j.solid;
+    if (j.primitive.shape != row.shape) return false;
+    Primitive<double> other = j.primitive;
     double& length = other.numbers[length_key(row.shape)->number];
     const double is = length;
     length = change(is);
@@ -43,7 +43,7 @@ bool fits_length(const Judged& j, const ShapeRow& row, double (*change)(double))
 
 /// True if the answer is that for a primitive whose numbers are `factor` times as large.
 bool fits_scaled(const Judged& j, double factor) {
-    Solid<double> other = j.solid;
+    Primitive<double> other = j.primitive;
     for (std::size_t k = 0; k < other.used().size(); ++k) other.numbers[k] *= factor;
     return fits(j, j.ray, other);
 }
@@ -56,16 +56,16 @@ bool is_in_other_measure(const Judged& j) {
 
 /// The points at which the line enters and leaves, for a ray that starts between them.
 std::optional<Line> line_from_inside(const Judged& j) {
-    const auto line = line_through(j.ray, j.solid);
+    const auto line = line_through(j.ray, j.primitive);
     return j.hit && line && line->near < 0 && line->far > 0 ? line : std::nullopt;
 }
 
 /// Mistake about a length of a shape, such as a radius: {0} is the key, {1} its letter, {2} the shape, {3} its plural.
-struct LengthMistake {
+struct LengthErrorCase {
     const char *words, *to_library, *to_file;
     double (*change)(double);
 };
-constexpr LengthMistake length_mistakes[] = {
+constexpr LengthErrorCase length_error_cases[] = {
     {"the {0} seems to be taken for its square", "hand over {0} * {0}",
      "the answers are for {3} of {0} sqrt({1}); write that {0}", [](double x) { return std::sqrt(x); }},
     {"the {0} seems to be squared once too often", "hand over {0}",
@@ -81,7 +81,7 @@ void add_lengths(const ShapeRow& row, std::vector<Reason>& all) {
     const auto text = [&](const char* words) {
         return fmt::format(fmt::runtime(words), length->key->name, length->key->letter, row.name, row.plural);
     };
-    for (const LengthMistake& m : length_mistakes)
+    for (const LengthErrorCase& m : length_error_cases)
         all.push_back({text(m.words), text(m.to_library), text(m.to_file),
                        [&row, change = m.change](const Judged& j) { return fits_length(j, row, change); },
                        Reason::About::all});
@@ -122,7 +122,7 @@ std::vector<Reason> all_reasons() {
         {"it answers with the far root, the exit in place of the entry",
          "answer the first with t >= 0, or near before far (roots)", "the first with t >= 0 is right",
          [](const Judged& j) {
-             const auto line = line_through(j.ray, j.solid);
+             const auto line = line_through(j.ray, j.primitive);
              return j.hit && line && !is_about(line->far, j.true_t) && is_about(j.t, line->far);
          }},
         {"t has the wrong sign", "is the direction reversed?", "is the direction reversed?",
@@ -130,32 +130,32 @@ std::vector<Reason> all_reasons() {
         {"the direction seems to be reversed: the answers are those for -d", "hand over the direction of the ray",
          "write -dx, -dy, -dz",
          [](const Judged& j) {
-             return !std::isnan(j.t) && fits(j, {j.ray.origin, -j.ray.direction}, j.solid);
+             return !std::isnan(j.t) && fits(j, {j.ray.origin, -j.ray.direction}, j.primitive);
          },
          About::all},
         {"it hits what lies behind the ray", "say that it answers for the whole line (whole_line, flags=line)",
          "write hit = 0 where t < 0, or leave out hit and say --miss negative",
          [](const Judged& j) {
-             const auto line = line_through(j.ray, j.solid);
+             const auto line = line_through(j.ray, j.primitive);
              return j.hit && !j.truly_hits && line && line->far < 0 && !(j.t > 0);
          },
          About::wrong},
         {"the origin and the direction seem to be exchanged", "a ray comes as ox, oy, oz, dx, dy, dz",
          "look at the names of the columns: ox, oy, oz are the origin",
          [](const Judged& j) {
-             return fits(j, {j.ray.direction, j.ray.origin}, j.solid);
+             return fits(j, {j.ray.direction, j.ray.origin}, j.primitive);
          },
          About::all},
         {"the direction seems to be the point where the ray ends: the answers are those for d - o",
          "hand over the direction, end - origin", "write dx - ox, dy - oy, dz - oz as the direction",
          [](const Judged& j) {
-             return fits(j, {j.ray.origin, j.ray.direction - j.ray.origin}, j.solid);
+             return fits(j, {j.ray.origin, j.ray.direction - j.ray.origin}, j.primitive);
          },
          About::all},
         {"y and z of the rays seem to be exchanged, compared with those of the primitive",
          "hand over both with the same axis upwards", "write oy and oz, and dy and dz, the other way round",
          [](const Judged& j) {
-             return fits(j, {y_for_z(j.ray.origin), y_for_z(j.ray.direction)}, j.solid);
+             return fits(j, {y_for_z(j.ray.origin), y_for_z(j.ray.direction)}, j.primitive);
          },
          About::all},
     };

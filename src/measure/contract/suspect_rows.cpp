@@ -23,17 +23,17 @@ void judge(const truth::Band& band, const evaluate::TestedForm& row, std::vector
     for (std::size_t i = 0; i < band.pixels() && rays.size() < most_rays; ++i) {
         const truth::Truth& truth = band.truth(i, row.convention());
         if (truth.decision == truth::Truth::Decision::unresolved) continue;
-        const std::size_t solid = answer::measured_at(in, i, truth.is_hit() ? truth.object : answers.object[i]);
-        rays.push_back(judged(in.rays_for(*row.form->info)[i], in.solids[solid], truth, unit, answers.hit[i] != 0,
-                              answers.t[i], row.format.parameters));
+        const std::size_t primitive = answer::measured_at(in, i, truth.is_hit() ? truth.object : answers.object[i]);
+        rays.push_back(judged(in.rays_for(*row.form->info)[i], in.primitives[primitive], truth, unit,
+                              answers.hit[i] != 0, answers.t[i], row.format.parameters));
     }
 }
 
 }  // namespace
 
-Judged judged(const Ray<double>& ray, const Solid<double>& solid, const truth::Truth& truth, bool unit, bool hit,
-              double t, const FloatFormat& format) {
-    Judged j{.ray = ray, .solid = solid, .truly_hits = truth.is_hit(), .unit = unit, .hit = hit, .t = t};
+Judged judged(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth, bool unit,
+              bool hit, double t, const FloatFormat& format) {
+    Judged j{.ray = ray, .primitive = primitive, .truly_hits = truth.is_hit(), .unit = unit, .hit = hit, .t = t};
     const auto number = [](const truth::Certified& x) { return std::ldexp(x.hi, static_cast<int>(x.exponent)); };
     if (truth.is_hit()) {
         j.true_t = number(unit ? truth.distance : truth.t);

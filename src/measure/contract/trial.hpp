@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "intersect/doors/contract.hpp"
-#include "intersect/doors/foreign_batch.hpp"
-#include "intersect/doors/guard.hpp"
+#include "intersect/external/contract.hpp"
+#include "intersect/external/foreign_batch.hpp"
+#include "intersect/external/guard.hpp"
 #include "measure/contract/probe.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/error.hpp"
@@ -25,8 +25,8 @@ namespace lostbits::measure::contract {
 
 /// One ray and one primitive, in numbers of the format of the form.
 struct Question {
-    std::array<double, 6> ray;               ///< origin and direction
-    std::array<double, most_numbers> solid;  ///< as in `Solid::numbers`
+    std::array<double, 6> ray;                   ///< origin and direction
+    std::array<double, most_numbers> primitive;  ///< as in `Primitive::numbers`
     double end = std::numeric_limits<double>::infinity();
     double start = 0;
 };
@@ -39,39 +39,39 @@ struct Reply {
 
 /// A flat primitive around a point shows its back to rays that go up. For a form that only sees fronts, the question is
 /// mirrored, z → −z, so that the ray meets the front.
-inline Question from_its_side(Question q, const intersect::doors::Contract& contract) {
+inline Question from_its_side(Question q, const intersect::external::Contract& contract) {
     if (contract.facing != intersect::Facing::front) return q;
     for (const std::size_t z : {2, 5}) q.ray[z] = -q.ray[z];
     std::size_t first = 0;
     for (const Key& key : row_of(contract.shape).keys) {
-        if (key.kind == Key::Kind::point) q.solid[first + 2] = -q.solid[first + 2];
+        if (key.kind == Key::Kind::point) q.primitive[first + 2] = -q.primitive[first + 2];
         first += key.count();
     }
     return q;
 }
 
-/// Answers of a form to the questions in one batch. Each ray has its own primitive, unless `one_solid`: then all have
-/// the first.
+/// Answers of a form to the questions in one batch. Each ray has its own primitive, unless `one_primitive`: then all
+/// have the first.
 template <class S>
-std::vector<Reply> ask_in(const intersect::doors::ForeignForm& form, std::span<const Question> questions,
-                          bool one_solid) {
+std::vector<Reply> ask_in(const intersect::external::ForeignForm& form, std::span<const Question> questions,
+                          bool one_primitive) {
     const std::size_t n = questions.size(), numbers = row_of(form.contract.shape).numbers;
     const bool ranged = (form.contract.flags & LB_RANGE) != 0;
-    std::vector<S> rays, starts, ends, solids, near_far(2 * n);
+    std::vector<S> rays, starts, ends, primitives, near_far(2 * n);
     std::vector<std::uint8_t> hit(n);
     for (const Question& asked : questions) {
         const Question q = from_its_side(asked, form.contract);
         for (const double x : q.ray) rays.push_back(static_cast<S>(x));
         starts.push_back(static_cast<S>(q.start));
         ends.push_back(static_cast<S>(q.end));
-        for (std::size_t k = 0; k < numbers; ++k) solids.push_back(static_cast<S>(q.solid[k]));
+        for (std::size_t k = 0; k < numbers; ++k) primitives.push_back(static_cast<S>(q.primitive[k]));
     }
-    intersect::doors::mark_unwritten<S>(near_far, hit);
+    intersect::external::mark_unwritten<S>(near_far, hit);
     form.answer({.size = n,
                  .rays = rays.data(),
                  .ends = ends.data(),
-                 .solids = solids.data(),
-                 .solid_stride = one_solid ? 0 : numbers,
+                 .primitives = primitives.data(),
+                 .primitive_stride = one_primitive ? 0 : numbers,
                  .near_far = near_far.data(),
                  .hit = hit.data(),
                  .own = nullptr,
@@ -86,13 +86,13 @@ std::vector<Reply> ask_in(const intersect::doors::ForeignForm& form, std::span<c
     return replies;
 }
 
-inline std::vector<Reply> ask(const intersect::doors::ForeignForm& form, std::span<const Question> questions,
-                              bool one_solid = false) {
-    return form.contract.bits == 32 ? ask_in<float>(form, questions, one_solid)
-                                    : ask_in<double>(form, questions, one_solid);
+inline std::vector<Reply> ask(const intersect::external::ForeignForm& form, std::span<const Question> questions,
+                              bool one_primitive = false) {
+    return form.contract.bits == 32 ? ask_in<float>(form, questions, one_primitive)
+                                    : ask_in<double>(form, questions, one_primitive);
 }
 
-inline Reply ask(const intersect::doors::ForeignForm& form, const Question& question) {
+inline Reply ask(const intersect::external::ForeignForm& form, const Question& question) {
     return ask(form, std::span(&question, 1)).front();
 }
 
@@ -100,10 +100,10 @@ inline Reply ask(const intersect::doors::ForeignForm& form, const Question& ques
 inline Ray<double> ray_of(const Question& q) {
     return {{q.ray[0], q.ray[1], q.ray[2]}, {q.ray[3], q.ray[4], q.ray[5]}};
 }
-inline Solid<double> solid_of(const Question& q, Shape shape) {
-    Solid<double> solid(shape);
-    std::copy_n(q.solid.begin(), solid.used().size(), solid.numbers.begin());
-    return solid;
+inline Primitive<double> primitive_of(const Question& q, Shape shape) {
+    Primitive<double> primitive(shape);
+    std::copy_n(q.primitive.begin(), primitive.used().size(), primitive.numbers.begin());
+    return primitive;
 }
 
 /// A hit with its t, or a miss: the truth, or the table's reading of an answer.
@@ -113,26 +113,26 @@ struct HitOrMiss {
 };
 
 /// Truth of a question by a contract. Directions have unit length if the contract says so.
-inline HitOrMiss truth_by(const intersect::doors::Contract& contract, const Question& asked) {
-    const truth::Truth truth =
-        truth::find_truth(ray_of(asked), solid_of(asked, contract.shape), {},
-                          intersect::doors::info_of(contract).convention(), {.tmin = asked.start, .tmax = asked.end});
+inline HitOrMiss truth_by(const intersect::external::Contract& contract, const Question& asked) {
+    const truth::Truth truth = truth::find_truth(ray_of(asked), primitive_of(asked, contract.shape), {},
+                                                 intersect::external::info_of(contract).convention(),
+                                                 {.tmin = asked.start, .tmax = asked.end});
     if (!truth.is_hit()) return {};
     const truth::Certified& t = contract.direction == intersect::Direction::unit ? truth.distance : truth.t;
     return {true, std::ldexp(t.hi, static_cast<int>(t.exponent))};
 }
 
 /// The table's reading of a reply by a contract.
-inline HitOrMiss taken_by(const intersect::doors::Contract& contract, const Reply& r, const Question& asked) {
+inline HitOrMiss taken_by(const intersect::external::Contract& contract, const Reply& r, const Question& asked) {
     const std::array<double, 2> near_far{r.near, r.far};
-    const double end = told_end(contract.shape) ? asked.end : std::numeric_limits<double>::infinity();
-    const Hit<double> hit = intersect::doors::hit_of(contract, r.hit == 1 ? 1 : 0, near_far.data(), end);
+    const double end = takes_tmax(contract.shape) ? asked.end : std::numeric_limits<double>::infinity();
+    const Hit<double> hit = intersect::external::hit_of(contract, r.hit == 1 ? 1 : 0, near_far.data(), end);
     return {hit.hit, hit.t};
 }
 
-inline bool makes_sense(const intersect::doors::Contract& contract) {
+inline bool makes_sense(const intersect::external::Contract& contract) {
     try {
-        intersect::doors::require_sense(contract, "");
+        intersect::external::require_sense(contract, "");
         return true;
     } catch (const InputError&) {
         return false;
@@ -152,15 +152,15 @@ inline std::string text_of(double x) {
 /// A primitive of half-width `half` around (0, 0, z), and a ray along the z axis. A ray from (0, 0, -5) enters at 3 and
 /// leaves at 7 if the half-width is 2 and z is 0.
 inline Question along(Shape shape, double from, double direction, double z = 0, double half = 2) {
-    Question q{.ray = {0, 0, from, 0, 0, direction}, .solid = {}};
-    std::ranges::copy(solid_around<double>(shape, {0, 0, z}, half).used(), q.solid.begin());
+    Question q{.ray = {0, 0, from, 0, 0, direction}, .primitive = {}};
+    std::ranges::copy(primitive_around<double>(shape, {0, 0, z}, half).used(), q.primitive.begin());
     return q;
 }
 
 /// The points at which the line of a ray enters and leaves its primitive; nothing if it does not meet it.
 inline std::optional<Ends<double>> ends_of(const Question& q, Shape shape) {
     const auto ends =
-        with_span(ray_of(q), solid_of(q, shape), [](const auto& span) { return lostbits::ends_of(span); });
+        with_span(ray_of(q), primitive_of(q, shape), [](const auto& span) { return lostbits::ends_of(span); });
     return ends && ends->near <= ends->far ? ends : std::nullopt;
 }
 
@@ -174,7 +174,7 @@ inline bool is_crossed_twice(Shape shape) {
 /// Probes of one form, with their findings.
 class Trial {
 public:
-    explicit Trial(const intersect::doors::ForeignForm& tried)
+    explicit Trial(const intersect::external::ForeignForm& tried)
         : form(tried),
           contract(form.contract),
           shape(contract.shape),
@@ -184,7 +184,7 @@ public:
     template <class Probe>
     void probe(const char* name, const Probe& run) {
         name_ = name;
-        const intersect::doors::AsksInProbe here(name);
+        const intersect::external::ProbeScope here(name);
         try {
             run(*this);
         } catch (const EnvironmentError& error) {
@@ -212,17 +212,17 @@ public:
     }
     /// Truth by the trial's contract, or by another contract for the same question.
     [[nodiscard]] HitOrMiss truth(const Question& q) const { return truth(q, contract); }
-    [[nodiscard]] HitOrMiss truth(const Question& q, const intersect::doors::Contract& by) const {
+    [[nodiscard]] HitOrMiss truth(const Question& q, const intersect::external::Contract& by) const {
         return truth_by(by, from_its_side(q, contract));
     }
     /// True if a reply is the true answer by a contract.
-    [[nodiscard]] bool is_right(const Question& q, const Reply& r, const intersect::doors::Contract& by) const {
+    [[nodiscard]] bool is_right(const Question& q, const Reply& r, const intersect::external::Contract& by) const {
         const HitOrMiss right = truth(q, by), taken = taken_by(by, r, q);
         return right.hit == taken.hit && (!right.hit || !tells_t || is_answer(taken.t, right.t));
     }
 
-    const intersect::doors::ForeignForm& form;
-    const intersect::doors::Contract& contract;
+    const intersect::external::ForeignForm& form;
+    const intersect::external::Contract& contract;
     Shape shape;
     bool tells_t;
     std::vector<Observation> findings;

@@ -26,12 +26,12 @@ struct Passage {
 };
 
 template <class E>
-FlatSpan<E> lifted_span(const Ray<double>& ray, const Solid<double>& triangle) {
-    return span_of<Triangle>(lift_ray<E>(ray), lift_solid<E>(triangle));
+FlatSpan<E> lifted_span(const Ray<double>& ray, const Primitive<double>& triangle) {
+    return span_of<Triangle>(lift_ray<E>(ray), lift_primitive<E>(triangle));
 }
 
 template <class E>
-std::optional<Passage> find_passage(const Ray<double>& ray, const Solid<double>& triangle) {
+std::optional<Passage> find_passage(const Ray<double>& ray, const Primitive<double>& triangle) {
     const FlatSpan<E> span = lifted_span<E>(ray, triangle);
     if (sign(span.at.m) == 0) return Passage{.by = Passage::By::in_plane};
     if (span.closed.is_no()) return Passage{};
@@ -42,7 +42,7 @@ std::optional<Passage> find_passage(const Ray<double>& ray, const Solid<double>&
 }
 
 /// Nothing if no precision decides.
-std::optional<Passage> passage(const Ray<double>& ray, const Solid<double>& triangle) {
+std::optional<Passage> passage(const Ray<double>& ray, const Primitive<double>& triangle) {
     if (!is_proper(triangle)) return Passage{};
     return by_rising_precision([&]<class E>() { return find_passage<E>(ray, triangle); });
 }
@@ -72,7 +72,7 @@ std::optional<unsigned> find_nearest_edges(const auto& triangle, const Ray<E>& r
 }
 
 /// Order of the t of two crossings, −1, 0 or 1, by n/m of their spans, m > 0.
-std::optional<int> order_of_t(const Ray<double>& ray, const Solid<double>& a, const Solid<double>& b) {
+std::optional<int> order_of_t(const Ray<double>& ray, const Primitive<double>& a, const Primitive<double>& b) {
     return by_rising_precision([&]<class E>() {
         const Fraction<E> x = lifted_span<E>(ray, a).at, y = lifted_span<E>(ray, b).at;
         return sign<E>(x.n * y.m - y.n * x.m);
@@ -84,7 +84,7 @@ std::vector<std::uint32_t> candidates_of(const Ray<double>& ray, const Triangles
     if (among.index) {
         among.index->candidates(ray, found);
     } else {
-        found.resize(among.solids.size());
+        found.resize(among.primitives.size());
         std::iota(found.begin(), found.end(), 0U);
     }
     return found;
@@ -104,7 +104,7 @@ std::optional<PointInMesh> count_crossings(const Ray<double>& ray, const Triangl
     bool is_clear = true;
     for (const std::uint32_t k : candidates_of(ray, mesh)) {
         limit.stop.check();
-        const auto by = passage(ray, mesh.solids[k]);
+        const auto by = passage(ray, mesh.primitives[k]);
         if (!by || by->by == Passage::By::in_plane) {
             is_clear = false;
             continue;
@@ -126,7 +126,7 @@ MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& among, const
     if (!is_proper(ray)) return found;
     for (const std::uint32_t k : candidates_of(ray, among)) {
         limit.stop.check();
-        const Solid<double> triangle = among.solids[k];
+        const Primitive<double> triangle = among.primitives[k];
         const auto by = passage(ray, triangle);
         if (by && (by->by == Passage::By::outside || by->by == Passage::By::in_plane)) continue;
         const Truth truth = find_truth(ray, triangle, limit, {}, range);
@@ -135,7 +135,7 @@ MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& among, const
     }
     const auto order = [&](const MeshCrossing& a, const MeshCrossing& b) {
         if (const int apart = compare(a.t, b.t); apart != 0) return apart;
-        const auto exact = order_of_t(ray, among.solids[a.triangle], among.solids[b.triangle]);
+        const auto exact = order_of_t(ray, among.primitives[a.triangle], among.primitives[b.triangle]);
         if (!exact) found.is_resolved = false;
         return exact.value_or(0);
     };
@@ -147,7 +147,7 @@ MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& among, const
     return found;
 }
 
-std::optional<int> facing_of(const Ray<double>& ray, const Solid<double>& triangle) {
+std::optional<int> facing_of(const Ray<double>& ray, const Primitive<double>& triangle) {
     return by_rising_precision([&]<class E>() -> std::optional<int> {
         const FlatSpan<E> span = lifted_span<E>(ray, triangle);
         const auto steepness = sign(span.at.m);
@@ -156,13 +156,13 @@ std::optional<int> facing_of(const Ray<double>& ray, const Solid<double>& triang
     });
 }
 
-unsigned nearest_edges(const Ray<double>& ray, const Solid<double>& triangle) {
+unsigned nearest_edges(const Ray<double>& ray, const Primitive<double>& triangle) {
     constexpr unsigned all = 0b111;
     const int facing = facing_of(ray, triangle).value_or(0);
     if (facing == 0) return all;
     const auto found = by_rising_precision([&]<class E>() {
         return in_its_space<Triangle>(
-            lift_ray<E>(ray), lift_solid<E>(triangle),
+            lift_ray<E>(ray), lift_primitive<E>(triangle),
             [facing](const auto& shape, const auto& its) { return find_nearest_edges<E>(shape, its, facing); });
     });
     return found.value_or(all);

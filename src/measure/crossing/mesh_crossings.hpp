@@ -12,8 +12,8 @@ namespace lostbits::measure::crossing {
 
 /// Triangles and the index that finds those that a ray can meet. Index null: every triangle is tested.
 struct Triangles {
-    const scene::rays::SolidList<double>& solids;  ///< of no other shape
-    const culling::SolidIndex* index = nullptr;
+    const scene::rays::PrimitiveList<double>& primitives;  ///< of no other shape
+    const culling::PrimitiveIndex* index = nullptr;
 };
 
 /// A point at which a ray meets a triangle, its rim included.
@@ -38,12 +38,12 @@ MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& among, const
 
 /// Side from which a line crosses the plane of a triangle: 1 for the front, −1 for the back, 0 if it does not cross it.
 /// Exact, by rising precision. Nothing if no precision decides.
-std::optional<int> facing_of(const Ray<double>& ray, const Solid<double>& triangle);
+std::optional<int> facing_of(const Ray<double>& ray, const Primitive<double>& triangle);
 
 /// Edges of a triangle that a line passes nearest to, measured in the plane of the triangle, for a line that meets it.
 /// Bit k stands for the edge opposite to corner k. Several edges may be exactly as near. All edges if the line does not
 /// cross the plane, or if no precision decides.
-unsigned nearest_edges(const Ray<double>& ray, const Solid<double>& triangle);
+unsigned nearest_edges(const Ray<double>& ray, const Primitive<double>& triangle);
 
 /// Position of a point relative to a mesh.
 struct PointInMesh {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <optional>
 
-#include "shapes/hull.hpp"
+#include "shapes/bounding_box.hpp"
 
 namespace lostbits::measure::culling {
 
-using scene::rays::SolidList;
+using scene::rays::PrimitiveList;
 
 namespace {
 
@@ -30,19 +30,19 @@ double frobenius(const std::array<Vec<double>, 3>& m) {
 struct Spread {
     double size = 0, condition = 1;
 
-    explicit Spread(const Solid<double>& solid) {
-        if (!solid.placed) return;
-        const Affine<double> m = solid.placed->map();
-        for (const double x : solid.used()) size = std::max(size, std::fabs(x));
+    explicit Spread(const Primitive<double>& primitive) {
+        if (!primitive.placed) return;
+        const Affine<double> m = primitive.placed->map();
+        for (const double x : primitive.used()) size = std::max(size, std::fabs(x));
         size = frobenius(m.rows) * 1.75 * size + std::sqrt(dot(m.shift, m.shift));
         condition = frobenius(m.rows) * frobenius(m.adjugate()) / std::fabs(m.determinant()) / 3;
     }
 };
 
 /// Distance beyond the primitive's box at which a form that squares lengths may still claim a hit.
-double growth_of(const Solid<double>& solid, const RayBounds& rays, const FloatFormat& format) {
-    if (solid.placed || !length_key(solid.shape)) return 0;
-    const auto ball = ball_around(solid);
+double growth_of(const Primitive<double>& primitive, const RayBounds& rays, const FloatFormat& format) {
+    if (primitive.placed || !length_key(primitive.shape)) return 0;
+    const auto ball = ball_around(primitive);
     const double sum = sum_of_squares(rays.origin, length(ball.centre) + ball.radius);
     if (!squares_are_safe(sum, ball.radius, rays, format)) return HUGE_VAL;
     return std::sqrt(std::ldexp(64, -format.precision) * sum);
@@ -51,42 +51,42 @@ double growth_of(const Solid<double>& solid, const RayBounds& rays, const FloatF
 /// Smaller lengths are roots of squares that may have lost bits, or all of them, to underflow.
 constexpr double least_trusted = 0x1p-400;
 
-/// The box of a solid, under a matrix that of the ball around it. Nothing where it is not to be trusted, and where the
-/// solid has none: a plane, or one under a stored inverse.
-std::optional<Hull<double>> wide_box_of(const Solid<double>& solid) {
-    if (!has_hull(solid.shape) || (solid.placed && solid.placed->is_inverse)) return std::nullopt;
-    if (solid.placed) {
-        const auto own = visit(solid, [](const auto& shape) { return shape.ball_around(); });
-        if (!(std::min(own.radius, frobenius(solid.placed->map().rows)) >= least_trusted)) return std::nullopt;
-        const auto ball = ball_around(solid);
+/// The box of a primitive, under a matrix that of the ball around it. Nothing where it is not to be trusted, and where
+/// the primitive has none: a plane, or one under a stored inverse.
+std::optional<BoundingBox<double>> wide_box_of(const Primitive<double>& primitive) {
+    if (!has_bounding_box(primitive.shape) || (primitive.placed && primitive.placed->is_inverse)) return std::nullopt;
+    if (primitive.placed) {
+        const auto own = visit(primitive, [](const auto& shape) { return shape.ball_around(); });
+        if (!(std::min(own.radius, frobenius(primitive.placed->map().rows)) >= least_trusted)) return std::nullopt;
+        const auto ball = ball_around(primitive);
         const double reach = ball.radius * (1 + 0x1p-40);  // its radius is rounded
-        return Hull<double>{ball.centre - Vec<double>(reach, reach, reach),
-                            ball.centre + Vec<double>(reach, reach, reach)};
+        return BoundingBox<double>{ball.centre - Vec<double>(reach, reach, reach),
+                                   ball.centre + Vec<double>(reach, reach, reach)};
     }
-    return hull_of(solid);
+    return bounding_box_of(primitive);
 }
 
 /// The same, wider by `growth`, in units of 2^shift. Lengths that vanish there are less than the margin.
-std::optional<std::array<float, 6>> box_of(const Solid<double>& solid, double growth, int shift) {
-    const auto hull = wide_box_of(solid);
-    if (!hull) return std::nullopt;
+std::optional<std::array<float, 6>> box_of(const Primitive<double>& primitive, double growth, int shift) {
+    const auto bounding_box = wide_box_of(primitive);
+    if (!bounding_box) return std::nullopt;
     std::array<float, 6> box;
     for (int k = 0; k < 3; ++k) {
         const auto i = static_cast<std::size_t>(k);
-        box[i] = below(std::ldexp(hull->lo[k] - growth, -shift));
-        box[i + 3] = above(std::ldexp(hull->hi[k] + growth, -shift));
+        box[i] = below(std::ldexp(bounding_box->lo[k] - growth, -shift));
+        box[i + 3] = above(std::ldexp(bounding_box->hi[k] + growth, -shift));
     }
     if (!std::ranges::all_of(box, [](float x) { return std::isfinite(x); })) return std::nullopt;
     return box;
 }
 
-/// The power of two that boxes are measured in, from that of the median of some solids. Any would do.
-int shift_of(const SolidList<double>& solids) {
+/// The power of two that boxes are measured in, from that of the median of some primitives. Any would do.
+int shift_of(const PrimitiveList<double>& primitives) {
     constexpr std::size_t looked_at = 1023;
     constexpr int far_from_the_ends_of_binary32 = 100;
     std::vector<int> powers;
-    for (std::size_t i = 0; i < solids.size(); i += solids.size() / looked_at + 1) {
-        const auto box = wide_box_of(solids[i]);
+    for (std::size_t i = 0; i < primitives.size(); i += primitives.size() / looked_at + 1) {
+        const auto box = wide_box_of(primitives[i]);
         double reach = 0;
         for (int k = 0; box && k < 3; ++k) reach = std::max({reach, std::fabs(box->lo[k]), std::fabs(box->hi[k])});
         if (reach > 0 && std::isfinite(reach)) powers.push_back(std::ilogb(reach));
@@ -105,23 +105,23 @@ std::array<float, 6> around(const std::array<float, 6>& a, const std::array<floa
 
 }  // namespace
 
-std::shared_ptr<const BoxTree> BoxTree::make(const SolidList<double>& solids, const RayBounds& bounds,
+std::shared_ptr<const BoxTree> BoxTree::make(const PrimitiveList<double>& primitives, const RayBounds& bounds,
                                              const FloatFormat* format) {
     std::shared_ptr<BoxTree> tree(new BoxTree);
     const double rounding = format ? std::ldexp(8.0, -format->precision) : 0;
-    const int shift = tree->shift_ = shift_of(solids);
-    const bool has_mesh = solids.mesh() != nullptr;
-    std::vector<Corners> boxes(solids.size());
+    const int shift = tree->shift_ = shift_of(primitives);
+    const bool has_mesh = primitives.mesh() != nullptr;
+    std::vector<Corners> boxes(primitives.size());
     double reach = 0, widest = rounding, growth_of_all = 0;
-    for (std::uint32_t i = 0; i < solids.size(); ++i) {
-        const Solid<double> solid = solids[i];
-        const double growth = format ? growth_of(solid, bounds, *format) : 0;
-        const auto box = box_of(solid, growth, shift);
-        const Spread spread(solid);
+    for (std::uint32_t i = 0; i < primitives.size(); ++i) {
+        const Primitive<double> primitive = primitives[i];
+        const double growth = format ? growth_of(primitive, bounds, *format) : 0;
+        const auto box = box_of(primitive, growth, shift);
+        const Spread spread(primitive);
         // Under a matrix, a rounded inverse is off by κu of itself. An error in the space of the primitive becomes κ
         // times as large in the world.
-        const double its_rounding = solid.placed ? 2 * spread.condition * spread.condition * rounding : rounding;
-        if (!box || (solid.placed && format && !(its_rounding < 0x1p-5))) {
+        const double its_rounding = primitive.placed ? 2 * spread.condition * spread.condition * rounding : rounding;
+        if (!box || (primitive.placed && format && !(its_rounding < 0x1p-5))) {
             tree->asked_each_.push_back(i);
             if (!has_mesh && tree->asked_each_.size() > most_asked_each) return nullptr;
             continue;
@@ -148,8 +148,8 @@ void BoxTree::build(const std::vector<Corners>& boxes, std::uint32_t begin, std:
     const std::size_t here = nodes_.size();
     Corners all = boxes[order_[begin]], middles;
     for (std::size_t k = 0; k < 3; ++k) middles[k] = HUGE_VALF, middles[k + 3] = -HUGE_VALF;
-    const auto middle = [&boxes](std::uint32_t solid, std::size_t k) {
-        return boxes[solid][k] / 2 + boxes[solid][k + 3] / 2;
+    const auto middle = [&boxes](std::uint32_t primitive, std::size_t k) {
+        return boxes[primitive][k] / 2 + boxes[primitive][k + 3] / 2;
     };
     for (std::uint32_t i = begin; i < end; ++i) {
         all = around(all, boxes[order_[i]]);

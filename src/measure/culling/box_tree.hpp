@@ -9,20 +9,20 @@
 #include <vector>
 
 #include "measure/culling/culling.hpp"
-#include "scene/rays/solid_list.hpp"
+#include "scene/rays/primitive_list.hpp"
 
 namespace lostbits::measure::culling {
 
-/// Every solid that has a box lies in that of its leaf, and every box in that of its parent. Corners are binary32,
+/// Every primitive that has a box lies in that of its leaf, and every box in that of its parent. Corners are binary32,
 /// rounded outward, in units of a power of two: 1, but for scenes so large or small that binary32 would not hold them.
 /// A plane, and what nothing bounds here, is a candidate of every ray.
 ///
 /// A ray is held against a box that is wider by m on each side: m = (2^-40 + min(8 u, 2^-5)) (|O| + R), with O its own
-/// origin, R how far from the world's origin the solids reach and no less than 2^-149, u the unit roundoff of the
+/// origin, R how far from the world's origin the primitives reach and no less than 2^-149, u the unit roundoff of the
 /// format whose forms are asked, 0 for the truth. No other ray enters: one tree serves all rays of a file.
-/// No solid is missed that the line meets. The direction is scaled by a power of two, so that its largest component has
-/// 1 ≤ |d| < 2, and no component is taken for less than 2^-1000: that, and what becomes subnormal, moves no point of
-/// the line in a box, where t ≤ |O| + R, by more than 2^-1000 (|O| + R). A crossing (b − (o ± m))/d of a slab takes
+/// No primitive is missed that the line meets. The direction is scaled by a power of two, so that its largest component
+/// has 1 ≤ |d| < 2, and no component is taken for less than 2^-1000: that, and what becomes subnormal, moves no point
+/// of the line in a box, where t ≤ |O| + R, by more than 2^-1000 (|O| + R). A crossing (b − (o ± m))/d of a slab takes
 /// four roundings, of which the last may be to a subnormal number: it is off by less than 5·2^-53 (|O| + R + m)/|d| +
 /// 2^-1074. The margin moves it by m/|d| ≥ 2^-40 (|O| + R)/|d| and ≥ 2^-190, which is more than all of that: what is
 /// computed lies outside of the crossing of the box itself. One that overflows is infinite, and lies outside too. An
@@ -36,7 +36,7 @@ namespace lostbits::measure::culling {
 /// any distance. The choice of candidates is a renderer's choice too: Embree's robust boxes are wider by 3 ulp, pbrt's
 /// by 2γ(3). A form can also claim a hit of a triangle whose box the ray passes at a distance, since for a ray in the
 /// plane of the triangle all of its signs are rounding. That pair is not tested.
-class BoxTree : public SolidIndex {
+class BoxTree : public PrimitiveIndex {
 public:
     /// Limit on the primitives without a box: they are tested for every ray.
     static constexpr std::size_t most_asked_each = 64;
@@ -45,26 +45,26 @@ public:
     /// answers of forms to it are measured on small scenes.
     static constexpr std::size_t most_for_no_ray = 1024;
 
-    /// Nothing where no solid has a box, and where more than `most_asked_each` have none; but for those of meshes,
-    /// whose cracks are told by their candidates. `format` null: for the truth. `bounds` enters for forms of solids
+    /// Nothing where no primitive has a box, and where more than `most_asked_each` have none; but for those of meshes,
+    /// whose cracks are told by their candidates. `format` null: for the truth. `bounds` enters for forms of primitives
     /// with a length alone; where it is not finite these are without a box.
-    static std::shared_ptr<const BoxTree> make(const scene::rays::SolidList<double>& solids, const RayBounds& bounds,
-                                               const FloatFormat* format);
+    static std::shared_ptr<const BoxTree> make(const scene::rays::PrimitiveList<double>& primitives,
+                                               const RayBounds& bounds, const FloatFormat* format);
 
     void candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const override;
 
-    /// The solid of the least `distance(solid)`, the first of those with the same: distances of p from their surfaces,
-    /// or from their insides, known to 2^-40 (|p| + R). The first solid where p is not finite.
+    /// The primitive of the least `distance(primitive)`, the first of those with the same: distances of p from their
+    /// surfaces, or from their insides, known to 2^-40 (|p| + R). The first primitive where p is not finite.
     template <class Distance>
     [[nodiscard]] std::uint32_t nearest(const Vec<double>& p, const Distance& distance) const {
         double best = HUGE_VAL;
         std::uint32_t found = 0;
-        const auto ask = [&](std::uint32_t solid) {
-            const double d = distance(solid);
-            if (d < best || (d == best && solid < found)) best = d, found = solid;
+        const auto ask = [&](std::uint32_t primitive) {
+            const double d = distance(primitive);
+            if (d < best || (d == best && primitive < found)) best = d, found = primitive;
         };
         if (!(std::fabs(p.x) < HUGE_VAL && std::fabs(p.y) < HUGE_VAL && std::fabs(p.z) < HUGE_VAL)) return found;
-        for (const std::uint32_t solid : asked_each_) ask(solid);
+        for (const std::uint32_t primitive : asked_each_) ask(primitive);
         std::vector<std::pair<double, std::uint32_t>> later;
         if (!nodes_.empty()) later.push_back({0, 0});  // how far a node is at least, and its place
         while (!later.empty()) {

@@ -16,31 +16,31 @@
 
 namespace lostbits::measure::culling {
 
-using scene::rays::SolidList;
+using scene::rays::PrimitiveList;
 
-CandidateLists::CandidateLists(const SolidIndex& index, const scene::rays::RayBlock& rays) {
+CandidateLists::CandidateLists(const PrimitiveIndex& index, const scene::rays::RayBlock& rays) {
     constexpr std::size_t together = 1024;
     const std::size_t parts = (rays.size() + together - 1) / together;
-    std::vector<std::vector<std::uint32_t>> solids(parts);
+    std::vector<std::vector<std::uint32_t>> primitives(parts);
     ends_.resize(rays.size() + 1);
     intersect::process::in_parallel(std::size_t{0}, parts, [&](std::size_t part) {
         std::vector<std::uint32_t> found;
         for (std::size_t i = part * together; i < std::min(rays.size(), (part + 1) * together); ++i) {
             index.candidates(rays[i], found);
             ends_[i + 1] = found.size();
-            solids[part].insert(solids[part].end(), found.begin(), found.end());
+            primitives[part].insert(primitives[part].end(), found.begin(), found.end());
         }
     });
     std::partial_sum(ends_.begin(), ends_.end(), ends_.begin());
-    solids_.reserve(ends_.back());
-    for (const auto& part : solids) solids_.insert(solids_.end(), part.begin(), part.end());
+    primitives_.reserve(ends_.back());
+    for (const auto& part : primitives) primitives_.insert(primitives_.end(), part.begin(), part.end());
 }
 
 CandidateLists::CandidateLists(const CandidateLists& all, std::span<const std::uint32_t> rays) {
     for (const std::uint32_t ray : rays) {
         const auto its = all.of(ray);
-        solids_.insert(solids_.end(), its.begin(), its.end());
-        ends_.push_back(solids_.size());
+        primitives_.insert(primitives_.end(), its.begin(), its.end());
+        ends_.push_back(primitives_.size());
     }
 }
 
@@ -53,14 +53,14 @@ struct Extent {
     double sum = 0, least_radius = HUGE_VAL;
 };
 
-std::optional<Extent> extent_of(const SolidList<double>& solids, const RayBounds& rays) {
+std::optional<Extent> extent_of(const PrimitiveList<double>& primitives, const RayBounds& rays) {
     Extent e;
     double reach = 0;
-    for (std::size_t i = 0; i < solids.size(); ++i) {
-        const Solid<double> solid = solids[i];
+    for (std::size_t i = 0; i < primitives.size(); ++i) {
+        const Primitive<double> primitive = primitives[i];
         // The bound holds for forms of round primitives, in the space of the rays.
-        if (!row_of(solid.shape).round || solid.placed) return std::nullopt;
-        const auto s = ball_around(solid);
+        if (!row_of(primitive.shape).round || primitive.placed) return std::nullopt;
+        const auto s = ball_around(primitive);
         const double one = size_of(s.centre) + s.radius;
         if (!(s.radius > 0) || !std::isfinite(one)) return std::nullopt;
         reach = std::max(reach, one);
@@ -71,7 +71,7 @@ std::optional<Extent> extent_of(const SolidList<double>& solids, const RayBounds
 }
 
 /// Bounding box of some spheres.
-struct Around {
+struct SphereBounds {
     Vec<double> low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
 
     void add(const Vec<double>& centre, double radius) {
@@ -118,26 +118,29 @@ bool squares_are_safe(double sum, double radius, const RayBounds& rays, const Fl
 namespace {
 
 /// A form that marches needs its primitives in memory one by one.
-SolidList<double> shared_of(const scene::file::Scene& scene) {
-    return scene.march ? SolidList(scene::rays::shared_solids(scene)) : scene::rays::shared_solid_list(scene);
+PrimitiveList<double> shared_of(const scene::file::Scene& scene) {
+    return scene.march ? PrimitiveList(scene::rays::shared_primitives(scene))
+                       : scene::rays::shared_primitive_list(scene);
 }
 
-bool are_many(const SolidList<double>& solids) { return solids.size() >= least_solids || solids.mesh() != nullptr; }
+bool are_many(const PrimitiveList<double>& primitives) {
+    return primitives.size() >= least_primitives || primitives.mesh() != nullptr;
+}
 
 /// An index of spheres is preferred: a flake of millions takes one byte for each sphere in it, and about 60 in a tree.
-std::shared_ptr<const SolidIndex> index_of(const SolidList<double>& solids, const RayBounds& bounds,
-                                           const FloatFormat* format) {
-    if (auto spheres = SphereIndex::make(solids, bounds, format)) return spheres;
-    return BoxTree::make(solids, bounds, format);
+std::shared_ptr<const PrimitiveIndex> index_of(const PrimitiveList<double>& primitives, const RayBounds& bounds,
+                                               const FloatFormat* format) {
+    if (auto spheres = SphereIndex::make(primitives, bounds, format)) return spheres;
+    return BoxTree::make(primitives, bounds, format);
 }
 
 }  // namespace
 
 Culler::Culler(const scene::file::Scene& scene) {
     const bool own = scene.inputs == scene::file::Inputs::own;
-    if (own) ideal_ = scene.march ? SolidList<Real>(scene.solids()) : scene::rays::ideal_solid_list(scene);
+    if (own) ideal_ = scene.march ? PrimitiveList<Real>(scene.primitives()) : scene::rays::ideal_primitive_list(scene);
     else stored_ = shared_of(scene);
-    if (scene.solid_count() < least_solids && !scene.mesh) return;
+    if (scene.primitive_count() < least_primitives && !scene.mesh) return;
     if (scene.camera.rays) {  // the rays that a format makes have no bounds
         bounds_ = {HUGE_VAL, 0, HUGE_VAL};
         return;
@@ -149,36 +152,38 @@ Culler::Culler(const scene::file::Scene& scene) {
     }
     // Ideal rays may be rays whose numbers doubles do not hold.
     if (own && !(std::isfinite(bounds_.origin) && bounds_.least_direction > 0)) return;
-    truth_ = index_of(own ? round_solids(ideal_, binary64) : stored_, bounds_, nullptr);
+    truth_ = index_of(own ? round_primitives(ideal_, binary64) : stored_, bounds_, nullptr);
 }
 
 Culler::Culler(const scene::file::Scene& scene, const Ray<double>& ray)
     : Culler(shared_of(scene), scene::rays::group_of(ray).rays) {}
 
-Culler::Culler(SolidList<double> solids, const scene::rays::RayBlock& rays)
-    : bounds_(join({0, 1, 1}, bounds_of(rays))), stored_(std::move(solids)) {
+Culler::Culler(PrimitiveList<double> primitives, const scene::rays::RayBlock& rays)
+    : bounds_(join({0, 1, 1}, bounds_of(rays))), stored_(std::move(primitives)) {
     if (are_many(stored_)) truth_ = index_of(stored_, bounds_, nullptr);
 }
 
-Culler::Culler(SolidList<double> solids) : bounds_{HUGE_VAL, 0, HUGE_VAL}, stored_(std::move(solids)) {
+Culler::Culler(PrimitiveList<double> primitives) : bounds_{HUGE_VAL, 0, HUGE_VAL}, stored_(std::move(primitives)) {
     if (are_many(stored_)) truth_ = BoxTree::make(stored_, bounds_, nullptr);
 }
 
 Culler::Culler(const Culler& of_all, const scene::rays::RayBlock& rays)
     : bounds_(join({0, 1, 1}, bounds_of(rays))), stored_(of_all.stored_), truth_(of_all.truth_), of_all_(&of_all) {}
 
-std::shared_ptr<const SolidIndex> Culler::for_forms(const FloatFormat& format, const SolidList<double>& solids) {
-    return index_for(For::forms, format, solids);
+std::shared_ptr<const PrimitiveIndex> Culler::for_forms(const FloatFormat& format,
+                                                        const PrimitiveList<double>& primitives) {
+    return index_for(For::forms, format, primitives);
 }
-std::shared_ptr<const SolidIndex> Culler::for_own_truth(const FloatFormat& format, const SolidList<double>& solids) {
-    return index_for(For::own_truth, format, solids);
+std::shared_ptr<const PrimitiveIndex> Culler::for_own_truth(const FloatFormat& format,
+                                                            const PrimitiveList<double>& primitives) {
+    return index_for(For::own_truth, format, primitives);
 }
 
-std::shared_ptr<const SolidIndex> Culler::index_for(For use, const FloatFormat& format,
-                                                    const SolidList<double>& solids) const {
-    if (!are_many(solids)) return nullptr;
+std::shared_ptr<const PrimitiveIndex> Culler::index_for(For use, const FloatFormat& format,
+                                                        const PrimitiveList<double>& primitives) const {
+    if (!are_many(primitives)) return nullptr;
     if (of_all_) {
-        if (auto common = of_all_->index_for(use, format, solids)) return common;
+        if (auto common = of_all_->index_for(use, format, primitives)) return common;
     }
     // Nothing in here waits for other threads, which might wait for this one.
     const std::scoped_lock lock(made_->making);
@@ -187,23 +192,24 @@ std::shared_ptr<const SolidIndex> Culler::index_for(For use, const FloatFormat& 
         // The rays as the format rounds them.
         const double u = std::ldexp(1.0, -format.precision);
         place->second = index_of(
-            solids,
+            primitives,
             {bounds_.origin * (1 + 2 * u), bounds_.least_direction * (1 - 2 * u), bounds_.direction * (1 + 2 * u)},
             use == For::forms ? &format : nullptr);
     }
     return place->second;
 }
 
-std::shared_ptr<const SphereIndex> SphereIndex::make(const SolidList<double>& solids, const RayBounds& rays,
+std::shared_ptr<const SphereIndex> SphereIndex::make(const PrimitiveList<double>& primitives, const RayBounds& rays,
                                                      const FloatFormat* format) {
-    if (solids.size() < least_solids || !std::isfinite(rays.origin) || !(rays.least_direction > 0)) return nullptr;
-    const auto extent = extent_of(solids, rays);
+    if (primitives.size() < least_primitives || !std::isfinite(rays.origin) || !(rays.least_direction > 0))
+        return nullptr;
+    const auto extent = extent_of(primitives, rays);
     const auto safe_in = [&](const FloatFormat& f) {
         return squares_are_safe(extent->sum, extent->least_radius, rays, f);
     };
     if (!extent || !safe_in(binary64) || (format && !safe_in(*format))) return nullptr;
     std::shared_ptr<SphereIndex> index(new SphereIndex);
-    index->solids_ = solids;
+    index->primitives_ = primitives;
     index->rounding_ = format ? 64 * std::ldexp(1.0, -format->precision) : 0;
     index->origin_ = rays.origin;
     index->margin_ = 0x1p-40 * std::sqrt(extent->sum);
@@ -218,17 +224,17 @@ double SphereIndex::reach(const Vec<double>& centre, double radius) const {
 }
 
 void SphereIndex::make_balls() {
-    for (std::size_t begin = 0; begin < solids_.size(); begin += block) {
-        const std::size_t end = std::min(solids_.size(), begin + block);
-        Around around;
+    for (std::size_t begin = 0; begin < primitives_.size(); begin += block) {
+        const std::size_t end = std::min(primitives_.size(), begin + block);
+        SphereBounds around;
         for (std::size_t i = begin; i < end; ++i) {
-            const auto [centre, radius] = ball_around(solids_[i]);
+            const auto [centre, radius] = ball_around(primitives_[i]);
             around.add(centre, radius);
         }
         const Vec<double> middle = around.middle();
         double most = 0;
         for (std::size_t i = begin; i < end; ++i) {
-            const auto [centre, radius] = ball_around(solids_[i]);
+            const auto [centre, radius] = ball_around(primitives_[i]);
             most = std::max(most, size_of(centre - middle) + reach(centre, radius));
         }
         blocks_.add(middle, most + margin_);
@@ -236,7 +242,7 @@ void SphereIndex::make_balls() {
     constexpr std::size_t blocks = page / block;
     for (std::size_t begin = 0; begin < blocks_.x.size(); begin += blocks) {
         const std::size_t end = std::min(blocks_.x.size(), begin + blocks);
-        Around around;
+        SphereBounds around;
         for (std::size_t b = begin; b < end; ++b) around.add(blocks_.centre(b), blocks_.reach[b]);
         const Vec<double> middle = around.middle();
         double most = 0;
@@ -267,10 +273,10 @@ void SphereIndex::find_runs(const UnitRay& line, std::size_t p, Grain grain, std
     const std::size_t first = p * blocks, last = std::min(first + blocks, blocks_.x.size());
     for (std::size_t b = first; b < last; ++b) {
         if (!meets(line, blocks_.centre(b), blocks_.reach[b])) continue;
-        const std::size_t begin = b * block, end = std::min(begin + block, solids_.size());
+        const std::size_t begin = b * block, end = std::min(begin + block, primitives_.size());
         if (grain == Grain::blocks) take(begin, end);
         for (std::size_t i = begin; grain == Grain::spheres && i < end; ++i) {
-            const auto [centre, radius] = ball_around(solids_[i]);
+            const auto [centre, radius] = ball_around(primitives_[i]);
             if (meets(line, centre, reach(centre, radius))) take(i, i + 1);
         }
     }
@@ -301,9 +307,9 @@ Decision begins_inside(const SlabSpan<Certain>& s) {
     for (std::size_t i = 0; i < 3; ++i) inside = inside && s.entry[i].n <= Certain(0) && s.exit[i].n >= Certain(0);
     return inside;
 }
-template <ToldSpan<Certain> S>
+template <ComparableSpan<Certain> S>
 Decision begins_inside(const S& s) {
-    return s.is_met() && s.enters_to(Start()).at_most && !s.leaves_to(Start()).less;
+    return s.is_hit() && s.enters_to(Start()).at_most && !s.leaves_to(Start()).less;
 }
 template <SurfaceSpan<Certain> S>
 Decision begins_inside(const S&) {
@@ -312,8 +318,8 @@ Decision begins_inside(const S&) {
 
 }  // namespace
 
-bool may_start_inside(const Ray<double>& ray, const Solid<double>& solid) {
-    return with_span(lift_ray<Certain>(ray), lift_solid<Certain>(solid),
+bool may_start_inside(const Ray<double>& ray, const Primitive<double>& primitive) {
+    return with_span(lift_ray<Certain>(ray), lift_primitive<Certain>(primitive),
                      [](const auto& span) { return !begins_inside(span).is_no(); });
 }
 

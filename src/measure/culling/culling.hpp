@@ -14,19 +14,19 @@
 #include "geometry/ray.hpp"
 #include "number/format.hpp"
 #include "number/real.hpp"
+#include "scene/rays/primitive_list.hpp"
 #include "scene/rays/rays.hpp"
-#include "scene/rays/solid_list.hpp"
 
 namespace lostbits::measure::culling {
 
 /// Number of primitives from which an index pays.
-inline constexpr std::size_t least_solids = 64;
+inline constexpr std::size_t least_primitives = 64;
 
 /// Index that finds candidates among many primitives, for rays within stated bounds. The candidates are a superset:
 /// they include every primitive that the line of the ray meets at t ≥ 0.
-class SolidIndex {
+class PrimitiveIndex {
 public:
-    virtual ~SolidIndex() = default;
+    virtual ~PrimitiveIndex() = default;
     /// Fills `found` with the candidates for a ray in ascending order.
     virtual void candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const = 0;
 };
@@ -34,23 +34,23 @@ public:
 /// Candidates of every ray of a block, found once for all forms: pairs of a ray and a primitive, ray by ray.
 class CandidateLists {
 public:
-    CandidateLists(const SolidIndex& index, const scene::rays::RayBlock& rays);
+    CandidateLists(const PrimitiveIndex& index, const scene::rays::RayBlock& rays);
     /// Takes the candidates of some rays of `all`, in their order.
     CandidateLists(const CandidateLists& all, std::span<const std::uint32_t> rays);
 
     [[nodiscard]] std::size_t rays() const { return ends_.size() - 1; }
-    [[nodiscard]] std::size_t pairs() const { return solids_.size(); }
+    [[nodiscard]] std::size_t pairs() const { return primitives_.size(); }
     /// Index of the first pair of ray i; for i = `rays()`, the number of pairs.
     [[nodiscard]] std::size_t first(std::size_t i) const { return ends_[i]; }
     /// Primitive of a pair.
-    [[nodiscard]] std::uint32_t solid(std::size_t pair) const { return solids_[pair]; }
+    [[nodiscard]] std::uint32_t primitive(std::size_t pair) const { return primitives_[pair]; }
     [[nodiscard]] std::span<const std::uint32_t> of(std::size_t i) const {
-        return std::span(solids_).subspan(ends_[i], ends_[i + 1] - ends_[i]);
+        return std::span(primitives_).subspan(ends_[i], ends_[i + 1] - ends_[i]);
     }
 
 private:
     std::vector<std::size_t> ends_{0};  ///< index of the first pair of each ray, and the number of pairs
-    std::vector<std::uint32_t> solids_;
+    std::vector<std::uint32_t> primitives_;
 };
 
 /// Bounds on the numbers of a picture, over all of its rays.
@@ -85,14 +85,14 @@ bool squares_are_safe(double sum, double radius, const RayBounds& rays, const Fl
 /// Neighbouring spheres are tested together, 64 in a block and 8192 in a page, each with a ball around all that its
 /// spheres can reach. The order of a flake keeps neighbours together, so no tree is needed. The balls take one byte for
 /// each sphere. The result is runs of indices, which the kernels read in place.
-class SphereIndex : public SolidIndex {
+class SphereIndex : public PrimitiveIndex {
 public:
     static constexpr std::size_t block = 64, page = 8192;
 
     /// Makes an index. Returns nothing if no index can be trusted (squares of the picture's numbers overflow or vanish
     /// in the format), if there are fewer than 64 primitives, or if one is not round: test every primitive then.
     /// `format` null: for the truth.
-    static std::shared_ptr<const SphereIndex> make(const scene::rays::SolidList<double>& solids,
+    static std::shared_ptr<const SphereIndex> make(const scene::rays::PrimitiveList<double>& primitives,
                                                    const RayBounds& bounds, const FloatFormat* format);
 
     /// A ray, with a direction of length one.
@@ -128,7 +128,7 @@ private:
     void make_balls();
     [[nodiscard]] bool meets(const UnitRay& line, const Vec<double>& centre, double reach) const;
 
-    scene::rays::SolidList<double> solids_;
+    scene::rays::PrimitiveList<double> primitives_;
     Balls pages_, blocks_;
     double rounding_ = 0;  ///< 64·u
     double origin_ = 0;    ///< upper bound of |O|
@@ -143,45 +143,45 @@ public:
     /// Makes a culler for a single ray, among the primitives of a scene with shared inputs.
     Culler(const scene::file::Scene& scene, const Ray<double>& ray);
     /// Makes a culler for rays that do not belong to a scene.
-    Culler(scene::rays::SolidList<double> solids, const scene::rays::RayBlock& rays);
+    Culler(scene::rays::PrimitiveList<double> primitives, const scene::rays::RayBlock& rays);
     /// The first serves rays that come in blocks, the second one block: it shares every index that does not depend on
     /// bounds of rays. Several threads may make and use those of blocks; `of_all` outlives them.
-    explicit Culler(scene::rays::SolidList<double> solids);
+    explicit Culler(scene::rays::PrimitiveList<double> primitives);
     Culler(const Culler& of_all, const scene::rays::RayBlock& rays);
     Culler(Culler&&) = default;
     Culler& operator=(Culler&&) = default;
 
     /// Primitives for the bands of a scene with shared inputs, and of a scene with own inputs.
-    [[nodiscard]] const scene::rays::SolidList<double>& shared() const { return stored_; }
-    [[nodiscard]] const scene::rays::SolidList<Real>& ideal() const { return ideal_; }
+    [[nodiscard]] const scene::rays::PrimitiveList<double>& shared() const { return stored_; }
+    [[nodiscard]] const scene::rays::PrimitiveList<Real>& ideal() const { return ideal_; }
     /// Index for the truth of the primitives as given. May be null, as may those of a format: test every primitive
     /// then.
-    [[nodiscard]] const SolidIndex* for_truth() const { return truth_.get(); }
-    /// Indices for forms in a format that receive `solids`, and for the truth of those. Made on first use.
-    std::shared_ptr<const SolidIndex> for_forms(const FloatFormat& format,
-                                                const scene::rays::SolidList<double>& solids);
-    std::shared_ptr<const SolidIndex> for_own_truth(const FloatFormat& format,
-                                                    const scene::rays::SolidList<double>& solids);
+    [[nodiscard]] const PrimitiveIndex* for_truth() const { return truth_.get(); }
+    /// Indices for forms in a format that receive `primitives`, and for the truth of those. Made on first use.
+    std::shared_ptr<const PrimitiveIndex> for_forms(const FloatFormat& format,
+                                                    const scene::rays::PrimitiveList<double>& primitives);
+    std::shared_ptr<const PrimitiveIndex> for_own_truth(const FloatFormat& format,
+                                                        const scene::rays::PrimitiveList<double>& primitives);
 
 private:
     RayBounds bounds_{0, 1, 1};
-    scene::rays::SolidList<Real> ideal_;
-    scene::rays::SolidList<double> stored_;
-    std::shared_ptr<const SolidIndex> truth_;
+    scene::rays::PrimitiveList<Real> ideal_;
+    scene::rays::PrimitiveList<double> stored_;
+    std::shared_ptr<const PrimitiveIndex> truth_;
     enum class For : std::uint8_t { forms, own_truth };
     /// Indices that are made when they are first asked for.
     struct Made {
         std::mutex making;
-        std::map<std::tuple<For, int, int, int>, std::shared_ptr<const SolidIndex>> indices;
+        std::map<std::tuple<For, int, int, int>, std::shared_ptr<const PrimitiveIndex>> indices;
     };
-    std::shared_ptr<const SolidIndex> index_for(For use, const FloatFormat& format,
-                                                const scene::rays::SolidList<double>& solids) const;
+    std::shared_ptr<const PrimitiveIndex> index_for(For use, const FloatFormat& format,
+                                                    const scene::rays::PrimitiveList<double>& primitives) const;
     const Culler* of_all_ = nullptr;
     std::unique_ptr<Made> made_ = std::make_unique<Made>();
 };
 
 /// True if a ray may start in the primitive or on it. False only if bounds on all roundings prove that it does not;
 /// results that overflow, underflow or are too close to tell give true. No ray starts in a shape without an inside.
-bool may_start_inside(const Ray<double>& ray, const Solid<double>& solid);
+bool may_start_inside(const Ray<double>& ray, const Primitive<double>& primitive);
 
 }  // namespace lostbits::measure::culling

@@ -8,8 +8,8 @@
 #include "measure/culling/culling.hpp"
 #include "measure/truth/missing.hpp"
 #include "number/rounded.hpp"
+#include "scene/rays/primitive_list.hpp"
 #include "scene/rays/random.hpp"
-#include "scene/rays/solid_list.hpp"
 
 namespace lostbits::measure::edges {
 
@@ -28,10 +28,10 @@ struct Aimed {
     std::optional<std::uint32_t> vertex;  ///< aimed at; absent: a point between the ends of the edge
 };
 
-scene::rays::RayBlock block_of(const std::vector<Aimed>& litter) {
+scene::rays::RayBlock block_of(const std::vector<Aimed>& batch) {
     scene::rays::RayBlock rays;
-    for (const Aimed& one : litter) rays.push(one.ray);
-    rays.be_list();
+    for (const Aimed& one : batch) rays.push(one.ray);
+    rays.set_as_list();
     return rays;
 }
 
@@ -39,10 +39,10 @@ scene::rays::RayBlock block_of(const std::vector<Aimed>& litter) {
 bool is_tie(const evaluate::BandResult& result, std::size_t i) {
     const auto& candidates = *result.inputs->candidates;
     const auto met = static_cast<std::size_t>(result.answers->object[i]);
-    const truth::Truth there = result.band->truth_of_solid(i, met, result.convention);
+    const truth::Truth there = result.band->truth_of_primitive(i, met, result.convention);
     for (std::size_t pair = candidates.first(i); pair < candidates.first(i + 1); ++pair) {
-        if (result.answers->claimed[pair] == 0 || candidates.solid(pair) == met) continue;
-        const truth::Truth here = result.band->truth_of_solid(i, candidates.solid(pair), result.convention);
+        if (result.answers->claimed[pair] == 0 || candidates.primitive(pair) == met) continue;
+        const truth::Truth here = result.band->truth_of_primitive(i, candidates.primitive(pair), result.convention);
         if (there.is_hit() && here.is_hit() && compare(here.t, there.t) == 0) return true;
     }
     return false;
@@ -95,19 +95,19 @@ struct Subject {
 /// Finds the nearest ray of a litter with the wanted outcome.
 class Judge {
 public:
-    Judge(Outcome wanted, const Subject& subject, const std::vector<Aimed>& litter, const evaluate::TestedForm& row)
-        : wanted_(wanted), subject_(subject), litter_(litter), row_(row) {}
+    Judge(Outcome wanted, const Subject& subject, const std::vector<Aimed>& batch, const evaluate::TestedForm& row)
+        : wanted_(wanted), subject_(subject), batch_(batch), row_(row) {}
 
     void look_at(const evaluate::BandResult& result) {
-        for (std::size_t i = 0; i < litter_.size(); ++i) {
+        for (std::size_t i = 0; i < batch_.size(); ++i) {
             const truth::Truth truth = result.truth(i);
             if (!truth.is_hit() || result.outcomes[i] != wanted_) continue;
-            if (nearest && litter_[i].distance >= nearest->distance) continue;
+            if (nearest && batch_[i].distance >= nearest->distance) continue;
             const auto met = static_cast<std::uint32_t>(truth.object);
-            const SharedEdge* const edge = subject_.edge_at(litter_[i], met);
+            const SharedEdge* const edge = subject_.edge_at(batch_[i], met);
             if (edge == nullptr || (wanted_ == Outcome::double_hit && is_tie(result, i))) continue;
-            nearest = {.distance = litter_[i].distance,
-                       .ray = litter_[i].ray,
+            nearest = {.distance = batch_[i].distance,
+                       .ray = batch_[i].ray,
                        .faces = edge->faces,
                        .t = result.answers->hit[i] != 0 ? result.answers->t[i] : truth::missing,
                        .truth = result.band->rounded_truth(i, binary64, row_.form->info->direction, result.convention)};
@@ -115,7 +115,7 @@ public:
         }
     }
     /// The nearest ray.
-    [[nodiscard]] const Aimed& aimed() const { return litter_[place]; }
+    [[nodiscard]] const Aimed& aimed() const { return batch_[place]; }
 
     std::optional<NearestRay> nearest;
     std::size_t place = 0;  ///< index in the litter
@@ -123,7 +123,7 @@ public:
 private:
     Outcome wanted_;
     const Subject& subject_;
-    const std::vector<Aimed>& litter_;
+    const std::vector<Aimed>& batch_;
     const evaluate::TestedForm& row_;
 };
 
@@ -156,9 +156,9 @@ public:
         };
         for (std::int64_t k = 0; k < litters && !is_as_near_as_asked(); ++k) {
             std::vector<Eye> drawn;
-            const std::vector<Aimed> litter = next_litter(drawn);
-            finding.rays[wanted_] += litter.size();
-            std::vector<Aimed> few = suspicious(litter);
+            const std::vector<Aimed> batch = next_batch(drawn);
+            finding.rays[wanted_] += batch.size();
+            std::vector<Aimed> few = suspicious(batch);
             std::erase_if(few, [this](const Aimed& one) { return !file_.distance.holds(one.distance); });
             if (few.empty()) continue;
             const Judge judge = judged(few);
@@ -220,8 +220,8 @@ private:
         return eye;
     }
 
-    std::vector<Aimed> next_litter(std::vector<Eye>& drawn) {
-        std::vector<Aimed> litter;
+    std::vector<Aimed> next_batch(std::vector<Eye>& drawn) {
+        std::vector<Aimed> batch;
         const auto stored = [this](Vec<double> v) {
             for (int k = 0; k < 3; ++k) v[k] = rounding::to_format(v[k], 0, format_);
             return v;
@@ -237,13 +237,13 @@ private:
                               to = point - origin;
             const Vec<double> direction = stored((1 + random_.unit()) / length(to) * to);
             for (std::size_t k = 0; k < rays_of_eye; ++k)
-                litter.push_back({{origin, k == 0 ? direction : moved(direction)},
-                                  length(to) / size,
-                                  eye.edge,
-                                  drawn.size() - 1,
-                                  vertex});
+                batch.push_back({{origin, k == 0 ? direction : moved(direction)},
+                                 length(to) / size,
+                                 eye.edge,
+                                 drawn.size() - 1,
+                                 vertex});
         }
-        return litter;
+        return batch;
     }
 
     Vec<double> moved(Vec<double> direction) {
@@ -257,38 +257,38 @@ private:
     /// Rays of a litter that may have the outcome, judged by what the form claims: for a crack no face of the edge or
     /// vertex, for a double hit two faces. The truth of the others is not computed, since it takes a hundred times as
     /// long.
-    std::vector<Aimed> suspicious(const std::vector<Aimed>& litter) const {
-        if (row_.form->info->direction == intersect::Direction::unit) return litter;
-        truth::FormatInputs inputs{.format = row_.format, .rays = block_of(litter), .stop = request_.limit.stop};
-        const scene::rays::SolidList<double> all =
-            scene::rays::solid_list_of({.rays = {}, .solids = {}, .mesh = subject_.columns});
-        inputs.solids = round_solids(all, row_.format.parameters);
+    std::vector<Aimed> suspicious(const std::vector<Aimed>& batch) const {
+        if (row_.form->info->direction == intersect::Direction::unit) return batch;
+        truth::FormatInputs inputs{.format = row_.format, .rays = block_of(batch), .stop = request_.limit.stop};
+        const scene::rays::PrimitiveList<double> all =
+            scene::rays::primitive_list_of({.rays = {}, .primitives = {}, .mesh = subject_.columns});
+        inputs.primitives = round_primitives(all, row_.format.parameters);
         culling::Culler culler(all, inputs.rays);
         inputs.candidates = std::make_shared<culling::CandidateLists>(
-            *culler.for_forms(row_.format.parameters, inputs.solids), inputs.rays);
+            *culler.for_forms(row_.format.parameters, inputs.primitives), inputs.rays);
         const answer::Answers answers = answer::evaluate(*row_.form, inputs);
         std::vector<Aimed> few;
-        for (std::size_t i = 0; i < litter.size(); ++i) {
+        for (std::size_t i = 0; i < batch.size(); ++i) {
             std::size_t claimed = 0, touched = 0;
             for (std::size_t pair = inputs.candidates->first(i); pair < inputs.candidates->first(i + 1); ++pair) {
                 if (answers.claimed[pair] == 0) continue;
                 ++claimed;
-                touched += subject_.touches(litter[i], inputs.candidates->solid(pair));
+                touched += subject_.touches(batch[i], inputs.candidates->primitive(pair));
             }
-            if (sought[wanted_] == Outcome::crack ? touched == 0 : claimed >= 2) few.push_back(litter[i]);
+            if (sought[wanted_] == Outcome::crack ? touched == 0 : claimed >= 2) few.push_back(batch[i]);
         }
         return few;
     }
 
-    Judge judged(const std::vector<Aimed>& litter) const {
+    Judge judged(const std::vector<Aimed>& batch) const {
         request_.limit.stop.check();
-        scene::rays::RayGroup group{.rays = block_of(litter), .solids = {}};
+        scene::rays::RayGroup group{.rays = block_of(batch), .primitives = {}};
         group.mesh = subject_.columns;
-        culling::Culler culler(scene::rays::solid_list_of(group), group.rays);
+        culling::Culler culler(scene::rays::primitive_list_of(group), group.rays);
         truth::Band band(std::move(group), request_.limit, &culler);
         const auto inputs = band.inputs_for(row_.format, *row_.form->info);
         evaluate::FormSummary summary(metrics_);
-        Judge judge(sought[wanted_], subject_, litter, row_);
+        Judge judge(sought[wanted_], subject_, batch, row_);
         evaluate::measure_row({row_, metrics_, [&judge](const auto& result) { judge.look_at(result); }}, band, inputs,
                               summary);
         return judge;

@@ -99,28 +99,28 @@ unsigned needs_of(const std::vector<const Metric*>& metrics) {
     return needs;
 }
 
-unsigned needs_met_by(const intersect::table::Intersector& form) {
+unsigned needs_supported_by(const intersect::table::Intersector& form) {
     return ~((form.ball ? 0U : metric::needs_self) | (form.record ? 0U : metric::needs_tape) |
-             (form.bounded ? 0U : metric::needs_bound) | (form.way ? 0U : metric::needs_way) |
+             (form.bounded ? 0U : metric::needs_bound) | (form.way ? 0U : metric::needs_filter_arithmetic) |
              (form.shapes().are_placed() ? 0U : metric::needs_steps) |
-             (intersect::hull::has_box(form) ? 0U : metric::needs_levels | metric::needs_end_margin));
+             (intersect::bounding_box::has_box(form) ? 0U : metric::needs_levels | metric::needs_end_margin));
 }
 
 namespace {
 
 /// Rows with the same ray generator and their indices in the list of rows; null: rays as the scene makes them.
-struct RowsOfMaker {
-    const scene::camera::Maker* maker;
+struct RowsOfGenerator {
+    const scene::camera::RayGenerator* generator;
     std::vector<TestedForm> rows;
     std::vector<std::size_t> places;
 };
 
-std::vector<RowsOfMaker> by_maker(const std::vector<TestedForm>& rows) {
-    std::vector<RowsOfMaker> all;
+std::vector<RowsOfGenerator> by_generator(const std::vector<TestedForm>& rows) {
+    std::vector<RowsOfGenerator> all;
     for (std::size_t r = 0; r < rows.size(); ++r) {
-        const auto* const maker = scene::rays::maker_of(*rows[r].form);
-        auto found = std::ranges::find(all, maker, &RowsOfMaker::maker);
-        if (found == all.end()) found = all.insert(found, {maker, {}, {}});
+        const auto* const generator = scene::rays::generator_of(*rows[r].form);
+        auto found = std::ranges::find(all, generator, &RowsOfGenerator::generator);
+        if (found == all.end()) found = all.insert(found, {generator, {}, {}});
         found->rows.push_back(rows[r]);
         found->places.push_back(r);
     }
@@ -129,7 +129,7 @@ std::vector<RowsOfMaker> by_maker(const std::vector<TestedForm>& rows) {
 
 /// Groups of rays with one primitive each, joined into one group whose rays are paired with their primitives.
 struct Joined {
-    scene::rays::RayGroup rays = {.rays = {}, .solids = {}, .paired = true};
+    scene::rays::RayGroup rays = {.rays = {}, .primitives = {}, .paired = true};
     std::vector<std::size_t> first = {};  ///< index of the first ray of each group
 
     /// Converts the position of a ray in the joined group to one in its own group.
@@ -149,20 +149,21 @@ struct Joined {
 /// cost of a band is a hundred times the cost of a ray, and ray distributions have a group for each ray.
 std::optional<Joined> join(const std::vector<scene::rays::RayGroup>& groups) {
     const auto fits = [&](const scene::rays::RayGroup& g) {
-        return g.solids.size() == 1 && !g.paired && g.rays.size() > 0 && g.rays.width > 0 &&
-               g.solids[0].shape == groups[0].solids[0].shape && g.rays.tmin.empty() == groups[0].rays.tmin.empty() &&
+        return g.primitives.size() == 1 && !g.paired && g.rays.size() > 0 && g.rays.width > 0 &&
+               g.primitives[0].shape == groups[0].primitives[0].shape &&
+               g.rays.tmin.empty() == groups[0].rays.tmin.empty() &&
                g.rays.tmax.empty() == groups[0].rays.tmax.empty() && g.rays.open.tmin == groups[0].rays.open.tmin &&
                g.rays.open.tmax == groups[0].rays.open.tmax;
     };
-    if (groups.size() < 2 || groups[0].solids.empty() || !std::ranges::all_of(groups, fits)) return std::nullopt;
+    if (groups.size() < 2 || groups[0].primitives.empty() || !std::ranges::all_of(groups, fits)) return std::nullopt;
     Joined all;
     scene::rays::RayBlock& rays = all.rays.rays;
     for (const scene::rays::RayGroup& g : groups) {
         all.first.push_back(rays.size());
         for (std::size_t i = 0; i < g.rays.size(); ++i) rays.push(g.rays[i]), rays.push_range(g.rays, i);
-        all.rays.solids.insert(all.rays.solids.end(), g.rays.size(), g.solids[0]);
+        all.rays.primitives.insert(all.rays.primitives.end(), g.rays.size(), g.primitives[0]);
     }
-    rays.be_list();
+    rays.set_as_list();
     return all;
 }
 
@@ -178,12 +179,12 @@ void measure_band(Band& band, int group, const std::vector<TestedForm>& rows, co
 void measure_group(scene::rays::RayGroup rays, int group, const std::vector<TestedForm>& rows,
                    const std::vector<const Metric*>& metrics, truth::TruthLimit limit,
                    const std::vector<FormSummary*>& summaries) {
-    for (const RowsOfMaker& some : by_maker(rows)) {
+    for (const RowsOfGenerator& some : by_generator(rows)) {
         std::vector<FormSummary*> into;
         for (const std::size_t place : some.places) into.push_back(summaries[place]);
-        if (some.maker == nullptr && !(rays.scene && rays.scene->camera.rays)) {
+        if (some.generator == nullptr && !(rays.scene && rays.scene->camera.rays)) {
             std::optional<culling::Culler> culler;
-            if (rays.mesh) culler.emplace(scene::rays::solid_list_of(rays), rays.rays);
+            if (rays.mesh) culler.emplace(scene::rays::primitive_list_of(rays), rays.rays);
             Band band(rays, limit, culler ? &*culler : nullptr);
             measure_band(band, group, some.rows, metrics, into);
             continue;
@@ -193,7 +194,7 @@ void measure_group(scene::rays::RayGroup rays, int group, const std::vector<Test
                 std::string(some.rows.front().form->info->name) +
                 ": it makes camera rays, and the rays of this sweep do not come from a camera with a projection; name "
                 "a sweep over a scene that has [camera.projection]");
-        const scene::file::Scene made = some.maker ? with_rays(*rays.scene, *some.maker) : *rays.scene;
+        const scene::file::Scene made = some.generator ? with_rays(*rays.scene, *some.generator) : *rays.scene;
         Band band(made, 0, made.height, limit);
         measure_band(band, group, some.rows, metrics, into);
     }
@@ -210,7 +211,7 @@ std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> group
     std::vector<TestedForm> at_once, one_by_one;
     std::vector<FormSummary*> of_once, of_each;
     for (std::size_t r = 0; r < rows.size(); ++r) {
-        const bool once = joined && is_solid(rows[r].form->shape);
+        const bool once = joined && is_primitive(rows[r].form->shape);
         (once ? at_once : one_by_one).push_back(rows[r]);
         (once ? of_once : of_each).push_back(&summaries[r]);
     }
@@ -248,7 +249,7 @@ namespace {
 
 /// Measures rows over the pixels of a scene, with rays as the scene makes them. Adds to the summaries at their indices
 /// and calls their `shows`.
-void map_rows(const scene::file::Scene& scene, const RowsOfMaker& some, const EvaluationRequest& request,
+void map_rows(const scene::file::Scene& scene, const RowsOfGenerator& some, const EvaluationRequest& request,
               const std::vector<Show>& shows, std::vector<FormSummary>& summaries) {
     culling::Culler culler(scene);
     for (const int y0 : bands_of(scene.width, scene.height, request.share)) {
@@ -269,8 +270,8 @@ void map_rows(const scene::file::Scene& scene, const RowsOfMaker& some, const Ev
 std::vector<FormSummary> evaluate_rows(const EvaluationRequest& request, const std::vector<Show>& shows) {
     std::vector<FormSummary> summaries;
     for (std::size_t r = 0; r < request.rows.size(); ++r) summaries.emplace_back(request.metrics);
-    for (const RowsOfMaker& some : by_maker(request.rows)) {
-        if (some.maker) map_rows(with_rays(*request.scene, *some.maker), some, request, shows, summaries);
+    for (const RowsOfGenerator& some : by_generator(request.rows)) {
+        if (some.generator) map_rows(with_rays(*request.scene, *some.generator), some, request, shows, summaries);
         else map_rows(*request.scene, some, request, shows, summaries);
     }
     return summaries;

@@ -44,7 +44,7 @@ struct WorstRay {
     std::int64_t object = -1;  ///< the primitive that the form hit; if each ray has its own primitive, the ray's index
     double size = -1;          ///< |ulp_error|; 0 for a wrong decision
     Ray<double> ray{};  ///< in the format; for a form that takes unit directions it is normalised, so t is a distance
-    Solid<double> solid{};
+    Primitive<double> primitive{};
     double t = 0;
     answer::Outcome outcome = answer::Outcome::agree_hit;
     double ulps = truth::missing;   ///< (t − t*)/ulp(t*), signed; NaN unless both hit
@@ -144,7 +144,7 @@ std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> group
 unsigned needs_of(const std::vector<const metric::Metric*>& metrics);
 /// Flags of what a form can provide. Answers of a file and external functions have no formula to evaluate without
 /// rounding or to record.
-unsigned needs_met_by(const intersect::table::Intersector& form);
+unsigned needs_supported_by(const intersect::table::Intersector& form);
 
 struct EvaluationRequest {
     const scene::file::Scene* scene = nullptr;

@@ -32,7 +32,7 @@ struct Rank {
 
 }  // namespace
 
-std::size_t Groups::place_of(const std::string& value) const {
+std::size_t Groups::index_of(const std::string& value) const {
     const auto is_before = [](const Group& group, const std::string& v) { return Rank(group.value) < Rank(v); };
     return static_cast<std::size_t>(std::lower_bound(all_.begin(), all_.end(), value, is_before) - all_.begin());
 }
@@ -45,7 +45,7 @@ void Groups::insert(std::size_t at, Group&& group) {
 }
 
 void Groups::add(const std::string& value, std::size_t rows, const std::vector<const metric::Metric*>& metrics) {
-    const std::size_t at = place_of(value);
+    const std::size_t at = index_of(value);
     if (has(value, at)) return;
     Group made{value, {}};
     for (std::size_t r = 0; r < rows; ++r) made.summaries.emplace_back(metrics);
@@ -54,7 +54,7 @@ void Groups::add(const std::string& value, std::size_t rows, const std::vector<c
 
 void Groups::append(Groups&& after) {
     for (Group& group : after.all_) {
-        const std::size_t at = place_of(group.value);
+        const std::size_t at = index_of(group.value);
         if (!has(group.value, at)) {
             insert(at, std::move(group));
             continue;

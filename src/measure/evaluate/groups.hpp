@@ -27,7 +27,7 @@ public:
     /// than `most` values.
     void add(const std::string& value, std::size_t rows, const std::vector<const metric::Metric*>& metrics);
     /// Group of a value that was added. May be called by several threads at once.
-    [[nodiscard]] Group& at(const std::string& value) { return all_[place_of(value)]; }
+    [[nodiscard]] Group& at(const std::string& value) { return all_[index_of(value)]; }
     /// Adds the groups of the rays that come next.
     void append(Groups&& after);
     [[nodiscard]] const std::vector<Group>& all() const { return all_; }
@@ -39,7 +39,7 @@ public:
     }
 
 private:
-    [[nodiscard]] std::size_t place_of(const std::string& value) const;
+    [[nodiscard]] std::size_t index_of(const std::string& value) const;
     [[nodiscard]] bool has(const std::string& value, std::size_t at) const {
         return at < all_.size() && all_[at].value == value;
     }

@@ -17,11 +17,11 @@
 namespace lostbits::measure::evaluate {
 
 using answer::Outcome;
-using blame::Blame;
+using attribution::RayAttribution;
 using columns::TrueLengths;
 using metric::InColumns;
 using metric::Metric;
-using metric::Over;
+using metric::MetricDomain;
 using metric::Sample;
 using truth::FormatInputs;
 using truth::Truth;
@@ -36,16 +36,16 @@ const truth::Certified* in_unit_of(const Truth& truth, const intersect::Info& in
 /// Computes the metrics of a row on a band.
 class Measurement {
 public:
-    Measurement(const RowRequest& request, const TrueLengths& truth, BandResult& result, RowColumns& room)
+    Measurement(const RowRequest& request, const TrueLengths& truth, BandResult& result, RowColumns& columns_of_thread)
         : metrics_(request.metrics),
           row_(request.row),
           request_(request),
           result_(result),
           truth_(truth),
-          needs_(needs_of(metrics_) & needs_met_by(*row_.form)),
-          blamer_(*row_.form, row_.format, culprits_of(metrics_), (needs_ & metric::needs_counterfactuals) != 0),
-          measured_(room.measured),
-          own_ulps_(room.own_ulps) {}
+          needs_(needs_of(metrics_) & needs_supported_by(*row_.form)),
+          attributor_(*row_.form, row_.format, culprits_of(metrics_), (needs_ & metric::needs_counterfactuals) != 0),
+          measured_(columns_of_thread.measured),
+          own_ulps_(columns_of_thread.own_ulps) {}
 
     void measure(FormSummary& summary, std::span<const BandPart> parts) {
         find_outcomes({*result_.answers, *result_.inputs, *result_.band, row_.convention()}, truth_, tells_t(),
@@ -97,14 +97,14 @@ private:
         if (double* const residuals = column_of(InColumns::residual)) {
             const FormatInputs& in = *result_.inputs;
             columns::find_residuals(
-                measured_, {in.rays_for(*row_.form->info), in.solids, result_.answers->object, row_.format.engine},
+                measured_, {in.rays_for(*row_.form->info), in.primitives, result_.answers->object, row_.format.engine},
                 residuals, left);
         }
         for (const std::uint32_t i : left) {
             const Ray<double> ray = ray_of(i);
-            const Solid<double> solid = solid_of(i);
+            const Primitive<double> primitive = primitive_of(i);
             const Truth truth = result_.truth(i);
-            take(i, sample_of(i, ray, solid, truth), [](const Metric& m) { return m.in_columns != InColumns::no; });
+            take(i, sample_of(i, ray, primitive, truth), [](const Metric& m) { return m.in_columns != InColumns::no; });
         }
     }
 
@@ -112,7 +112,7 @@ private:
     void measure_pairs() {
         if (row_.against == nullptr) return;
         const auto column = [this](std::string_view name) {
-            const std::size_t m = metric::place_of(metrics_, name);
+            const std::size_t m = metric::index_of(metrics_, name);
             return m == metrics_.size() ? std::span<double>() : std::span<double>(result_.metrics[m]);
         };
         const std::span<double> which = column("against"), apart = column("apart");
@@ -127,12 +127,13 @@ private:
         const auto any = [this](const auto& which) {
             return std::ranges::any_of(metrics_, [&](const Metric* m) { return which(*m); });
         };
-        const auto of_marches = [](const Metric& m) { return m.over == Over::marches; };
+        const auto of_marches = [](const Metric& m) { return m.over == MetricDomain::marches; };
         const auto of_hits = [](const Metric& m) {
-            return (m.over == Over::agreed_hits || m.over == Over::blamed) && m.in_columns == InColumns::no;
+            return (m.over == MetricDomain::agreed_hits || m.over == MetricDomain::blamed) &&
+                   m.in_columns == InColumns::no;
         };
-        const auto of_every = [](const Metric& m) { return m.over == Over::every; };
-        const auto of_blamed = [](const Metric& m) { return m.over == Over::blamed; };
+        const auto of_every = [](const Metric& m) { return m.over == MetricDomain::every; };
+        const auto of_blamed = [](const Metric& m) { return m.over == MetricDomain::blamed; };
         const bool marches = any(of_marches) && !result_.answers->march.empty(), hits = any(of_hits);
         const bool every = any(of_every);
         const bool faults = (needs_ & metric::needs_attribution) != 0;
@@ -145,7 +146,7 @@ private:
             if (marches) take(i, plain_sample_of(i, ray), of_marches);
             if (every) measure_own_words(i, ray, of_every);
             if (faults && fault) {
-                const Blame blame = blame_of(i);
+                const RayAttribution blame = blame_of(i);
                 Sample sample = plain_sample_of(i, ray);
                 sample.blame = &blame;
                 take(i, sample, of_blamed);
@@ -158,21 +159,21 @@ private:
     template <class Which>
     void measure_own_words(std::size_t i, const Ray<double>& ray, const Which& which) {
         const Truth truth = result_.truth(i);
-        const OwnWords own(row_, needs_ & ~unsigned{metric::needs_end_margin}, *result_.inputs, ray, i, asked_of(i),
-                           truth.is_hit() ? truth_.object[i] : -1);
-        const Solid<double> solid = result_.inputs->solids[asked_of(i)];
-        Sample sample = sample_of(i, ray, solid, truth);
+        const FormStatements own(row_, needs_ & ~unsigned{metric::needs_end_margin}, *result_.inputs, ray, i,
+                                 asked_of(i), truth.is_hit() ? truth_.object[i] : -1);
+        const Primitive<double> primitive = result_.inputs->primitives[asked_of(i)];
+        Sample sample = sample_of(i, ray, primitive, truth);
         own.into(sample);
         const bool rays = (needs_ & metric::needs_true_ray) != 0;
         const std::optional<Ray<Real>> true_ray = rays ? std::optional(result_.band->true_ray(i)) : std::nullopt;
         if (rays) sample.true_ray = &*true_ray, sample.frame = result_.band->frame();
         const auto is_margin = [](const Metric& m) { return m.name == "decision_margin"; };
-        const bool misses_several =
-            result_.outcomes[i] == Outcome::agree_miss && !result_.inputs->paired && result_.inputs->solids.size() > 1;
+        const bool misses_several = result_.outcomes[i] == Outcome::agree_miss && !result_.inputs->paired &&
+                                    result_.inputs->primitives.size() > 1;
         take(i, sample, [&](const Metric& m) { return which(m) && !(misses_several && is_margin(m)); });
         if (!misses_several || std::ranges::none_of(metrics_, [&](const Metric* m) { return is_margin(*m); })) return;
-        const std::optional<Solid<double>> nearest = narrowly_missed(sample);
-        sample.solid = nearest ? &*nearest : nullptr;
+        const std::optional<Primitive<double>> nearest = narrowly_missed(sample);
+        sample.primitive = nearest ? &*nearest : nullptr;
         take(i, sample, is_margin);
     }
 
@@ -184,20 +185,20 @@ private:
 
     /// Of several primitives that a ray misses, the one that it misses most narrowly; nothing where there are too many
     /// to compare.
-    [[nodiscard]] std::optional<Solid<double>> narrowly_missed(const Sample& sample) const {
+    [[nodiscard]] std::optional<Primitive<double>> narrowly_missed(const Sample& sample) const {
         constexpr std::size_t most_compared = 4096;
-        const auto& solids = result_.inputs->solids;
-        if (solids.size() > most_compared || !is_solid(row_.form->shape)) return std::nullopt;
-        return solids[stability::nearest_decision(*sample.ray, solids, sample.convention, sample.range)];
+        const auto& primitives = result_.inputs->primitives;
+        if (primitives.size() > most_compared || !is_primitive(row_.form->shape)) return std::nullopt;
+        return primitives[stability::nearest_decision(*sample.ray, primitives, sample.convention, sample.range)];
     }
 
     template <class Which>
     void measure_hit(std::size_t i, const Ray<double>& ray, const Which& which) {
         const FormatInputs& in = *result_.inputs;
         const intersect::Info& info = *row_.form->info;
-        const Solid<double> solid = solid_of(i);
+        const Primitive<double> primitive = primitive_of(i);
         const Truth truth = result_.truth(i);
-        Sample sample = sample_of(i, ray, solid, truth);
+        Sample sample = sample_of(i, ray, primitive, truth);
         if (needs_ & metric::needs_rounded_truth)
             sample.truth_rounded =
                 result_.band->rounded_truth(i, row_.format.parameters, info.direction, row_.convention());
@@ -213,21 +214,21 @@ private:
         if (needs_ & metric::needs_self)
             self = answer::without_rounding(*row_.form, ray, in.target_for(*row_.form, asked_of(i)));
         if (self) sample.self = &*self;
-        const Blame blame = blame_of(i);
+        const RayAttribution blame = blame_of(i);
         if (needs_ & metric::needs_attribution) sample.blame = &blame;
-        const unsigned others = needs_ & ~unsigned{metric::needs_way | metric::needs_levels};
-        const OwnWords own_words(row_, others, in, ray, i, asked_of(i), -1);
+        const unsigned others = needs_ & ~unsigned{metric::needs_filter_arithmetic | metric::needs_levels};
+        const FormStatements own_words(row_, others, in, ray, i, asked_of(i), -1);
         own_words.into(sample);
         take(i, sample, which);
     }
 
     /// Attribution to the operations on the primitive that the ray is measured at.
-    Blame blame_of(std::size_t i) {
+    RayAttribution blame_of(std::size_t i) {
         if (!(needs_ & metric::needs_attribution)) return {};
         const FormatInputs& in = *result_.inputs;
         const auto& rays = in.rays_for(*row_.form->info);
-        return blamer_.of(rays[i], in.target_for(*row_.form, asked_of(i)), rays.range(i),
-                          result_.band->recorded_ray(i, row_.format));
+        return attributor_.of(rays[i], in.target_for(*row_.form, asked_of(i)), rays.range(i),
+                              result_.band->recorded_ray(i, row_.format));
     }
 
     [[nodiscard]] Ray<double> ray_of(std::size_t i) const { return result_.inputs->rays_for(*row_.form->info)[i]; }
@@ -246,18 +247,18 @@ private:
     }
 
     /// Sample of a correct hit, without further work.
-    [[nodiscard]] Sample sample_of(std::size_t i, const Ray<double>& ray, const Solid<double>& solid,
+    [[nodiscard]] Sample sample_of(std::size_t i, const Ray<double>& ray, const Primitive<double>& primitive,
                                    const Truth& truth) const {
         Sample sample = plain_sample_of(i, ray);
         sample.truth = in_unit_of(truth, *row_.form->info);
-        sample.solid = &solid;
-        sample.weights = row_.form->of(solid.shape).info->weights;
+        sample.primitive = &primitive;
+        sample.weights = row_.form->of(primitive.shape).info->weights;
         return sample;
     }
 
     /// The primitive that the form hit.
-    [[nodiscard]] Solid<double> solid_of(std::size_t i) const {
-        return result_.inputs->solids[static_cast<std::size_t>(result_.answers->object[i])];
+    [[nodiscard]] Primitive<double> primitive_of(std::size_t i) const {
+        return result_.inputs->primitives[static_cast<std::size_t>(result_.answers->object[i])];
     }
 
     template <class Which>
@@ -275,7 +276,7 @@ private:
     BandResult& result_;
     const TrueLengths& truth_;
     unsigned needs_;
-    blame::Blamer blamer_;
+    attribution::Attributor attributor_;
     std::vector<double>& measured_;  ///< answers of the correct hits, NaN elsewhere
     std::vector<double>& own_ulps_;  ///< used if `ulp_error` is not among the metrics
     double* ulps_ = nullptr;
@@ -290,8 +291,8 @@ void measure_row(const RowRequest& request, const RowBand& on, FormSummary& summ
     const answer::Answers& answers = request.answers ? *request.answers : asked;
     // The columns are taken out of `kept`: a thread that waits in here may start another row.
     thread_local std::optional<RowColumns> kept;
-    RowColumns room = std::exchange(kept, std::nullopt).value_or(RowColumns{});
-    room.make(on.band.pixels(), request.metrics);
+    RowColumns columns_of_thread = std::exchange(kept, std::nullopt).value_or(RowColumns{});
+    columns_of_thread.make(on.band.pixels(), request.metrics);
     BandResult result{.y0 = on.band.y0(),
                       .rows = on.band.rows(),
                       .width = on.inputs.rays.width,
@@ -299,14 +300,14 @@ void measure_row(const RowRequest& request, const RowBand& on, FormSummary& summ
                       .inputs = &on.inputs,
                       .answers = &answers,
                       .convention = row.convention(),
-                      .outcomes = std::move(room.outcomes),
-                      .metrics = std::move(room.metrics)};
+                      .outcomes = std::move(columns_of_thread.outcomes),
+                      .metrics = std::move(columns_of_thread.metrics)};
     const TrueLengths& truth = on.columns.of(row.convention(), row.form->info->direction);
-    Measurement(request, truth, result, room).measure(summary, parts);
+    Measurement(request, truth, result, columns_of_thread).measure(summary, parts);
     if (request.show) request.show(result);
-    room.outcomes = std::move(result.outcomes);
-    room.metrics = std::move(result.metrics);
-    kept = std::move(room);
+    columns_of_thread.outcomes = std::move(result.outcomes);
+    columns_of_thread.metrics = std::move(result.metrics);
+    kept = std::move(columns_of_thread);
 }
 
 void measure_row(const RowRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,

@@ -23,7 +23,7 @@ namespace {
 
 /// The rays `pixels` of the inputs that a form receives.
 FormatInputs only(const FormatInputs& all, const intersect::Info& info, const std::vector<std::uint32_t>& pixels) {
-    FormatInputs some{.format = all.format, .solids = all.solids, .march = all.march, .stop = all.stop};
+    FormatInputs some{.format = all.format, .primitives = all.primitives, .march = all.march, .stop = all.stop};
     const scene::rays::RayBlock& from = all.rays_for(info);
     scene::rays::RayBlock& to = info.direction == Direction::unit ? some.unit_rays : some.rays;
     for (std::size_t c = 0; c < to.numbers().size(); ++c) {

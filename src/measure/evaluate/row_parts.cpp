@@ -27,7 +27,7 @@ void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& tr
             table[answer::OutcomeTable::place(truth.decision[i], answers.hit[i] != 0, answers.t[i] != answers.t[i])];
     for (std::size_t i = 0; i < n; ++i) {
         const bool other = tells_t & (outcomes[i] == Outcome::agree_hit) & (answers.object[i] != truth.object[i]);
-        outcomes[i] = other ? Outcome::wrong_object : outcomes[i];
+        outcomes[i] = other ? Outcome::wrong_primitive : outcomes[i];
     }
     if (tells_t) take_apart(of, truth, out.outcomes);
     for (std::size_t i = 0; i < n; ++i) {
@@ -41,31 +41,33 @@ void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& tr
     summary.rays += n;
 }
 
-OwnWords::OwnWords(const TestedForm& row, unsigned needs, const truth::FormatInputs& inputs, const Ray<double>& ray,
-                   std::size_t i, std::size_t solid, std::int32_t truly) {
+FormStatements::FormStatements(const TestedForm& row, unsigned needs, const truth::FormatInputs& inputs,
+                               const Ray<double>& ray, std::size_t i, std::size_t primitive, std::int32_t truly) {
     const intersect::table::Intersector& form = *row.form;
     const auto& rays = inputs.rays_for(*form.info);
     const double tmax = rays.tmax.empty() ? HUGE_VAL : rays.tmax[i];
     if ((needs & metric::needs_bound) && form.bounded)
-        bounded_ = form.bounded(row.format, ray, inputs.target_for(form, solid), tmax);
-    if ((needs & metric::needs_way) && form.way) way_ = form.way(row.format, ray, inputs.target_for(form, solid), tmax);
+        bounded_ = form.bounded(row.format, ray, inputs.target_for(form, primitive), tmax);
+    if ((needs & metric::needs_filter_arithmetic) && form.way)
+        way_ = form.way(row.format, ray, inputs.target_for(form, primitive), tmax);
     if ((needs & metric::needs_levels) && truly >= 0) {
-        const Solid<double> met = inputs.solids[static_cast<std::size_t>(truly)];
+        const Primitive<double> met = inputs.primitives[static_cast<std::size_t>(truly)];
         const intersect::table::Intersector& part = form.of(met.shape);
-        if (intersect::hull::has_box(part)) levels_ = answer::levels_of(part, row.format, ray, met, rays.range(i));
+        if (intersect::bounding_box::has_box(part))
+            levels_ = answer::levels_of(part, row.format, ray, met, rays.range(i));
     }
     if (!(needs & (metric::needs_steps | metric::needs_end_margin))) return;
-    const Solid<double> asked = inputs.solids[solid];
+    const Primitive<double> asked = inputs.primitives[primitive];
     const intersect::table::Intersector& part = form.of(asked.shape);
-    if ((needs & metric::needs_end_margin) && intersect::hull::has_box(part))
+    if ((needs & metric::needs_end_margin) && intersect::bounding_box::has_box(part))
         end_margin_ = answer::end_margin(part, row.format, ray, asked, rays.range(i));
     if (!(needs & metric::needs_steps)) return;
     if (!asked.placed || !part.is_placed) return;
     // A box in the world is not a step of the way.
-    steps_ = answer::steps_of(intersect::hull::within_boxes(part), row.format, ray, asked, rays.range(i));
+    steps_ = answer::steps_of(intersect::bounding_box::within_boxes(part), row.format, ray, asked, rays.range(i));
 }
 
-void OwnWords::into(metric::Sample& sample) const {
+void FormStatements::into(metric::Sample& sample) const {
     if (bounded_) sample.bounded = &*bounded_;
     if (way_) sample.way = &*way_;
     if (steps_) sample.steps = &*steps_;
@@ -127,7 +129,7 @@ WorstRay RowSums::named(std::size_t i, Outcome outcome) const {
     const bool hit = result_.answers->hit[i] != 0, tells_t = row_.form->info->roots != intersect::Roots::none;
     const Truth truth = result_.truth(i);
     const int object = hit ? result_.answers->object[i] : truth.object;
-    const std::size_t solid = answer::measured_at(*result_.inputs, i, object);
+    const std::size_t primitive = answer::measured_at(*result_.inputs, i, object);
     // Index of the band's first ray among all rays.
     const std::int64_t first = request_.first + std::int64_t{result_.y0} * result_.width;
     WorstRay w{.x = request_.first + static_cast<std::int64_t>(i % static_cast<std::size_t>(result_.width)),
@@ -136,7 +138,7 @@ WorstRay RowSums::named(std::size_t i, Outcome outcome) const {
                .object = result_.inputs->paired && object >= 0 ? first + object : object,
                .size = 0,
                .ray = result_.inputs->rays[i],
-               .solid = result_.inputs->solids[solid],
+               .primitive = result_.inputs->primitives[primitive],
                .t = hit && tells_t ? result_.answers->t[i] : missing,
                .outcome = outcome,
                .judged = row_.judged};
@@ -144,7 +146,7 @@ WorstRay RowSums::named(std::size_t i, Outcome outcome) const {
         w.truth = result_.band->rounded_truth(i, binary64, row_.form->info->direction, row_.convention());
     // Two primitives decide which hit is nearest: the form's and the true one. A field of distances depends on all.
     std::set<int> deciding;
-    if (is_solid(row_.form->shape)) {
+    if (is_primitive(row_.form->shape)) {
         if (hit) deciding.insert(object);
         if (truth.is_hit()) deciding.insert(truth.object);
     }

@@ -46,16 +46,16 @@ void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& tr
 /// A form's statements about its own answer to ray i at one primitive. Levels are about the primitive `truly`, which is
 /// truly met; there are none if `truly` is below 0. Statements that `needs` does not name, or that the form cannot
 /// make, are empty.
-class OwnWords {
+class FormStatements {
 public:
-    OwnWords(const TestedForm& row, unsigned needs, const truth::FormatInputs& inputs, const Ray<double>& ray,
-             std::size_t i, std::size_t solid, std::int32_t truly);
+    FormStatements(const TestedForm& row, unsigned needs, const truth::FormatInputs& inputs, const Ray<double>& ray,
+                   std::size_t i, std::size_t primitive, std::int32_t truly);
     /// Sets pointers in the sample to this object, which must outlive it.
     void into(metric::Sample& sample) const;
 
 private:
     std::optional<intersect::BoundedAnswer> bounded_;
-    std::optional<intersect::Way> way_;
+    std::optional<intersect::FilterArithmetic> way_;
     std::optional<answer::Steps> steps_;
     std::optional<answer::Levels> levels_;
     double end_margin_ = truth::missing;

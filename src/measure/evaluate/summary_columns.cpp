@@ -67,12 +67,12 @@ Columns outcome_columns() {
     share(
         "not_a_number_fraction", "not_a_number among all rays",
         [](const S& s) { return fraction(s.count(Outcome::not_a_number), s.rays); }, Shown::to_claims);
-    count(Outcome::wrong_object, "wrong primitives: form and truth hit, but the form hits another primitive first");
-    share("wrong_object_fraction", "wrong_object among the rays that truly hit", of_hits<Outcome::wrong_object>,
-          Shown::to_claims);
+    count(Outcome::wrong_primitive, "wrong primitives: form and truth hit, but the form hits another primitive first");
+    share("wrong_primitive_fraction", "wrong_primitive among the rays that truly hit",
+          of_hits<Outcome::wrong_primitive>, Shown::to_claims);
     share(
         "wrong_fraction",
-        "not_a_number, false_hit, false_miss, wrong_object, crack, double_hit and out_of_order among all rays whose "
+        "not_a_number, false_hit, false_miss, wrong_primitive, crack, double_hit and out_of_order among all rays whose "
         "truth is known",
         [](const S& s) { return fraction(s.wrong_count(), s.rays - s.count(Outcome::unresolved)); }, Shown::to_claims);
     count(Outcome::crack, "rays that the form lets through a mesh: it claims neither the triangle met nor a neighbour",
@@ -113,7 +113,8 @@ void add_culprit(const Metric& metric, std::size_t m, Columns& columns) {
                        "its share of the rays that have a culprit", [m](const S& s) {
                            const double most = most_frequent(s.categories[m]);
                            if (std::isnan(most)) return missing;
-                           return blame::culprit_share(s.categories[m], std::array{static_cast<std::size_t>(most)});
+                           return attribution::culprit_share(s.categories[m],
+                                                             std::array{static_cast<std::size_t>(most)});
                        }});
 }
 
@@ -154,10 +155,10 @@ void add_both_hit(std::size_t m, Columns& columns) {
 
 void add_statistics(const Metric& metric, std::size_t m, Columns& columns) {
     const std::string name = column_name(metric),
-                      over = metric.over == metric::Over::marches || metric.over == metric::Over::every
+                      over = metric.over == metric::MetricDomain::marches || metric.over == metric::MetricDomain::every
                                  ? " over all rays"
-                             : metric.over == metric::Over::pairs ? " over the rays that both hit"
-                                                                  : " over agree_hit";
+                             : metric.over == metric::MetricDomain::pairs ? " over the rays that both hit"
+                                                                          : " over agree_hit";
     for (const metric::Statistic& statistic : metric::statistics) {
         const bool bucketed = statistic.q > 0 && statistic.q < 1;
         columns.push_back(
@@ -251,9 +252,9 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
             if (std::ranges::find(names, name) == names.end()) names.push_back(name);
     for (const std::string& name : names) {
         add_hex(name, of_worst([name](const W& w) {
-                    const auto own = number_names(w.solid.shape);
+                    const auto own = number_names(w.primitive.shape);
                     const auto at = std::ranges::find(own, name);
-                    return at == own.end() ? missing : w.solid.numbers[static_cast<std::size_t>(at - own.begin())];
+                    return at == own.end() ? missing : w.primitive.numbers[static_cast<std::size_t>(at - own.begin())];
                 }));
     }
     return columns;
@@ -265,7 +266,7 @@ Columns fault_columns() {
         {.name = "fault_outcome",
          .kind = Kind::category,
          .unit = "",
-         .meaning = "the most frequent wrong decision: false_hit, false_miss, not_a_number, wrong_object or, for "
+         .meaning = "the most frequent wrong decision: false_hit, false_miss, not_a_number, wrong_primitive or, for "
                     "meshes, crack, double_hit or out_of_order; the other columns of a fault are about its first ray",
          .value = of_fault([](const W& w) { return static_cast<double>(w.outcome); }),
          .categories = answer::outcome_names}};

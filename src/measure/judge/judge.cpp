@@ -16,7 +16,7 @@
 #include "measure/culling/culling.hpp"
 #include "measure/evaluate/measure_row.hpp"
 #include "number/error.hpp"
-#include "scene/dump/number_words.hpp"
+#include "scene/dump/number_parser.hpp"
 #include "scene/toml/counted.hpp"
 
 namespace lostbits::measure::judge {
@@ -69,12 +69,12 @@ public:
           request_(request),
           show_(show),
           file_(request.file_place()),
-          solids_(scene::rays::solid_list_of(group_of_solids())) {
+          primitives_(scene::rays::primitive_list_of(group_of_primitives())) {
         if (file_ && dump.layout().decides_only() && file_row().form->info->roots != intersect::Roots::none)
             throw std::logic_error("a file without a t is judged by a row that has one");
-        const bool each_its_own = dump.layout().solid() || dump.layout().has_matrix();
-        if (!each_its_own) dump.number_primitives(solids_.size());
-        if (!each_its_own && request.mesh) culler_.emplace(solids_);
+        const bool each_its_own = dump.layout().primitive() || dump.layout().has_matrix();
+        if (!each_its_own) dump.number_primitives(primitives_.size());
+        if (!each_its_own && request.mesh) culler_.emplace(primitives_);
         for (std::size_t r = 0; r < request.rows.size(); ++r) result_.summaries.emplace_back(request.metrics);
     }
 
@@ -148,11 +148,11 @@ private:
         group.rays.width = static_cast<int>(rows ? width : n);
         group.rays.y0 = rows ? static_cast<int>(chunk.first / width) : 0;
         group.rays.y1 = group.rays.y0 + static_cast<int>(rows ? n / width : 1);
-        group.paired = !chunk.solids.empty();
+        group.paired = !chunk.primitives.empty();
         if (group.paired) {
-            group.solids = chunk.solids;
+            group.primitives = chunk.primitives;
         } else {
-            group.solids = request_.solids;
+            group.primitives = request_.primitives;
             group.mesh = request_.mesh;
         }
         group.march = request_.march;
@@ -163,9 +163,9 @@ private:
     }
 
     /// The primitives of all rays. A mesh stays a mesh, because only a mesh can have cracks and double hits.
-    [[nodiscard]] RayGroup group_of_solids() const {
+    [[nodiscard]] RayGroup group_of_primitives() const {
         RayGroup group;
-        group.solids = request_.solids;
+        group.primitives = request_.primitives;
         group.mesh = request_.mesh;
         return group;
     }
@@ -186,18 +186,18 @@ private:
     /// hits, or otherwise the one whose surface is nearest to the answer.
     [[nodiscard]] std::int32_t object_of(const Piece& piece, std::size_t i) const {
         const Chunk& chunk = piece.chunk;
-        if (!chunk.solids.empty()) return static_cast<std::int32_t>(i);
-        if (solids_.size() == 1) return 0;
+        if (!chunk.primitives.empty()) return static_cast<std::int32_t>(i);
+        if (primitives_.size() == 1) return 0;
         if (!chunk.object.empty() && chunk.object[i] >= 0) return chunk.object[i];
         const truth::Truth& truth = piece.band->truth(i, file_row().convention());
         if (truth.is_hit()) return truth.object;
         const Vec<double> p = intersect::sdf::along(chunk.rays[i], chunk.t[i]);
         const auto distance = [this, &p](std::size_t s) {
-            return std::fabs(intersect::table::distance(solids_[s], p));
+            return std::fabs(intersect::table::distance(primitives_[s], p));
         };
         const auto* const tree = dynamic_cast<const culling::BoxTree*>(culler_ ? culler_->for_truth() : nullptr);
         if (tree) return static_cast<std::int32_t>(tree->nearest(p, distance));
-        const auto all = std::views::iota(std::size_t{0}, solids_.size());
+        const auto all = std::views::iota(std::size_t{0}, primitives_.size());
         return static_cast<std::int32_t>(*std::ranges::min_element(all, {}, distance));
     }
 
@@ -261,7 +261,7 @@ private:
             if (truth.decision == truth::Truth::Decision::unresolved || !(hit || truth.is_hit())) continue;
             const int object = truth.is_hit() ? truth.object : piece.answers.object[i];
             result_.first.push_back(contract::judged(in.rays_for(*row.form->info)[i],
-                                                     in.solids[static_cast<std::size_t>(object)], truth, unit, hit,
+                                                     in.primitives[static_cast<std::size_t>(object)], truth, unit, hit,
                                                      piece.answers.t[i], row.format.parameters));
         }
     }
@@ -269,10 +269,10 @@ private:
     Dump& dump_;
     const JudgeRequest& request_;
     const ShowJudged& show_;
-    std::optional<std::size_t> file_;             ///< index of the row of the file's answers
-    scene::rays::SolidList<double> solids_;       ///< primitives of all rays
-    std::optional<culling::Culler> culler_ = {};  ///< index over the primitives of all rays, if they have a mesh
-    std::uint64_t read_ = 0;                      ///< number of pieces read
+    std::optional<std::size_t> file_;                ///< index of the row of the file's answers
+    scene::rays::PrimitiveList<double> primitives_;  ///< primitives of all rays
+    std::optional<culling::Culler> culler_ = {};     ///< index over the primitives of all rays, if they have a mesh
+    std::uint64_t read_ = 0;                         ///< number of pieces read
     bool failed_ = false;
     JudgeResult result_;
 };

@@ -12,7 +12,7 @@
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/evaluate/groups.hpp"
 #include "scene/dump/dump.hpp"
-#include "scene/rays/solid_list.hpp"
+#include "scene/rays/primitive_list.hpp"
 
 namespace lostbits::measure::judge {
 
@@ -34,7 +34,7 @@ private:
 
 struct JudgeRequest {
     /// Primitives of all rays, in the format of the dump. If there are none and no mesh, each ray has its own.
-    std::vector<Solid<double>> solids = {};
+    std::vector<Primitive<double>> primitives = {};
     std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< mesh whose triangles come after these; null: none
     std::optional<intersect::MarchConstants<double>> march = {};
     std::vector<evaluate::TestedForm> rows = {};

@@ -8,7 +8,7 @@ namespace lostbits::measure::judge {
 
 using answer::Outcome;
 
-NotedRay WorstRays::note(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const {
+ReportedRay WorstRays::note(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const {
     // Two primitives decide which hit is nearest: that of the form and the true one.
     std::set<int> deciding;
     if (result.answers->march.empty()) {
@@ -23,13 +23,13 @@ NotedRay WorstRays::note(std::uint64_t first, std::size_t i, const evaluate::Ban
 
 bool WorstRays::is_kept(double error) const { return errors_.size() < most_ || error > std::fabs(errors_.back().ulps); }
 
-void WorstRays::keep_error(NotedRay&& ray) {
-    const auto size = [](const NotedRay& kept) { return std::fabs(kept.ulps); };
+void WorstRays::keep_error(ReportedRay&& ray) {
+    const auto size = [](const ReportedRay& kept) { return std::fabs(kept.ulps); };
     if (errors_.size() == most_) errors_.pop_back();
     errors_.insert(std::ranges::upper_bound(errors_, size(ray), std::greater<>(), size), std::move(ray));
 }
 
-void WorstRays::keep_fault(NotedRay&& ray) {
+void WorstRays::keep_fault(ReportedRay&& ray) {
     auto& faults = faults_[static_cast<std::size_t>(ray.outcome)];
     if (faults.size() < most_) faults.push_back(std::move(ray));
 }
@@ -51,16 +51,16 @@ void WorstRays::look_at(std::uint64_t first, const evaluate::BandResult& result)
 }
 
 void WorstRays::append(WorstRays&& after) {
-    for (NotedRay& ray : after.errors_) {
+    for (ReportedRay& ray : after.errors_) {
         if (is_kept(std::fabs(ray.ulps))) keep_error(std::move(ray));
     }
     for (auto& faults : after.faults_) {
-        for (NotedRay& ray : faults) keep_fault(std::move(ray));
+        for (ReportedRay& ray : faults) keep_fault(std::move(ray));
     }
 }
 
-std::vector<NotedRay> WorstRays::all() const {
-    std::vector<NotedRay> rays = errors_;
+std::vector<ReportedRay> WorstRays::all() const {
+    std::vector<ReportedRay> rays = errors_;
     for (const Outcome outcome : evaluate::wrong_decisions) {
         const auto& found = faults_[static_cast<std::size_t>(outcome)];
         rays.insert(rays.end(), found.begin(), found.end());

@@ -10,7 +10,7 @@
 
 namespace lostbits::measure::judge {
 
-struct NotedRay {
+struct ReportedRay {
     std::uint64_t place = 0;  ///< index in the file, from 0
     answer::Outcome outcome = answer::Outcome::agree_hit;
     double ulps = 0;  ///< (t − t*)/ulp(t*), for a correct hit
@@ -29,7 +29,7 @@ public:
     /// Adds the rays that come next in the file.
     void append(WorstRays&& after);
     /// The largest errors, followed by the wrong decisions in the file's order.
-    [[nodiscard]] std::vector<NotedRay> all() const;
+    [[nodiscard]] std::vector<ReportedRay> all() const;
 
     template <class Bits>
     void fields(Bits& bits) {
@@ -37,14 +37,14 @@ public:
     }
 
 private:
-    void keep_error(NotedRay&& ray);
-    void keep_fault(NotedRay&& ray);
+    void keep_error(ReportedRay&& ray);
+    void keep_fault(ReportedRay&& ray);
     [[nodiscard]] bool is_kept(double error) const;
-    NotedRay note(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const;
+    ReportedRay note(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const;
 
     std::size_t most_, ulp_error_;
-    std::vector<NotedRay> errors_;  ///< in descending order
-    std::array<std::vector<NotedRay>, answer::outcome_names.size()> faults_;
+    std::vector<ReportedRay> errors_;  ///< in descending order
+    std::array<std::vector<ReportedRay>, answer::outcome_names.size()> faults_;
 };
 
 }  // namespace lostbits::measure::judge

@@ -81,21 +81,26 @@ constexpr Metric rows_of_rays[] = {
     tabled({"origin_error", "length", "ray.origin"},
            "|o - o*|: distance between the origins of the ray that the form is given and of the ideal ray, in the "
            "scene's unit of length",
-           origin_error, {.needs = needs_true_ray, .ramp = Ramp::magnitude, .high = 0x1p+10, .over = Over::every}),
+           origin_error,
+           {.needs = needs_true_ray, .ramp = Ramp::magnitude, .high = 0x1p+10, .over = MetricDomain::every}),
     tabled({"origin_lost_bits", "bits", "ray.origin_bits"},
            "clamp(log2(2 e), 0, p), e the largest component of o - o* in ulps of the largest of o*", origin_lost_bits,
-           {.needs = needs_true_ray, .over = Over::every}),
+           {.needs = needs_true_ray, .over = MetricDomain::every}),
     tabled({"direction_error", "radian", "ray.direction"},
            "angle between the direction that the form is given and the ideal one", direction_error,
-           {.needs = needs_true_ray, .ramp = Ramp::magnitude, .high = 0x1p+1, .over = Over::every}),
+           {.needs = needs_true_ray, .ramp = Ramp::magnitude, .high = 0x1p+1, .over = MetricDomain::every}),
     tabled({"direction_lost_bits", "bits", "ray.direction_bits"},
            "clamp(log2(2 e), 0, p), e the largest component of d/|d| - d*/|d*| in ulps of the largest of d*/|d*|",
-           direction_lost_bits, {.needs = needs_true_ray, .over = Over::every}),
+           direction_lost_bits, {.needs = needs_true_ray, .over = MetricDomain::every}),
     tabled({"pixel_error", "pixels", "ray.pixel"},
            "for a camera whose rays each format makes: distance between the middle of the pixel and the point where "
            "the direction meets the picture; infinite where the direction points away from the picture",
            pixel_error,
-           {.needs = needs_true_ray, .ramp = Ramp::magnitude, .low = 0x1p-10, .high = 0x1p+6, .over = Over::every})};
+           {.needs = needs_true_ray,
+            .ramp = Ramp::magnitude,
+            .low = 0x1p-10,
+            .high = 0x1p+6,
+            .over = MetricDomain::every})};
 
 }  // namespace
 

@@ -22,29 +22,29 @@ double in_ulps(const Sample& s, const truth::Certified& x, const truth::Certifie
 }
 
 double error_at_zero(const Sample& s) {
-    if (!s.truth->is_zero() || !s.solid) return missing;
+    if (!s.truth->is_zero() || !s.primitive) return missing;
     if (s.t == 0) return 0;
     double most = 0;
     const auto see = [&most](double x) { most = std::max(most, std::fabs(x)); };
     for (int axis = 0; axis < 3; ++axis) see(s.ray->origin[axis]);
-    for_each_key(s.solid->shape, [&](const Key& key, std::size_t first) {
+    for_each_key(s.primitive->shape, [&](const Key& key, std::size_t first) {
         for (std::size_t k = first; k < first + key.count(); ++k)
-            if (key.kind != Key::Kind::direction && !s.solid->placed) see(s.solid->numbers[k]);
+            if (key.kind != Key::Kind::direction && !s.primitive->placed) see(s.primitive->numbers[k]);
     });
     return in_roundoffs(distance_error(s) / most, s);
 }
 
 double root(const Sample& s) {
     if (s.march) return missing;
-    if (s.outcome != answer::Outcome::agree_hit || !s.solid) return 0;
+    if (s.outcome != answer::Outcome::agree_hit || !s.primitive) return 0;
     const bool is_near = std::fabs(ulp_error(s)) <= 8;  // the format cannot tell crossings this near apart
-    return !is_near && stability::is_wrong_root(*s.ray, *s.solid, *s.truth, s.t) ? 2 : 1;
+    return !is_near && stability::is_wrong_root(*s.ray, *s.primitive, *s.truth, s.t) ? 2 : 1;
 }
 
 double derivative_error(const Sample& s) {
-    if (!s.blame || s.march || !s.solid || s.solid->placed) return missing;
+    if (!s.blame || s.march || !s.primitive || s.primitive->placed) return missing;
     if (s.blame->attribution->subject != s.blame->tape->outputs.t) return missing;
-    const std::vector<double> exact = truth::gradient(*s.ray, *s.solid, s.convention, s.range);
+    const std::vector<double> exact = truth::gradient(*s.ray, *s.primitive, s.convention, s.range);
     if (exact.empty()) return missing;
     const std::vector<double> own = stability::forward_derivatives(*s.blame->tape);
     double worst = 0;
@@ -58,7 +58,7 @@ double derivative_error(const Sample& s) {
     };
     see(0, 3);
     if (s.direction != intersect::Direction::unit) see(3, 3);
-    for_each_key(s.solid->shape, [&](const Key& key, std::size_t first) {
+    for_each_key(s.primitive->shape, [&](const Key& key, std::size_t first) {
         if (key.kind != Key::Kind::direction) see(6 + first, key.count());
     });
     return in_roundoffs(worst, s);
@@ -76,7 +76,7 @@ constexpr Metric rows_of_t[] = {
     tabled({"root", "", "err.root"},
            "tells if a correct hit has the t of another crossing of the same primitive (wrong): within a quarter of "
            "the distance between that crossing and the true one; no_hit: not a correct hit",
-           root, {.ramp = Ramp::categories, .over = Over::every, .categories = root_names}),
+           root, {.ramp = Ramp::categories, .over = MetricDomain::every, .categories = root_names}),
     tabled({"derivative_error", "u", "err.derivative"},
            "error of dt/dx for every number x of origin, direction, points and lengths, by forward differentiation of "
            "the form in the format: the largest error of one, over the largest of its vector; without the direction "

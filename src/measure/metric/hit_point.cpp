@@ -67,18 +67,18 @@ double enclosed(const Find& find) {
 
 /// `off_surface` of a primitive at a point in world space. Under a matrix both are taken in object space.
 template <class E, template <class> class S>
-E off_surface(const Vec<double>& p, const Solid<double>& solid) {
-    const Solid<E> lifted = lift_solid<E>(solid);
+E off_surface(const Vec<double>& p, const Primitive<double>& primitive) {
+    const Primitive<E> lifted = lift_primitive<E>(primitive);
     const Vec<E> point = lift_vec<E>(p);
     return lifted.template as<S>().off_surface(lifted.placed ? point_in_object(point, *lifted.placed) : point);
 }
 
-double residual_of(const Vec<double>& p, const Solid<double>& solid) {
-    return visit(solid, [&]<template <class> class S>(const S<double>&) {
+double residual_of(const Vec<double>& p, const Primitive<double>& primitive) {
+    return visit(primitive, [&]<template <class> class S>(const S<double>&) {
         const double point[] = {p.x, p.y, p.z};
-        const auto number = [&solid](int k) { return solid.numbers[static_cast<std::size_t>(k)]; };
-        if (double quick; !solid.placed && columns::find_residual<S>(point, number, quick)) return quick;
-        return enclosed([&]<class E>() { return off_surface<E, S>(p, solid); });
+        const auto number = [&primitive](int k) { return primitive.numbers[static_cast<std::size_t>(k)]; };
+        if (double quick; !primitive.placed && columns::find_residual<S>(point, number, quick)) return quick;
+        return enclosed([&]<class E>() { return off_surface<E, S>(p, primitive); });
     });
 }
 
@@ -95,10 +95,10 @@ std::optional<double> told(const Sample& s, std::size_t vertex) {
 /// weights.
 double error_of(double x, const Sample& s, std::size_t vertex) {
     if (!std::isfinite(x)) return HUGE_VAL;
-    return visit_shape(*s.solid, [&]<template <class> class Of>() {
+    return visit_shape(*s.primitive, [&]<template <class> class Of>() {
         if constexpr (requires(const Of<double>& shape) { shape.weights(Ray<double>()); }) {
             return std::fabs(enclosed([&]<class E>() {
-                return in_its_space<Of>(lift_ray<E>(*s.ray), lift_solid<E>(*s.solid),
+                return in_its_space<Of>(lift_ray<E>(*s.ray), lift_primitive<E>(*s.primitive),
                                         [&](const Of<E>& shape, const Ray<E>& ray) -> E {
                                             return E(x) - shape.weights(ray)[static_cast<int>(vertex)];
                                         });
@@ -144,7 +144,7 @@ inline constexpr double roundoff = std::numeric_limits<F>::epsilon() / 2;
 /// Error of a projection as pbrt does it, in object space, whose origin is the centre: p = o + t d, then p r/|p|.
 template <class F>
 double projected(const Sample& s) {
-    const auto [centre, radius] = ball_around(*s.solid);
+    const auto [centre, radius] = ball_around(*s.primitive);
     const auto r = static_cast<F>(radius), t = static_cast<F>(s.t);
     const Vec<F> o = stored<F>(s.ray->origin) - stored<F>(centre), d = stored<F>(s.ray->direction);
     const Vec<F> p = o + Vec<F>(t * d.x, t * d.y, t * d.z);
@@ -163,7 +163,7 @@ double projected(const Sample& s) {
 /// Padding for the clipping of the slabs alone, as `box.signs` does it, over all t ≥ 0. Where tmin exceeds tmax it is
 /// (tmin − tmax)/tmax/u, or infinite if tmax is not positive; otherwise 0.
 template <class F>
-double padding_in(const Ray<F>& ray, const Hull<F>& box) {
+double padding_in(const Ray<F>& ray, const BoundingBox<F>& box) {
     F tmin = 0, tmax = std::numeric_limits<F>::infinity();
     intersect::box::clip_by_signs<F>(ray, box, tmin, tmax);
     if (!(tmin > tmax)) return 0;
@@ -175,22 +175,23 @@ double padding_in(const Ray<F>& ray, const Hull<F>& box) {
 double residual(const Sample& s) {
     const Vec<double> p = hit_point(s);
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return HUGE_VAL;
-    return residual_of(p, *s.solid);
+    return residual_of(p, *s.primitive);
 }
 
 double normal_error(const Sample& s) {
-    if (s.solid->placed) return missing;
-    const auto normal_at = [](const auto& ray, const auto& solid, const auto& p) {
-        return lift_vec<Real>(visit(solid, [&](const auto& shape) { return shape.outward_normal(ray, p); }));
+    if (s.primitive->placed) return missing;
+    const auto normal_at = [](const auto& ray, const auto& primitive, const auto& p) {
+        return lift_vec<Real>(visit(primitive, [&](const auto& shape) { return shape.outward_normal(ray, p); }));
     };
     const Ray<Real> ray = lift_ray<Real>(*s.ray);
     const truth::Certified& t = *s.truth;
     const Real t_true = ldexp(Real(Real(t.hi) + Real(t.lo)), static_cast<int>(t.exponent));
-    const Vec<Real> exact = normal_at(ray, lift_solid<Real>(*s.solid), Vec<Real>(ray.origin + t_true * ray.direction));
+    const Vec<Real> exact =
+        normal_at(ray, lift_primitive<Real>(*s.primitive), Vec<Real>(ray.origin + t_true * ray.direction));
     return in_format(s, [&]<class F>() {
-        const Solid<F> solid = lift_solid<F>(*s.solid);
+        const Primitive<F> primitive = lift_primitive<F>(*s.primitive);
         const Ray<F> given{stored<F>(s.ray->origin), stored<F>(s.ray->direction)};
-        const Vec<Real> n = normal_at(given, solid, stored<F>(hit_point(s)));
+        const Vec<Real> n = normal_at(given, primitive, stored<F>(hit_point(s)));
         if (!(dot(n, n) > 0)) return HUGE_VAL;
         return Real(atan2(length(cross(n, exact)), dot(n, exact))).template convert_to<double>();
     });
@@ -212,12 +213,12 @@ double point_error(const Sample& s) {
 }
 
 double projected_error(const Sample& s) {
-    if (!row_of(s.solid->shape).round) return missing;
+    if (!row_of(s.primitive->shape).round) return missing;
     return in_format(s, [&]<class F>() { return projected<F>(s); });
 }
 
 double padding(const Sample& s) {
-    const auto of = [&s](const Ray<double>& ray, const Hull<double>& box) {
+    const auto of = [&s](const Ray<double>& ray, const BoundingBox<double>& box) {
         return in_format(s, [&]<class F>() {
             return padding_in<F>({stored<F>(ray.origin), stored<F>(ray.direction)},
                                  {stored<F>(box.lo), stored<F>(box.hi)});
@@ -229,11 +230,11 @@ double padding(const Sample& s) {
             if (const double here = of(asked.ray, asked.box); !(here <= most)) most = here;
         return most;
     }
-    if (!s.truth || !s.solid || s.solid->shape != hull_shape) return missing;
-    return of(*s.ray, hull_of(*s.solid));
+    if (!s.truth || !s.primitive || s.primitive->shape != bounding_box_shape) return missing;
+    return of(*s.ray, bounding_box_of(*s.primitive));
 }
 
-double padding(const Ray<float>& ray, const Hull<float>& box) { return padding_in(ray, box); }
+double padding(const Ray<float>& ray, const BoundingBox<float>& box) { return padding_in(ray, box); }
 
 std::span<const Metric> metrics_of_weights() { return rows_of_weights; }
 

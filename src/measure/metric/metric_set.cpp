@@ -22,16 +22,16 @@ double contribution(const Sample& s) {
     const Tape& tape = *s.blame->tape;
     const NodeId subject = s.blame->attribution->subject;
     if (subject == no_node || is_decision(tape[subject].op)) return missing;
-    return blame::contribution_of(tape, *s.blame->attribution, s.label) / s.blame->ulp;
+    return attribution::contribution_of(tape, *s.blame->attribution, s.label) / s.blame->ulp;
 }
 
 double cancellation(const Sample& s) {
-    return s.blame ? blame::cancellation_of(*s.blame->tape, *s.blame->attribution, s.label) : missing;
+    return s.blame ? attribution::cancellation_of(*s.blame->tape, *s.blame->attribution, s.label) : missing;
 }
 
 double step_error(const Sample& s) {
-    const auto found = std::ranges::find(intersect::space::step_names, s.label);
-    const auto k = static_cast<std::size_t>(found - intersect::space::step_names.begin());
+    const auto found = std::ranges::find(intersect::transform::step_names, s.label);
+    const auto k = static_cast<std::size_t>(found - intersect::transform::step_names.begin());
     return s.steps ? s.steps->error(k, ulp_exponent(s.format->parameters, s.truth->floor_log2())) : missing;
 }
 
@@ -74,17 +74,18 @@ void add_once(Texts& texts, const Text& text) {
 }
 
 void refuse_unknown_label(const Metric& metric, const std::vector<const Intersector*>& forms,
-                          const blame::Setting& setting) {
+                          const attribution::Setting& setting) {
     std::vector<std::string> labels;
     if ((metric.needs & needs_steps) != 0) {
-        if (std::ranges::find(intersect::space::step_names, metric.label) != intersect::space::step_names.end()) return;
-        labels.assign(intersect::space::step_names.begin(), intersect::space::step_names.end());
+        if (std::ranges::find(intersect::transform::step_names, metric.label) != intersect::transform::step_names.end())
+            return;
+        labels.assign(intersect::transform::step_names.begin(), intersect::transform::step_names.end());
         const std::string label(metric.label);
         throw InputError("--metric " + std::string(metric.name) + ": no step is named \"" + label + "\"; " +
                          scene::toml::did_you_mean(label, labels));
     }
     for (const Intersector* form : forms) {
-        for (const std::string_view label : blame::labels_of(*form, setting)) add_once(labels, label);
+        for (const std::string_view label : attribution::labels_of(*form, setting)) add_once(labels, label);
     }
     if (std::ranges::find(labels, metric.label) != labels.end()) return;
     const std::string label(metric.label);
@@ -145,13 +146,14 @@ const Metric* MetricSet::culprit_of(const std::vector<std::string>& operations) 
 
 std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metrics,
                                                 const std::vector<const Intersector*>& forms,
-                                                const blame::Setting& setting) {
+                                                const attribution::Setting& setting) {
     for (const Metric*& m : metrics) {
         if (is_of_operation(*m)) refuse_unknown_label(*m, forms, setting);
         if (!m->by_run) continue;
         std::vector<std::string> operations;
         for (const Intersector* form : forms) {
-            for (const std::string& operation : blame::operation_names(*form, setting)) add_once(operations, operation);
+            for (const std::string& operation : attribution::operation_names(*form, setting))
+                add_once(operations, operation);
         }
         m = culprit_of(operations);
     }
@@ -160,7 +162,7 @@ std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metri
 
 std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metrics,
                                                 const std::vector<const Intersector*>& forms,
-                                                const std::function<blame::SettingOf()>& setting) {
+                                                const std::function<attribution::SettingOf()>& setting) {
     if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run || is_of_operation(*m); })) return metrics;
     return for_forms(std::move(metrics), forms, setting().get());
 }

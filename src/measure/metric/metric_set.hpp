@@ -26,12 +26,12 @@ public:
     /// of several forms is listed once. InputError for a label that no form has, with did-you-mean.
     std::vector<const Metric*> for_forms(std::vector<const Metric*> metrics,
                                          const std::vector<const intersect::table::Intersector*>& forms,
-                                         const blame::Setting& setting);
+                                         const attribution::Setting& setting);
     /// Like the other overload, but the setting is made only where a metric depends on it: a scene may have millions of
     /// primitives.
     std::vector<const Metric*> for_forms(std::vector<const Metric*> metrics,
                                          const std::vector<const intersect::table::Intersector*>& forms,
-                                         const std::function<blame::SettingOf()>& setting);
+                                         const std::function<attribution::SettingOf()>& setting);
 
 private:
     const Metric* of_number(const Metric& kind, std::string_view name);

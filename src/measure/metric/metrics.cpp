@@ -24,12 +24,12 @@ double normwise(const Sample& s) { return truth::inherent_bits(s.reach_normwise,
 double excess(const Sample& s) { return truth::excess_bits(s.t, *s.truth, s.format->parameters, s.reach); }
 
 double culprit(const Sample& s) { return s.blame ? s.blame->culprit : missing; }
-double cancelled(const Sample& s) { return s.blame ? blame::worst_cancellation(*s.blame->attribution) : missing; }
+double cancelled(const Sample& s) { return s.blame ? attribution::worst_cancellation(*s.blame->attribution) : missing; }
 
-template <blame::Counterfactual blame::Counterfactuals::*run>
+template <attribution::Counterfactual attribution::Counterfactuals::*run>
 double counterfactual(const Sample& s) {
     if (!s.blame || !s.blame->culprit_alone) return missing;
-    const blame::Counterfactual& c = (*s.blame->culprit_alone).*run;
+    const attribution::Counterfactual& c = (*s.blame->culprit_alone).*run;
     return c.hit ? c.error / s.blame->ulp : missing;
 }
 
@@ -122,12 +122,13 @@ constexpr Metric table[] = {
            "for a sphere: P projected onto the surface as P r/|P| about the centre, in the format; largest relative "
            "error of a component, compared with the exact P r/|P| of the same P, in u",
            projected_error, {.ramp = Ramp::magnitude, .low = 0x1p-2, .high = 0x1p+4}),
-    tabled({"padding", "u", "bound.padding"},
-           "for a box that is truly hit: number of u by which tmax must grow for the slab test to find it, (tmin/tmax "
-           "- 1)/u with tmin and tmax of box.signs in the format; 0 where it is found without. For a form behind a box "
-           "(FORM^BOX): that of its bounding box; of several boxes, the largest",
-           padding,
-           {.needs = needs_levels, .ramp = Ramp::magnitude, .low = 0x1p-2, .high = 0x1p+4, .over = Over::every}),
+    tabled(
+        {"padding", "u", "bound.padding"},
+        "for a box that is truly hit: number of u by which tmax must grow for the slab test to find it, (tmin/tmax "
+        "- 1)/u with tmin and tmax of box.signs in the format; 0 where it is found without. For a form behind a box "
+        "(FORM^BOX): that of its bounding box; of several boxes, the largest",
+        padding,
+        {.needs = needs_levels, .ramp = Ramp::magnitude, .low = 0x1p-2, .high = 0x1p+4, .over = MetricDomain::every}),
     tabled({"bound", "ulp", "bound.size"},
            "the form's own bound of its error: a running bound on rounding, computed in the format along with t, over "
            "ulp(t*); infinite where there is no bound",
@@ -140,24 +141,36 @@ constexpr Metric table[] = {
         "tells if the form's own running bounds prove its hit or miss; for the primitive that the form hits, else the "
         "one truly hit, else the ray's own or the first of several",
         decision,
-        {.needs = needs_bound, .ramp = Ramp::categories, .over = Over::every, .categories = intersect::decision_names}),
+        {.needs = needs_bound,
+         .ramp = Ramp::categories,
+         .over = MetricDomain::every,
+         .categories = intersect::decision_names}),
     tabled({"arithmetic", "", "bound.arithmetic"},
            "arithmetic in which a form that filters settled the ray: its own, the next wider one of one word, two "
            "words, or exact sums; for the primitive that the form hits, else the one truly hit, else the ray's own or "
            "the first of several",
            arithmetic,
-           {.needs = needs_way, .ramp = Ramp::categories, .over = Over::every, .categories = intersect::way_names}),
+           {.needs = needs_filter_arithmetic,
+            .ramp = Ramp::categories,
+            .over = MetricDomain::every,
+            .categories = intersect::filter_arithmetic_names}),
     tabled(
         {"worst_step", "", "space.step"},
         "for a primitive under a matrix: the step to object space or back to which most of the error of t is assigned, "
         "or the first one that changes the decision; each step in turn is rounded, with the steps after it exact",
         worst_step,
-        {.needs = needs_steps, .ramp = Ramp::categories, .over = Over::every, .categories = answer::step_categories}),
+        {.needs = needs_steps,
+         .ramp = Ramp::categories,
+         .over = MetricDomain::every,
+         .categories = answer::step_categories}),
     tabled({"lost_to", "", "hierarchy.lost_to"},
            "for a form behind boxes (FORM^BOX), on rays that truly hit: the stage that loses the hit: the box in the "
            "world, the transform to object space, the box there, or the form; nothing where the hit is found",
            lost_to,
-           {.needs = needs_levels, .ramp = Ramp::categories, .over = Over::every, .categories = answer::level_names}),
+           {.needs = needs_levels,
+            .ramp = Ramp::categories,
+            .over = MetricDomain::every,
+            .categories = answer::level_names}),
     tabled({"end_margin", "ulp", "hierarchy.end"},
            "for a form behind boxes (FORM^BOX): the least k for which a ray that ends at t + k ulp(t) hits the boxes; "
            "a hit found earlier must lie k ulps behind this one for this one still to be found; 0 where the same t is "
@@ -169,37 +182,40 @@ constexpr Metric table[] = {
            {.needs = needs_attribution}),
     tabled({"culprit", "", "culprit.operation"},
            "operation to which most of the error of t, or of a decision that rounding changed, is assigned", culprit,
-           {.needs = needs_attribution, .ramp = Ramp::categories, .over = Over::blamed, .by_run = true}),
+           {.needs = needs_attribution, .ramp = Ramp::categories, .over = MetricDomain::blamed, .by_run = true}),
     tabled({"without_culprit", "ulp", "culprit.without"},
            "rounding error of t if the culprit alone does not round, in ulps of t without rounding",
-           counterfactual<&blame::Counterfactuals::mended>,
+           counterfactual<&attribution::Counterfactuals::mended>,
            {.needs = needs_tape, .ramp = Ramp::magnitude, .low = 0x1p-4}),
     tabled({"culprit_alone", "ulp", "culprit.alone"},
            "rounding error of t if the culprit alone rounds, in ulps of t without rounding",
-           counterfactual<&blame::Counterfactuals::alone>,
+           counterfactual<&attribution::Counterfactuals::alone>,
            {.needs = needs_tape, .ramp = Ramp::magnitude, .low = 0x1p-4}),
     tabled({"against", "", "against.class"},
            "tells if the form of --against makes the same decision with the same t; alone_hits: the form of --against "
            "misses",
-           nullptr, {.ramp = Ramp::categories, .over = Over::pairs, .categories = answer::against_names}),
+           nullptr, {.ramp = Ramp::categories, .over = MetricDomain::pairs, .categories = answer::against_names}),
     tabled({"apart", "ulp", "against.apart"}, "(t - t of the form of --against) / ulp(t of that form), where both hit",
-           nullptr, {.ramp = Ramp::magnitude, .low = 0x1p-1, .over = Over::pairs})};
+           nullptr, {.ramp = Ramp::magnitude, .low = 0x1p-1, .over = MetricDomain::pairs})};
 
 /// Metrics of the march that looked for the hit.
 constexpr Metric metrics_of_marches[] = {
     tabled({"iterations", "samples", "march.iterations"}, "samples of the field that the march took", iterations,
-           {.ramp = Ramp::magnitude, .low = 1, .high = 0x1p+8, .by_default = true, .over = Over::marches}),
+           {.ramp = Ramp::magnitude, .low = 1, .high = 0x1p+8, .by_default = true, .over = MetricDomain::marches}),
     tabled(
         {"stop", "", "march.stop"},
         "reason why the march ended; stagnated: at the step limit, and the next step would not change t (t + d == t)",
         stop,
-        {.ramp = Ramp::categories, .by_default = true, .over = Over::marches, .categories = intersect::stop_names}),
+        {.ramp = Ramp::categories,
+         .by_default = true,
+         .over = MetricDomain::marches,
+         .categories = intersect::stop_names}),
     tabled({"least_field", "length", "march.least_field"}, "smallest |field| that the march sampled", least_field,
-           {.ramp = Ramp::magnitude, .high = 0x1p+4, .by_default = true, .over = Over::marches}),
+           {.ramp = Ramp::magnitude, .high = 0x1p+4, .by_default = true, .over = MetricDomain::marches}),
     tabled({"overshoot", "length", "march.overshoot"},
            "largest depth inside at which the march sampled the field: max(0, -field); from outside it is 0 in exact "
            "arithmetic",
-           overshoot, {.ramp = Ramp::magnitude, .high = 0x1p+4, .over = Over::marches})};
+           overshoot, {.ramp = Ramp::magnitude, .high = 0x1p+4, .over = MetricDomain::marches})};
 
 /// Joins lists of metrics into one.
 std::vector<Metric> joined(std::initializer_list<std::span<const Metric>> lists) {
@@ -221,7 +237,7 @@ const Metric* find_metric(std::string_view name) {
     return found == metrics().end() ? nullptr : &*found;
 }
 
-std::size_t place_of(const std::vector<const Metric*>& metrics, std::string_view name) {
+std::size_t index_of(const std::vector<const Metric*>& metrics, std::string_view name) {
     return static_cast<std::size_t>(std::ranges::find(metrics, name, &Metric::name) - metrics.begin());
 }
 

@@ -7,16 +7,16 @@
 #include <string_view>
 #include <vector>
 
+#include "intersect/filter_arithmetic.hpp"
 #include "intersect/march.hpp"
-#include "intersect/way.hpp"
 #include "measure/answer/outcome.hpp"
 #include "measure/answer/steps.hpp"
-#include "measure/blame/culprits.hpp"
+#include "measure/attribution/culprits.hpp"
 #include "measure/truth/certified.hpp"
 #include "measure/truth/missing.hpp"
 #include "number/real.hpp"
 #include "scene/rays/camera.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::measure::metric {
 
@@ -34,15 +34,16 @@ struct Sample {
     double reach = truth::missing;            ///< how far half an ulp in each input can move t*, see `truth::reach`
     double reach_normwise = truth::missing;   ///< how far errors of u times the length of each vector can
     const Ray<double>* ray = nullptr;         ///< the inputs as the form received them
-    const Solid<double>* solid = nullptr;     ///< the primitive that the form hit, as it received it
-    const intersect::MarchRecord* march = nullptr;      ///< null for forms that do not march
-    const blame::Blame* blame = nullptr;                ///< which operation lost the bits
-    const intersect::BoundedAnswer* bounded = nullptr;  ///< the answer with the form's own bound
-    const intersect::Way* way = nullptr;     ///< for a form that filters: the arithmetic that settled the ray
-    const answer::Steps* steps = nullptr;    ///< for a form that transforms the ray to object space
-    const answer::Levels* levels = nullptr;  ///< for a form behind a box, where the ray truly hits
-    double end_margin = truth::missing;      ///< for a form behind a box
-    const Ray<Real>* true_ray = nullptr;     ///< the ray before any format rounded or made it
+    const Primitive<double>* primitive = nullptr;        ///< the primitive that the form hit, as it received it
+    const intersect::MarchRecord* march = nullptr;       ///< null for forms that do not march
+    const attribution::RayAttribution* blame = nullptr;  ///< which operation lost the bits
+    const intersect::BoundedAnswer* bounded = nullptr;   ///< the answer with the form's own bound
+    /// For a form that filters: the arithmetic that settled the ray.
+    const intersect::FilterArithmetic* way = nullptr;
+    const answer::Steps* steps = nullptr;                   ///< for a form that transforms the ray to object space
+    const answer::Levels* levels = nullptr;                 ///< for a form behind a box, where the ray truly hits
+    double end_margin = truth::missing;                     ///< for a form behind a box
+    const Ray<Real>* true_ray = nullptr;                    ///< the ray before any format rounded or made it
     const scene::rays::CameraFrame<Real>* frame = nullptr;  ///< for a camera whose rays each format makes
     intersect::Convention convention = {};                  ///< the form's
     intersect::Direction direction = {};                    ///< the length of direction that the form asks for
@@ -61,7 +62,7 @@ enum Needs : unsigned {
     needs_condition = 8,
     needs_attribution = 16,
     needs_bound = 32,  ///< for a format that is the machine's own
-    needs_way = 64,
+    needs_filter_arithmetic = 64,
     needs_counterfactuals = 128,
     needs_reach = 256,
     needs_reach_normwise = 512,
@@ -79,7 +80,7 @@ enum class Ramp { lost, kept, magnitude, categories };
 /// The rays on which a metric is measured. `marches`: every ray of the forms that march, whatever its outcome. `every`:
 /// every ray, whatever its outcome. `blamed`: correct hits, false hits and false misses. `pairs`: every ray of the rows
 /// that are compared with another form, whatever the truth; `measure_row` itself measures them.
-enum class Over { agreed_hits, marches, every, blamed, pairs };
+enum class MetricDomain { agreed_hits, marches, every, blamed, pairs };
 
 /// Metrics that are measured over columns where registers can do it (measure/columns). `value` answers for the other
 /// rays, with the same bits.
@@ -97,7 +98,7 @@ struct Metric {
     double low = 0, high = 0;
     bool by_default = false;                   ///< measured and written unless metrics are named
     double (*value)(const Sample&) = nullptr;  ///< value on one ray; NaN where it does not exist
-    Over over = Over::agreed_hits;
+    MetricDomain over = MetricDomain::agreed_hits;
     /// Categories of a metric whose value names one: the value is an index into this list.
     std::span<const std::string_view> categories = {};
     bool by_run = false;  ///< the list depends on the forms of the run: empty until `MetricSet::for_forms` knows them
@@ -122,6 +123,6 @@ std::span<const Metric> metrics();
 const Metric* find_metric(std::string_view name);
 
 /// Index of the metric of that name in a list; the list's size where it is not there.
-std::size_t place_of(const std::vector<const Metric*>& metrics, std::string_view name);
+std::size_t index_of(const std::vector<const Metric*>& metrics, std::string_view name);
 
 }  // namespace lostbits::measure::metric

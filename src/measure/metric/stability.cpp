@@ -13,23 +13,24 @@ using truth::missing, truth::Perturbed, stability::Turned;
 namespace {
 
 double backward(const Sample& s, Perturbed perturbed) {
-    if (!s.solid || s.march) return missing;
-    return in_roundoffs(stability::backward_error(*s.ray, *s.solid, s.t, perturbed, s.convention, s.range), s);
+    if (!s.primitive || s.march) return missing;
+    return in_roundoffs(stability::backward_error(*s.ray, *s.primitive, s.t, perturbed, s.convention, s.range), s);
 }
 
 double backward_error(const Sample& s) { return backward(s, Perturbed::componentwise); }
 double backward_error_normwise(const Sample& s) { return backward(s, Perturbed::normwise); }
 double decision_margin(const Sample& s) {
-    if (!s.solid || s.march) return missing;
+    if (!s.primitive || s.march) return missing;
     return in_roundoffs(
-        stability::decision_margin(*s.ray, *s.solid, Turned::root, Perturbed::componentwise, s.convention, s.range), s);
+        stability::decision_margin(*s.ray, *s.primitive, Turned::root, Perturbed::componentwise, s.convention, s.range),
+        s);
 }
 
 double wrong_decision(const Sample& s) {
-    if (!s.solid || s.march) return missing;
+    if (!s.primitive || s.march) return missing;
     if (!answer::is_wrong(s.outcome)) return 0;
     const double u = std::ldexp(1.0, -s.format->parameters.precision);
-    const auto turned = stability::is_turned_within(u, *s.ray, *s.solid, Turned::decision, Perturbed::componentwise,
+    const auto turned = stability::is_turned_within(u, *s.ray, *s.primitive, Turned::decision, Perturbed::componentwise,
                                                     s.convention, s.range);
     return !turned ? 3 : *turned ? 1 : 2;
 }
@@ -89,11 +90,11 @@ constexpr Metric rows_of_stability[] = {
            "hit or miss or the root, in u = 2^-p: a proved lower bound; below 2^-10 the least change is at most twice "
            "as large, and the margin is missing where that is not proved; for the primitive that the form hits, else "
            "the one truly hit, else the ray's own or, of several, the one that the ray misses most narrowly",
-           decision_margin, {.ramp = Ramp::magnitude, .low = 0x1p-1, .over = Over::every}),
+           decision_margin, {.ramp = Ramp::magnitude, .low = 0x1p-1, .over = MetricDomain::every}),
     tabled({"wrong_decision", "", "stability.wrong"},
            "tells if a false hit, a false miss or a wrong primitive is proved to be wrong for all problems within u of "
            "every number (beyond_u), or to be right for one of them (within_u); unproved: neither",
-           wrong_decision, {.ramp = Ramp::categories, .over = Over::every, .categories = wrong_decision_names}),
+           wrong_decision, {.ramp = Ramp::categories, .over = MetricDomain::every, .categories = wrong_decision_names}),
     tabled({"cestac_bits", "bits", "prediction.cestac"},
            "correct bits of the mean t of three runs with random rounding, as they predict them: log2(sqrt(3) "
            "|mean|/(4.303 s)), from 0 to p (CESTAC)",
@@ -107,13 +108,16 @@ constexpr Metric rows_of_stability[] = {
         "tells if cestac_error is a decimal digit, log2(10) bits, or more (overrated); statistics of cestac_error are "
         "of its magnitude, so they include predictions that are too low",
         cestac_digit,
-        {.needs = needs_attribution, .ramp = Ramp::categories, .over = Over::blamed, .categories = cestac_digit_names}),
+        {.needs = needs_attribution,
+         .ramp = Ramp::categories,
+         .over = MetricDomain::blamed,
+         .categories = cestac_digit_names}),
     tabled({"cestac_decision", "", "prediction.cestac_decision"},
            "tells if three runs with random rounding all hit or all miss (stable), and if the form's decision is right",
            cestac_decision,
            {.needs = needs_attribution,
             .ramp = Ramp::categories,
-            .over = Over::blamed,
+            .over = MetricDomain::blamed,
             .categories = cestac_decision_names}),
     tabled({"statistical_ratio", "1", "prediction.statistical"},
            "|t - the form without rounding| over the root of the sum of the squares of the largest error of each "

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "measure/metric/metrics.hpp"
-#include "shapes/hull.hpp"
+#include "shapes/bounding_box.hpp"
 
 namespace lostbits::measure::metric {
 
@@ -39,7 +39,7 @@ double projected_error(const Sample& s);
 /// other primitives. For a form behind a box it is that of the bounding box, whatever the primitive.
 double padding(const Sample& s);
 /// Same padding for the slabs of one box, in binary32, whether or not the ray hits it.
-double padding(const Ray<float>& ray, const Hull<float>& box);
+double padding(const Ray<float>& ray, const BoundingBox<float>& box);
 
 std::span<const Metric> metrics_of_t();
 std::span<const Metric> metrics_of_stability();

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "intersect/hull/behind.hpp"
-#include "intersect/space/spaced.hpp"
+#include "intersect/bounding_box/behind.hpp"
+#include "intersect/transform/spaced.hpp"
 #include "measure/answer/chunk.hpp"
 #include "measure/offset/ball_of.hpp"
 #include "measure/offset/half_line.hpp"
@@ -31,24 +31,24 @@ bool is_finite(const Vec<double>& v) { return std::isfinite(v.x) && std::isfinit
 double distance(const Vec<double>& a, const Vec<double>& b) { return length(Vec<double>(a - b)); }
 
 /// The t at which a ray leaves the primitive that it goes into, in doubles; nothing where it does not leave it.
-std::optional<double> exit_of(const Ray<double>& ray, const Solid<double>& solid) {
-    const auto ends = with_span(ray, solid, [](const auto& span) { return ends_of(span); });
+std::optional<double> exit_of(const Ray<double>& ray, const Primitive<double>& primitive) {
+    const auto ends = with_span(ray, primitive, [](const auto& span) { return ends_of(span); });
     return ends && ends->far > 0 ? std::optional(ends->far) : std::nullopt;
 }
 
 /// Lower bound of the distance of a point from the surface of a primitive; 0 where the bounds on all roundings prove
 /// nothing.
-double least_distance(const Vec<double>& p, const Solid<double>& solid) {
+double least_distance(const Vec<double>& p, const Primitive<double>& primitive) {
     using Certain = number::wide::Running<double>;
-    if (solid.placed && solid.placed->is_inverse) return 0;  // rounding could put the ball anywhere
+    if (primitive.placed && primitive.placed->is_inverse) return 0;  // rounding could put the ball anywhere
     const Vec<Certain> at = lift_vec<Certain>(p);
-    const Solid<Certain> certain = lift_solid<Certain>(solid);
+    const Primitive<Certain> certain = lift_primitive<Certain>(primitive);
     const auto from_surface = [&at](const auto& shape) { return abs(shape.off_surface(at) * shape.unit()); };
     const auto from_ball = [&] {
         const auto ball = ball_around(certain);
         return length(Vec<Certain>(at - ball.centre)) - ball.radius;
     };
-    const Certain away = solid.placed ? from_ball() : visit(certain, from_surface);
+    const Certain away = primitive.placed ? from_ball() : visit(certain, from_surface);
     return std::max(0.0, (away.first() - away.radius()) * (1 - 0x1p-50));
 }
 
@@ -66,13 +66,13 @@ class TypedPoint {
 public:
     using S = typename StoredAs<T>::type;
 
-    TypedPoint(const PointWork& work, const MetPoint& met) : work_(work), met_(met) {
+    TypedPoint(const PointWork& work, const FormHit& met) : work_(work), met_(met) {
         const Ray<T> ray = lift_ray<T>(met.ray);
         const T t = static_cast<T>(met.t);
         const Vec<T> there = moved<T>(ray.origin, t, ray.direction);
-        Leaving<T> found{ray, t, lift_solid<T>(own()), {}, there, there, there, T(1), T(1)};
-        if (found.solid.placed) put_object_point(found);
-        else put_point(found.ray, found.solid, found.p, found.n);
+        Leaving<T> found{ray, t, lift_primitive<T>(own()), {}, there, there, there, T(1), T(1)};
+        if (found.primitive.placed) put_object_point(found);
+        else put_point(found.ray, found.primitive, found.p, found.n);
         leaving_.emplace(std::move(found));
         const Vec<T>& p = leaving_->p;
         p_ = as_doubles(p);
@@ -81,7 +81,7 @@ public:
         std::optional<Vec<T>> light;
         if (work.light_) light = lift_vec<T>(*work.light_);
         if (!is_finite(p_) || !is_finite(n_)) return;
-        for (const Departure<T>& way : ways_from<T>(ray, p, leaving_->n, infinite, light)) {
+        for (const Departure<T>& way : departures_from<T>(ray, p, leaving_->n, infinite, light)) {
             if (is_finite(as_doubles(way.w))) ways_[way.side > T(0) ? 0 : 1].push_back(way);
         }
         for (const Side side : both_sides) {
@@ -144,25 +144,27 @@ public:
 
 private:
     /// Projects p onto the surface where the row asks for it, and computes the normal there.
-    void put_point(const Ray<T>& ray, const Solid<T>& solid, Vec<T>& p, Vec<T>& n) const {
-        if (work_.point_ == HitPoint::projected) p = projected<T>(ray, solid, p);
-        n = outward_normal<T>(ray, solid, p);
+    void put_point(const Ray<T>& ray, const Primitive<T>& primitive, Vec<T>& p, Vec<T>& n) const {
+        if (work_.point_ == HitPoint::projected) p = projected<T>(ray, primitive, p);
+        n = outward_normal<T>(ray, primitive, p);
     }
     /// Computes the point and its normal in object space, by the transform method of the row, and in world space. In
     /// world space, a computed point is o + t d, a projected one is M times the point in object space, and the normal
     /// is A⁻ᵀ times the one there, made unit. A transform method that takes adj(A) in place of A⁻¹ works with a
     /// primitive |det A| times as large, so its ray is divided by that factor here.
     void put_object_point(Leaving<T>& found) const {
-        const auto& steps = intersect::space::steps_in<T>(
-            *intersect::space::made_of(intersect::hull::within_boxes(work_.row_.form->of(found.solid.shape))).space);
-        const Placement<T> placed = *std::exchange(found.solid.placed, std::nullopt);
+        const auto& steps = intersect::transform::steps_in<T>(
+            *intersect::transform::made_of(
+                 intersect::bounding_box::within_boxes(work_.row_.form->of(found.primitive.shape)))
+                 .space);
+        const Placement<T> placed = *std::exchange(found.primitive.placed, std::nullopt);
         const auto maps = steps.maps(placed);
         const auto in = steps.to_object(maps, found.ray);
         const T t = found.t * in.length;
         const Ray<T> ray{in.ray.origin / in.scale, in.ray.direction / in.scale};
         ObjectPoint<T> there{ray,           t, moved<T>(ray.origin, t, ray.direction), ray.direction, maps.to_world,
                              maps.to_object};
-        put_point(ray, found.solid, there.p, there.n);
+        put_point(ray, found.primitive, there.p, there.n);
         if (work_.point_ == HitPoint::projected) found.p = maps.to_world.point(there.p);
         const auto& rows = maps.to_object.rows;
         const T sign = as_double(in.scale) == 1 || placed.orientation > 0 ? T(1) : T(-1);
@@ -172,7 +174,7 @@ private:
     [[nodiscard]] const std::vector<Departure<T>>& ways(Side side) const {
         return ways_[static_cast<std::size_t>(side)];
     }
-    [[nodiscard]] const Solid<double>& own() const { return work_.solids_[met_.own]; }
+    [[nodiscard]] const Primitive<double>& own() const { return work_.primitives_[met_.own]; }
     [[nodiscard]] const FarSides& sides_ahead(Side side) const { return far_[static_cast<std::size_t>(side)]; }
     /// True if rays to a side go into the primitive. If it has no inside, rays to either side leave it.
     [[nodiscard]] bool enters(Side side) const { return side == Side::inside && has_inside(own().shape); }
@@ -204,7 +206,7 @@ private:
             const Meeting met = find_meeting(line, own());
             const Meeting there = r.tmin > 0 ? find_meeting({r.ray, 0}, own()) : met;
             // Past the far side of a convex primitive nothing is met. Past that of a torus, the ring is met once more.
-            const bool lost = !met.meets || (is_met_again(own()) && is_behind_wall(side, line));
+            const bool lost = !met.meets || (is_hit_again(own()) && is_behind_wall(side, line));
             add(there.outside, Fault::wrong_side);
             add(r.asks_own && met.outside && !lost, Fault::self_hit);
             add(!r.asks_own || lost, Fault::lost_exit);
@@ -216,15 +218,15 @@ private:
             add(ahead.wall < r.tmax && (!r.asks_own || is_behind_wall(side, line)), Fault::lost_occluder);
         }
         const double jump = distance(r.ray.origin, p_) + r.tmin * length(r.ray.direction);
-        for (std::size_t k = 0; k < work_.solids_.size() && jump > 0; ++k) {
-            const Solid<double>& other = work_.solids_[k];
+        for (std::size_t k = 0; k < work_.primitives_.size() && jump > 0; ++k) {
+            const Primitive<double>& other = work_.primitives_[k];
             if (k == met_.own || least_distance(p_, other) > 1.001 * jump) continue;
             find_faults_with(other, line, r);
         }
     }
 
     /// Finds the faults with a neighbour whose surface may lie between p and the start of the ray.
-    void find_faults_with(const Solid<double>& other, const HalfLine& line, NewRay& r) const {
+    void find_faults_with(const Primitive<double>& other, const HalfLine& line, NewRay& r) const {
         const Meeting from_p = find_meeting({{p_, r.ray.direction}, 0}, other), now = find_meeting(line, other);
         const bool through = line.from > 0 ? from_p.meets && !now.meets
                                            : !from_p.inside && !now.inside && passes_through(p_, r.ray.origin, other);
@@ -241,9 +243,9 @@ private:
             rays.push({r.ray.origin, is_made_unit ? truth::unit_direction(r.ray.direction, work_.row_.format.parameters)
                                                   : r.ray.direction});
         }
-        answer::KernelRoom<S> room(rays);
-        const auto& [t, near, far, hit] = static_cast<const answer::AnswerRoom<S>&>(room);
-        ask(room.rays(), lift_solid<S>(own()), room.hits());
+        answer::KernelBuffers<S> buffers(rays);
+        const auto& [t, near, far, hit] = static_cast<const answer::AnswerBuffers<S>&>(buffers);
+        run_kernel(buffers.rays(), lift_primitive<S>(own()), buffers.hits());
         for (std::size_t k = 0; k < all.size(); ++k) {
             NewRay& r = all[k];
             if (!r.asks_own || r.has(Fault::not_finite)) continue;
@@ -254,12 +256,12 @@ private:
         }
     }
 
-    void ask(const intersect::table::RayBatch<S>& batch, const Solid<S>& solid,
-             const intersect::table::HitBatch<S>& answers) const {
+    void run_kernel(const intersect::table::RayBatch<S>& batch, const Primitive<S>& primitive,
+                    const intersect::table::HitBatch<S>& answers) const {
         const intersect::table::Intersector& form = *work_.row_.form;
-        if constexpr (std::is_same_v<T, float>) form.native32(batch, solid, answers);
-        else if constexpr (std::is_same_v<T, double>) form.native64(batch, solid, answers);
-        else form.rounded(work_.row_.format.parameters, batch, solid, answers);
+        if constexpr (std::is_same_v<T, float>) form.native32(batch, primitive, answers);
+        else if constexpr (std::is_same_v<T, double>) form.native64(batch, primitive, answers);
+        else form.rounded(work_.row_.format.parameters, batch, primitive, answers);
     }
 
     /// First root that the form reports in (tmin, tmax); NaN where there is none.
@@ -274,14 +276,14 @@ private:
     }
 
     const PointWork& work_;
-    const MetPoint& met_;
+    const FormHit& met_;
     std::optional<Leaving<T>> leaving_;
     Vec<double> p_{0, 0, 0}, n_{0, 0, 0};
     std::array<std::vector<Departure<T>>, 2> ways_;
     std::array<FarSides, 2> far_;
 };
 
-bool PointWork::measure(const MetPoint& met, std::array<SideOfPoint, 2>& sides, std::span<StrategyAtPoint> by_strategy,
+bool PointWork::measure(const FormHit& met, std::array<SideOfPoint, 2>& sides, std::span<StrategyAtPoint> by_strategy,
                         bool quiet) const {
     return with_number(row_.format, [&]<class T>() {
         const TypedPoint<T> point(*this, met);
@@ -306,16 +308,16 @@ bool PointWork::measure(const MetPoint& met, std::array<SideOfPoint, 2>& sides, 
     });
 }
 
-std::vector<NewRay> PointWork::rays(const MetPoint& met, const Strategy& strategy, Side side) const {
+std::vector<NewRay> PointWork::rays(const FormHit& met, const Strategy& strategy, Side side) const {
     return with_number(row_.format, [&]<class T>() { return TypedPoint<T>(*this, met).rays(strategy, side); });
 }
 
-bool PointWork::is_safe(const MetPoint& met, Side side, double e, bool by_form) const {
+bool PointWork::is_safe(const FormHit& met, Side side, double e, bool by_form) const {
     return with_number(row_.format,
                        [&]<class T>() { return TypedPoint<T>(*this, met).judge(side, e, by_form) == Enough::enough; });
 }
 
-std::optional<PointWork::Start> PointWork::start(const MetPoint& met) const {
+std::optional<PointWork::Start> PointWork::start(const FormHit& met) const {
     return with_number(row_.format, [&]<class T>() -> std::optional<Start> {
         const TypedPoint<T> point(*this, met);
         if (!point.is_there()) return std::nullopt;

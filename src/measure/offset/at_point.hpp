@@ -82,7 +82,7 @@ struct SideOfPoint {
 };
 
 /// Hit of a form on a primitive: the ray and the answer, and the primitives of its format.
-struct MetPoint {
+struct FormHit {
     Ray<double> ray{};
     double t = 0;
     std::size_t own = 0;
@@ -91,32 +91,32 @@ struct MetPoint {
 /// Measures points of one form in one format. The scene's primitives and light are numbers of the format.
 class PointWork {
 public:
-    PointWork(const evaluate::TestedForm& row, HitPoint point, std::span<const Solid<double>> solids,
+    PointWork(const evaluate::TestedForm& row, HitPoint point, std::span<const Primitive<double>> primitives,
               std::optional<Vec<double>> light, std::span<const Strategy* const> strategies)
-        : row_(row), point_(point), solids_(solids), light_(light), strategies_(strategies) {}
+        : row_(row), point_(point), primitives_(primitives), light_(light), strategies_(strategies) {}
 
     /// Measures both sides. The index of a strategy in `by_strategy` is side·strategies + its own index. False where
     /// the computed point or its normal is not finite: nothing is filled in then. With `quiet`, the quiet offset is
     /// looked for; otherwise it stays missing.
-    bool measure(const MetPoint& met, std::array<SideOfPoint, 2>& sides, std::span<StrategyAtPoint> by_strategy,
+    bool measure(const FormHit& met, std::array<SideOfPoint, 2>& sides, std::span<StrategyAtPoint> by_strategy,
                  bool quiet = true) const;
 
     /// Rays of one strategy to one side, with their faults.
-    [[nodiscard]] std::vector<NewRay> rays(const MetPoint& met, const Strategy& strategy, Side side) const;
+    [[nodiscard]] std::vector<NewRay> rays(const FormHit& met, const Strategy& strategy, Side side) const;
 
     /// True where all rays to a side that start at p + side·e·n are safe by truth and, with `by_form`, by the form's
     /// arithmetic as well.
-    [[nodiscard]] bool is_safe(const MetPoint& met, Side side, double e, bool by_form) const;
+    [[nodiscard]] bool is_safe(const FormHit& met, Side side, double e, bool by_form) const;
     /// Computed point and its normal; nothing where they are not finite.
     struct Start {
         Vec<double> p, n;
     };
-    [[nodiscard]] std::optional<Start> start(const MetPoint& met) const;
+    [[nodiscard]] std::optional<Start> start(const FormHit& met) const;
 
 private:
     const evaluate::TestedForm& row_;
     HitPoint point_;
-    std::span<const Solid<double>> solids_;
+    std::span<const Primitive<double>> primitives_;
     std::optional<Vec<double>> light_;
     std::span<const Strategy* const> strategies_;
 

@@ -3,17 +3,17 @@
 
 #include <cmath>
 
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::measure::offset {
 
 /// Like `ball_around`, but also for a primitive under a stored inverse, whose matrix is adj(A)/det(A).
-inline auto ball_of(const Solid<double>& solid) {
-    if (!solid.placed || !solid.placed->is_inverse) return ball_around(solid);
-    Solid<double> there = solid;
+inline auto ball_of(const Primitive<double>& primitive) {
+    if (!primitive.placed || !primitive.placed->is_inverse) return ball_around(primitive);
+    Primitive<double> there = primitive;
     there.placed.reset();
     auto ball = ball_around(there);
-    const Affine<double> m = solid.placed->map();
+    const Affine<double> m = primitive.placed->map();
     const auto columns = m.adjugate();
     const double det = m.determinant();
     ball.centre = times(columns, ball.centre - m.shift) / det;

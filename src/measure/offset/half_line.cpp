@@ -43,11 +43,11 @@ std::optional<Meeting> enclosed(const SlabSpan<E>& s) {
     return Meeting{.inside = inside.is_yes(), .outside = outside.is_yes(), .meets = meets.is_yes()};
 }
 
-template <class E, ToldSpan<E> S>
+template <class E, ComparableSpan<E> S>
 std::optional<Meeting> enclosed(const S& s) {
     const Fraction<E> begin{E(0), E(1)};
     const auto enters = s.enters_to(begin), leaves = s.leaves_to(begin);
-    const Tri through = s.is_open(), met = s.is_met();
+    const Tri through = s.is_open(), met = s.is_hit();
     const Tri inside = through && enters.less && !leaves.at_most;
     const Tri outside = !met || !enters.at_most || leaves.less;
     const Tri meets = through && !leaves.at_most;
@@ -107,8 +107,8 @@ Ray<E> begun(const HalfLine& line) {
 }
 
 template <class E>
-std::optional<Meeting> enclosed(const HalfLine& line, const Solid<double>& solid) {
-    return with_span(begun<E>(line), lift_solid<E>(solid), [](const auto& span) { return enclosed<E>(span); });
+std::optional<Meeting> enclosed(const HalfLine& line, const Primitive<double>& primitive) {
+    return with_span(begun<E>(line), lift_primitive<E>(primitive), [](const auto& span) { return enclosed<E>(span); });
 }
 
 /// Result of `find` at the first precision that decides. Running errors decide most signs, and enough bits decide every
@@ -146,7 +146,7 @@ std::optional<bool> passes(const QuarticSpan<E>& s) {
     return is_inside_between(s, &end);
 }
 
-template <class E, ToldSpan<E> S>
+template <class E, ComparableSpan<E> S>
 std::optional<bool> passes(const S& s) {
     const Fraction<E> from{E(0), E(1)}, to{E(1), E(1)};
     const Tri hit = s.is_open() && !s.leaves_to(from).at_most && s.enters_to(to).less;
@@ -163,12 +163,12 @@ std::optional<bool> passes(const S& s) {
 
 /// True for shapes that a ray may meet again after it has touched them: those that are neither convex nor flat.
 template <template <class> class Of>
-constexpr bool met_again = decltype(std::declval<Of<double>>().span(Ray<double>{}))::is_met_behind_touch;
+constexpr bool hit_again = decltype(std::declval<Of<double>>().span(Ray<double>{}))::may_hit_behind_touch;
 
 /// For a ray from a point of the surface. If it goes towards the axis, the point is the near root. The far root is the
 /// far wall if it lies between the rims.
 FarSide far_side_of(const WallSpan<double>& s) {
-    const auto& side = s.solid.side;
+    const auto& side = s.primitive.side;
     if (!(side.h < 0)) return {};
     FarSide far{.from = -side.h / side.a};
     if (s.crossing(1).closed) far.wall = ends_of(side)->far;
@@ -193,39 +193,39 @@ FarSide far_side_of(const QuarticSpan<double>& s) {
 
 bool HalfLine::is_proper() const { return truth::is_proper(ray) && std::isfinite(from) && from >= 0; }
 
-Meeting find_meeting(const HalfLine& line, const Solid<double>& solid) {
-    return escalate([&]<class E>() { return enclosed<E>(line, solid); });
+Meeting find_meeting(const HalfLine& line, const Primitive<double>& primitive) {
+    return escalate([&]<class E>() { return enclosed<E>(line, primitive); });
 }
 
-bool meets_before(const HalfLine& line, double end, const Solid<double>& solid) {
-    if (std::isinf(end)) return find_meeting(line, solid).meets;
+bool meets_before(const HalfLine& line, double end, const Primitive<double>& primitive) {
+    if (std::isinf(end)) return find_meeting(line, primitive).meets;
     if (!(line.from < end)) return false;
     return escalate([&]<class E>() {
         const Ray<E> from = begun<E>(line);
-        return with_span(Ray<E>{from.origin, (E(end) - E(line.from)) * from.direction}, lift_solid<E>(solid),
+        return with_span(Ray<E>{from.origin, (E(end) - E(line.from)) * from.direction}, lift_primitive<E>(primitive),
                          [](const auto& span) { return passes<E>(span); });
     });
 }
 
-FarSide far_side(const Ray<double>& leaving, const Solid<double>& solid) {
-    return visit_shape(solid, [&]<template <class> class Of>() {
-        if constexpr (!met_again<Of>) return FarSide{};
+FarSide far_side(const Ray<double>& leaving, const Primitive<double>& primitive) {
+    return visit_shape(primitive, [&]<template <class> class Of>() {
+        if constexpr (!hit_again<Of>) return FarSide{};
         else
-            return in_its_space<Of>(leaving, solid, [](const Of<double>& shape, const Ray<double>& its) {
+            return in_its_space<Of>(leaving, primitive, [](const Of<double>& shape, const Ray<double>& its) {
                 return far_side_of(shape.span({shape.projected(its, its.origin), its.direction}));
             });
     });
 }
 
-bool is_met_again(const Solid<double>& solid) {
-    return visit_shape(solid, []<template <class> class Of>() { return met_again<Of>; });
+bool is_hit_again(const Primitive<double>& primitive) {
+    return visit_shape(primitive, []<template <class> class Of>() { return hit_again<Of>; });
 }
 
-bool passes_through(const Vec<double>& a, const Vec<double>& b, const Solid<double>& solid) {
-    if (a == b) return find_meeting({{a, {1, 0, 0}}, 0}, solid).inside;
+bool passes_through(const Vec<double>& a, const Vec<double>& b, const Primitive<double>& primitive) {
+    if (a == b) return find_meeting({{a, {1, 0, 0}}, 0}, primitive).inside;
     return escalate([&]<class E>() {
         const Vec<E> from = lift_vec<E>(a), to = lift_vec<E>(b);
-        return with_span(Ray<E>{from, to - from}, lift_solid<E>(solid),
+        return with_span(Ray<E>{from, to - from}, lift_primitive<E>(primitive),
                          [](const auto& span) { return passes<E>(span); });
     });
 }

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "number/rounded.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::measure::offset {
 
@@ -30,7 +30,7 @@ template <class T>
 struct Leaving {
     Ray<T> ray;
     T t;
-    Solid<T> solid;
+    Primitive<T> primitive;
     std::optional<ObjectPoint<T>> object = {};  ///< for a primitive under a matrix
     Vec<T> p;                                   ///< the point as computed
     Vec<T> n;                                   ///< the outward unit normal as computed
@@ -63,13 +63,13 @@ T largest_of(const Vec<T>& p) {
 }
 
 template <Number T>
-Vec<T> outward_normal(const Ray<T>& ray, const Solid<T>& solid, const Vec<T>& p) {
-    return visit(solid, [&](const auto& shape) { return shape.outward_normal(ray, p); });
+Vec<T> outward_normal(const Ray<T>& ray, const Primitive<T>& primitive, const Vec<T>& p) {
+    return visit(primitive, [&](const auto& shape) { return shape.outward_normal(ray, p); });
 }
 
 template <Number T>
-Vec<T> projected(const Ray<T>& ray, const Solid<T>& solid, const Vec<T>& p) {
-    return visit(solid, [&](const auto& shape) { return shape.projected(ray, p); });
+Vec<T> projected(const Ray<T>& ray, const Primitive<T>& primitive, const Vec<T>& p) {
+    return visit(primitive, [&](const auto& shape) { return shape.projected(ray, p); });
 }
 
 /// Side to which a ray leaves a primitive: by the sign of n·w as the format computes it.
@@ -92,7 +92,7 @@ inline constexpr std::array glass{2, 3};
 
 /// Adds the ray w of length one, unless it lies in the surface or is not a direction.
 template <Number T>
-void add_way(const Vec<T>& w, const Vec<T>& n, const T& reach, std::vector<Departure<T>>& ways) {
+void add_departure(const Vec<T>& w, const Vec<T>& n, const T& reach, std::vector<Departure<T>>& ways) {
     const T cosine = dot(n, w);
     if (cosine > T(0)) ways.push_back({w, T(1), reach});
     else if (cosine < T(0)) ways.push_back({w, T(-1), reach});
@@ -103,22 +103,22 @@ void add_way(const Vec<T>& w, const Vec<T>& n, const T& reach, std::vector<Depar
 /// around −n. The hemisphere's frame is that of Duff et al., Building an Orthonormal Basis, Revisited (2017).
 /// Everything is computed in T.
 template <Number T>
-std::vector<Departure<T>> ways_from(const Ray<T>& ray, const Vec<T>& p, const Vec<T>& n, const T& infinite,
-                                    const std::optional<Vec<T>>& light) {
+std::vector<Departure<T>> departures_from(const Ray<T>& ray, const Vec<T>& p, const Vec<T>& n, const T& infinite,
+                                          const std::optional<Vec<T>>& light) {
     std::vector<Departure<T>> ways;
     if (light) {
         const Vec<T> way = *light - p;
-        if (dot(n, way) > T(0)) add_way<T>(unit_of<T>(way), n, length(way), ways);
+        if (dot(n, way) > T(0)) add_departure<T>(unit_of<T>(way), n, length(way), ways);
     }
     const Vec<T> d = unit_of<T>(ray.direction);
     const T facing = dot(d, n);
-    add_way<T>(moved<T>(d, -(T(2) * facing), n), n, infinite, ways);
+    add_departure<T>(moved<T>(d, -(T(2) * facing), n), n, infinite, ways);
     const bool enters = facing < T(0);
     const T eta = enters ? T(glass[0]) / T(glass[1]) : T(glass[1]) / T(glass[0]);
     const T cosine = abs(facing), rest = T(1) - eta * eta * (T(1) - cosine * cosine);
     if (rest > T(0)) {
         const T along = enters ? eta * cosine - sqrt(rest) : sqrt(rest) - eta * cosine;
-        add_way<T>(moved<T>(Vec<T>(eta * d.x, eta * d.y, eta * d.z), along, n), n, infinite, ways);
+        add_departure<T>(moved<T>(Vec<T>(eta * d.x, eta * d.y, eta * d.z), along, n), n, infinite, ways);
     }
 
     const T sign = copysign(T(1), n.z), a = T(-1) / (sign + n.z), b = n.x * n.y * a;
@@ -130,8 +130,8 @@ std::vector<Departure<T>> ways_from(const Ray<T>& ray, const Vec<T>& p, const Ve
             for (int quarter = 0; quarter < (denominator == 1 ? 1 : 4); ++quarter) {
                 const Vec<T> tangent = moved<T>(Vec<T>(x * across.x, x * across.y, x * across.z), y, up);
                 const T height = side * up_cosine;
-                add_way<T>(moved<T>(Vec<T>(height * n.x, height * n.y, height * n.z), sine, tangent), n, infinite,
-                           ways);
+                add_departure<T>(moved<T>(Vec<T>(height * n.x, height * n.y, height * n.z), sine, tangent), n, infinite,
+                                 ways);
                 const T turned = -y;
                 y = x;
                 x = turned;

@@ -26,9 +26,9 @@ public:
         : study_(study),
           row_(row),
           inputs_(band.inputs_for(row.row.format, *row.row.form->info)),
-          solids_(inputs_.solids.all()),
+          primitives_(inputs_.primitives.all()),
           answers_(answer::evaluate(*row.row.form, inputs_)),
-          work_(row_.row, row_.point, solids_, light(), study.strategies),
+          work_(row_.row, row_.point, primitives_, light(), study.strategies),
           truth_(band) {
         const std::size_t n = band.pixels(), m = study.strategies.size();
         out_.y0 = band.y0();
@@ -48,7 +48,7 @@ public:
             tbb::blocked_range<std::size_t>(0, truth_.pixels(), 16), [&](const auto& range) {
                 for (std::size_t i = range.begin(); i < range.end(); ++i) {
                     study_.limit.stop.check();
-                    if (!meets_the_true_solid(i)) continue;
+                    if (!meets_the_true_primitive(i)) continue;
                     const auto by_strategy = std::span(out_.by_strategy).subspan(2 * i * m, 2 * m);
                     if (!work_.measure(met(i), out_.sides[i], by_strategy, study_.quiet)) continue;
                     out_.is_point[i] = 1;
@@ -75,11 +75,11 @@ private:
         if (!study_.scene.appearance.light) return std::nullopt;
         return picture::input_appearance(study_.scene, row_.row.format.parameters).light;
     }
-    [[nodiscard]] bool meets_the_true_solid(std::size_t i) const {
+    [[nodiscard]] bool meets_the_true_primitive(std::size_t i) const {
         if (answers_.hit[i] == 0 || !(answers_.t[i] > 0)) return false;
         return answer::meets_first(truth_, i, answers_.object[i], row_.row.convention());
     }
-    [[nodiscard]] MetPoint met(std::size_t i) const {
+    [[nodiscard]] FormHit met(std::size_t i) const {
         return {inputs_.rays_for(*row_.row.form->info)[i], answers_.t[i], static_cast<std::size_t>(answers_.object[i])};
     }
     [[nodiscard]] double ulp_of(const Vec<double>& p) const {
@@ -125,7 +125,7 @@ private:
                 if (s.first[f] || !ray.has(static_cast<Fault>(f))) continue;
                 const auto pixel = static_cast<int>(i);
                 s.first[f] = BadRay{pixel % out_.width, out_.y0 + pixel / out_.width, answers_.object[i], ray,
-                                    solids_[static_cast<std::size_t>(answers_.object[i])]};
+                                    primitives_[static_cast<std::size_t>(answers_.object[i])]};
             }
         }
     }
@@ -133,7 +133,7 @@ private:
     const OffsetStudy& study_;
     const OffsetRow& row_;
     truth::FormatInputs inputs_;
-    std::vector<Solid<double>> solids_;
+    std::vector<Primitive<double>> primitives_;
     answer::Answers answers_;
     PointWork work_;
     const Band& truth_;
@@ -142,16 +142,16 @@ private:
 
 }  // namespace
 
-void require_few_solids(const Scene& scene) {
-    if (scene.solid_count() <= most_solids) return;
+void require_few_primitives(const Scene& scene) {
+    if (scene.primitive_count() <= most_primitives) return;
     throw InputError(
         fmt::format("scene {} has {} primitives, and every ray is tested against all of them; {} is the most: try a "
                     "part of the scene",
-                    scene.id, scene.solid_count(), most_solids));
+                    scene.id, scene.primitive_count(), most_primitives));
 }
 
 bool can_be_asked(const intersect::table::Intersector& form) {
-    return is_solid(form.shape) && form.info->roots != intersect::Roots::none;
+    return is_primitive(form.shape) && form.info->roots != intersect::Roots::none;
 }
 
 const std::vector<std::string_view>& usual_forms() {
@@ -177,7 +177,7 @@ const std::vector<std::string_view>& usual_forms() {
     return all;
 }
 
-void OffsetStudy::require() const { require_few_solids(scene); }
+void OffsetStudy::require() const { require_few_primitives(scene); }
 
 OffsetSummary OffsetStudy::begin(std::size_t) const {
     OffsetSummary summary;

@@ -26,10 +26,10 @@ struct BadRay {
     int x = -1, y = -1;
     int object = -1;
     NewRay ray{};
-    Solid<double> solid{};
+    Primitive<double> primitive{};
 };
 
-LOSTBITS_FIELDS(BadRay, x, y, object, ray, solid)
+LOSTBITS_FIELDS(BadRay, x, y, object, ray, primitive)
 
 /// Results of one strategy to one side, over all points.
 struct StrategySummary {
@@ -123,9 +123,9 @@ const std::vector<std::string_view>& usual_forms();
 inline constexpr std::string_view usual_format = "f32";
 
 /// Most primitives of a scene: each point is compared with all of them.
-inline constexpr std::size_t most_solids = 1000;
+inline constexpr std::size_t most_primitives = 1000;
 /// InputError for a scene with more primitives; the message names it.
-void require_few_solids(const scene::file::Scene& scene);
+void require_few_primitives(const scene::file::Scene& scene);
 /// True where offsets of a form can be measured: it is of a primitive and reports t.
 bool can_be_asked(const intersect::table::Intersector& form);
 

@@ -152,7 +152,7 @@ Vec<T> beyond_bound(const BoundedPoint<T>& b, const Vec<T>& n) {
 /// Point with its error bound; under a matrix both are in object space.
 template <Number T>
 BoundedPoint<T> bounded_there(const Leaving<T>& l) {
-    return visit(l.solid, [&l](const auto& shape) {
+    return visit(l.primitive, [&l](const auto& shape) {
         return l.object ? shape.bounded_point(l.object->ray, l.object->t, l.object->p)
                         : shape.bounded_point(l.ray, l.t, l.p);
     });
@@ -252,10 +252,10 @@ std::vector<const Strategy*> all_strategies() {
 std::uint64_t Strategy::operations(Shape shape) const {
     using T = Counted<float>;
     const auto vec = [](float x, float y, float z) { return Vec<T>(T(x), T(y), T(z)); };
-    const Solid<T> solid = solid_around<T>(shape, vec(4, 4, 2.5F), T(2.0F));
+    const Primitive<T> primitive = primitive_around<T>(shape, vec(4, 4, 2.5F), T(2.0F));
     const Leaving<T> leaving{.ray = {vec(1, 9, 8), vec(0.3F, -0.5F, -0.7F)},
                              .t = T(7.0F),
-                             .solid = solid,
+                             .primitive = primitive,
                              .p = vec(3.5F, 5.5F, 3.5F),
                              .n = vec(0.25F, 0.5F, 0.75F),
                              .w = vec(0.5F, 0.25F, 0.5F),

@@ -9,7 +9,7 @@
 #include "measure/offset/leaving.hpp"
 #include "number/counted.hpp"
 #include "number/with_number.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::measure::offset {
 

@@ -16,17 +16,17 @@ struct Part {
 
 /// Tests one chunk of shadow rays against all primitives.
 template <class S, class Kernel>
-void compare_against(const Kernel& kernel, const ShadowRays& shadow, std::span<const Solid<double>> solids,
+void compare_against(const Kernel& kernel, const ShadowRays& shadow, std::span<const Primitive<double>> primitives,
                      const Part& part, std::vector<std::uint8_t>& blocked) {
     const auto [begin, count, own_counts] = part;
-    answer::KernelRoom<S> room(shadow.rays, begin, count);
-    for (std::size_t s = 0; s < solids.size(); ++s) {
-        kernel(room.rays(), lift_solid<S>(solids[s]), room.hits());
+    answer::KernelBuffers<S> buffers(shadow.rays, begin, count);
+    for (std::size_t s = 0; s < primitives.size(); ++s) {
+        kernel(buffers.rays(), lift_primitive<S>(primitives[s]), buffers.hits());
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t p = begin + i;
             const bool own = shadow.own[p] == static_cast<std::int32_t>(s);
-            if (room.hit[i] == 0 || (own && !own_counts)) continue;
-            const auto at = static_cast<double>(room.t[i]);
+            if (buffers.hit[i] == 0 || (own && !own_counts)) continue;
+            const auto at = static_cast<double>(buffers.t[i]);
             if (at > 0 && at < shadow.reach[p]) blocked[p] |= own ? blocked_by_own : blocked_by_other;
         }
     }
@@ -50,7 +50,7 @@ std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& for
         among.stop.check();
         const std::size_t begin = c * chunk, count = std::min(chunk, blocked.size() - begin);
         with_kernel(form, native, format, [&]<class S>(const auto& kernel) {
-            compare_against<S>(kernel, shadow, among.solids.listed(), {begin, count, own_counts}, blocked);
+            compare_against<S>(kernel, shadow, among.primitives.listed(), {begin, count, own_counts}, blocked);
         });
     });
     return blocked;

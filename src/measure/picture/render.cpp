@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "intersect/hull/behind.hpp"
+#include "intersect/bounding_box/behind.hpp"
 #include "intersect/process/parallel.hpp"
-#include "intersect/space/spaced.hpp"
+#include "intersect/transform/spaced.hpp"
 #include "measure/picture/blockers.hpp"
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/unit_direction.hpp"
@@ -106,8 +106,8 @@ public:
 
 private:
     [[nodiscard]] bool hit(std::size_t i) const { return answers_.hit[i] != 0; }
-    [[nodiscard]] Solid<double> solid(std::size_t i) const {
-        return in_.geometry.solids[static_cast<std::size_t>(answers_.object[i])];
+    [[nodiscard]] Primitive<double> primitive(std::size_t i) const {
+        return in_.geometry.primitives[static_cast<std::size_t>(answers_.object[i])];
     }
     [[nodiscard]] bool unit() const { return row_.form->info->direction == intersect::Direction::unit; }
 
@@ -121,14 +121,14 @@ private:
             if (!hit(i)) return;
             const Ray<double> ray = rays_[i];
             const Vec<T> p = point_at<T>(lift_ray<T>(ray), static_cast<T>(answers_.t[i]));
-            const Solid<double> seen = solid(i);
-            const auto lifted_solid = lift_solid<T>(seen);
+            const Primitive<double> seen = primitive(i);
+            const auto lifted_primitive = lift_primitive<T>(seen);
             point_[i] = as_doubles(p);
-            normal_[i] = as_doubles(seen.placed ? normal_under_matrix<T>(lifted_solid, ray, answers_.t[i])
-                                                : normal_at<T>(p, lifted_solid));
+            normal_[i] = as_doubles(seen.placed ? normal_under_matrix<T>(lifted_primitive, ray, answers_.t[i])
+                                                : normal_at<T>(p, lifted_primitive));
             if (out_.seen[i] != Seen::same_sphere) return;
-            out_.residual[i] =
-                std::fabs(residual.value({.t = answers_.t[i], .format = &row_.format, .ray = &ray, .solid = &seen}));
+            out_.residual[i] = std::fabs(
+                residual.value({.t = answers_.t[i], .format = &row_.format, .ray = &ray, .primitive = &seen}));
             if (truth_[i].has_normal) out_.normal_angle[i] = angle_between(normal_[i], truth_[i].normal);
         });
     }
@@ -137,15 +137,16 @@ private:
     /// A⁻ᵀ and made unit. A transform method that takes adj(A) in place of A⁻¹ works with a primitive |det A| times as
     /// large, so its ray is divided by that factor here.
     template <class T>
-    [[nodiscard]] Vec<T> normal_under_matrix(const Solid<T>& solid, const Ray<double>& ray, double t) const {
-        const auto& steps = intersect::space::steps_in<T>(
-            *intersect::space::made_of(intersect::hull::within_boxes(row_.form->of(solid.shape))).space);
-        const auto maps = steps.maps(*solid.placed);
+    [[nodiscard]] Vec<T> normal_under_matrix(const Primitive<T>& primitive, const Ray<double>& ray, double t) const {
+        const auto& steps = intersect::transform::steps_in<T>(
+            *intersect::transform::made_of(intersect::bounding_box::within_boxes(row_.form->of(primitive.shape)))
+                 .space);
+        const auto maps = steps.maps(*primitive.placed);
         const auto in = steps.to_object(maps, lift_ray<T>(ray));
         const Vec<T> p =
             point_at<T>({in.ray.origin / in.scale, in.ray.direction / in.scale}, static_cast<T>(t) * in.length);
-        const T sign = as_double(in.scale) == 1 || solid.placed->orientation > 0 ? T(1) : T(-1);
-        return unit_of<T>(sign * times(maps.to_object.rows, normal_at<T>(p, solid)));
+        const T sign = as_double(in.scale) == 1 || primitive.placed->orientation > 0 ? T(1) : T(-1);
+        return unit_of<T>(sign * times(maps.to_object.rows, normal_at<T>(p, primitive)));
     }
 
     struct Cast {

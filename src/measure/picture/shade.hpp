@@ -38,15 +38,15 @@ Vec<T> point_at(const Ray<T>& ray, const T& t) {
 
 /// Calls `act` on a primitive that pictures are made of, without its matrix.
 template <class T, class Act>
-auto on_rendered(const Solid<T>& solid, const Act& act) {
-    return Solids::of_shape<scene::file::rendered_shape>(
-        [&]<template <class> class S>() { return act(solid.template as<S>()); });
+auto on_rendered(const Primitive<T>& primitive, const Act& act) {
+    return Primitives::of_shape<scene::file::rendered_shape>(
+        [&]<template <class> class S>() { return act(primitive.template as<S>()); });
 }
 
 /// Normal that pictures shade with, at a point of such a primitive.
 template <Number T>
-Vec<T> normal_at(const Vec<T>& p, const Solid<T>& solid) {
-    return on_rendered(solid, [&p](const auto& shape) { return shape.shading_normal(p); });
+Vec<T> normal_at(const Vec<T>& p, const Primitive<T>& primitive) {
+    return on_rendered(primitive, [&p](const auto& shape) { return shape.shading_normal(p); });
 }
 
 /// xⁿ for n ≥ 1 by repeated squaring, from the highest bit of n down: at most 2·log2(n) products.

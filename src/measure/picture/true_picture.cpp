@@ -66,18 +66,18 @@ bool settle(const Vec<E>& colour, TrueColour& out) {
 /// Ray and primitive in object space. The primitive is as it is stored, up to a scale of the transform; the ray has the
 /// same t as in world space.
 template <class E>
-struct Asked {
+struct ObjectProblem {
     Ray<E> ray;
-    Solid<E> solid;
+    Primitive<E> primitive;
 
-    Asked(const Ray<E>& world, const Solid<E>& placed) : ray(world), solid(placed) {
+    ObjectProblem(const Ray<E>& world, const Primitive<E>& placed) : ray(world), primitive(placed) {
         if (!placed.placed) return;
         const InObject<E> in = in_object(world, *placed.placed);
         ray = in.ray;
-        solid = scaled(placed, in.scale);
+        primitive = scaled(placed, in.scale);
     }
     [[nodiscard]] truth::Enclosed<E> enclosed() const {
-        return on_rendered(solid, [this](const auto& shape) { return truth::enclose<E>(ray, shape); });
+        return on_rendered(primitive, [this](const auto& shape) { return truth::enclose<E>(ray, shape); });
     }
 };
 
@@ -92,8 +92,8 @@ Vec<E> normal_in_world(const Vec<E>& n, const Placement<E>& placed) {
 
 /// Tells if the primitive stands between p and the light: the segment hits it at 0 < t < 1.
 template <class E>
-Tri blocks(const Solid<E>& solid, const Vec<E>& p, const Vec<E>& light) {
-    const Asked<E> asked({p, light - p}, solid);
+Tri blocks(const Primitive<E>& primitive, const Vec<E>& p, const Vec<E>& light) {
+    const ObjectProblem<E> asked({p, light - p}, primitive);
     const truth::Enclosed<E> e = asked.enclosed();
     if (!e.hit.is_yes()) return e.hit;
     return e.t > E(0) && e.t < E(1);
@@ -116,11 +116,11 @@ public:
           points_(pixel_points<S>(scene, band.y0(), band.y0() + band.rows())) {
         if constexpr (std::is_same_v<S, double>) {
             rays_ = scene::rays::make_shared_rays(scene, band.y0(), band.y0() + band.rows());
-            solids_ = scene::rays::shared_solids(scene);
+            primitives_ = scene::rays::shared_primitives(scene);
             look_ = shared_appearance(scene.appearance);
         } else {
             rays_ = scene::rays::make_own_rays(scene, band.y0(), band.y0() + band.rows());
-            solids_ = scene.solids();
+            primitives_ = scene.primitives();
             look_ = own_appearance(scene.appearance);
         }
         for (const Stage stage : stages) {
@@ -153,13 +153,13 @@ private:
     template <class E>
     bool surface(std::size_t i, std::size_t object, TruePixel& out) const {
         const Ray<E> ray = lift_ray<E>(rays_[i]);
-        const Solid<E> solid = lift_solid<E>(solids_[object]);
-        const Asked<E> asked(ray, solid);
+        const Primitive<E> primitive = lift_primitive<E>(primitives_[object]);
+        const ObjectProblem<E> asked(ray, primitive);
         const truth::Enclosed<E> e = asked.enclosed();
         if (!e.hit.is_yes()) return false;
         const Vec<E> p = point_at<E>(ray, e.t);
-        Vec<E> n = normal_at<E>(solid.placed ? point_at<E>(asked.ray, e.t) : p, asked.solid);
-        if (solid.placed) n = normal_in_world<E>(n, *solid.placed);
+        Vec<E> n = normal_at<E>(primitive.placed ? point_at<E>(asked.ray, e.t) : p, asked.primitive);
+        if (primitive.placed) n = normal_in_world<E>(n, *primitive.placed);
         out.has_normal = true;
         for (int k = 0; k < 3; ++k) out.has_normal &= tighten(n[k], out.normal[static_cast<std::size_t>(k)]);
         bool settled = out.has_normal;
@@ -188,7 +188,7 @@ private:
         bool settled = true;
         Tri shadowed = Tri::no;
         if (casts_ && !points_.empty()) {
-            shadowed = in_shadow<E>(lift_vec<E>(points_[i]), lift_vec<E>(look_.light), solids_.size());
+            shadowed = in_shadow<E>(lift_vec<E>(points_[i]), lift_vec<E>(look_.light), primitives_.size());
             settled &= settle(shadowed, out.shadow);
         }
         const Vec<E> full = lift_vec<E>(look_.background);
@@ -204,8 +204,8 @@ private:
     template <class E>
     Tri in_shadow(const Vec<E>& p, const Vec<E>& light, std::size_t own) const {
         Tri shadowed = Tri::no;
-        for (std::size_t s = 0; s < solids_.size() && !shadowed.is_yes(); ++s) {
-            if (s != own) shadowed = shadowed || blocks<E>(lift_solid<E>(solids_[s]), p, light);
+        for (std::size_t s = 0; s < primitives_.size() && !shadowed.is_yes(); ++s) {
+            if (s != own) shadowed = shadowed || blocks<E>(lift_primitive<E>(primitives_[s]), p, light);
         }
         return shadowed;
     }
@@ -214,7 +214,7 @@ private:
     PictureLimit limit_;
     bool has_light_, casts_ = false;
     scene::rays::BasicRayBlock<S> rays_;
-    std::vector<Solid<S>> solids_;
+    std::vector<Primitive<S>> primitives_;
     std::vector<Vec<S>> points_;
     StoredAppearance<S> look_;
     std::vector<std::pair<std::size_t, ShadeRule>> rules_;

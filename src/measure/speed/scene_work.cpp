@@ -16,7 +16,7 @@ using scene::file::Scene;
 namespace {
 
 constexpr int timed_pixels = 2048;
-constexpr std::size_t most_solids = 4;
+constexpr std::size_t most_primitives = 4;
 constexpr std::size_t numbers_a_ray = 9;  // origin, direction; t, near, far
 
 /// Counts the rays of the band that truly hit each primitive first. `same_as` names for each primitive the one that
@@ -31,32 +31,32 @@ std::map<int, std::size_t> hits_of(const truth::Band& band, const std::vector<in
 }
 
 /// Index of the first primitive with the same numbers, for each primitive.
-std::vector<int> first_same(const std::vector<Solid<double>>& solids) {
+std::vector<int> first_same(const std::vector<Primitive<double>>& primitives) {
     using Matrix = std::optional<std::pair<bool, decltype(Placement<double>::matrix)>>;
-    std::map<std::tuple<Shape, decltype(Solid<double>::numbers), Matrix>, int> places;
+    std::map<std::tuple<Shape, decltype(Primitive<double>::numbers), Matrix>, int> places;
     std::vector<int> first;
-    for (const Solid<double>& solid : solids) {
+    for (const Primitive<double>& primitive : primitives) {
         Matrix matrix;
-        if (solid.placed) matrix.emplace(solid.placed->is_inverse, solid.placed->matrix);
-        const std::tuple same(solid.shape, solid.numbers, matrix);
+        if (primitive.placed) matrix.emplace(primitive.placed->is_inverse, primitive.placed->matrix);
+        const std::tuple same(primitive.shape, primitive.numbers, matrix);
         first.push_back(places.emplace(same, static_cast<int>(first.size())).first->second);
     }
     return first;
 }
 
-std::vector<std::size_t> solids_to_time(const std::map<int, std::size_t>& hits, std::size_t solids) {
+std::vector<std::size_t> primitives_to_time(const std::map<int, std::size_t>& hits, std::size_t primitives) {
     std::vector<std::pair<std::size_t, int>> order;
-    for (const auto& [solid, count] : hits) order.emplace_back(count, solid);
+    for (const auto& [primitive, count] : hits) order.emplace_back(count, primitive);
     std::ranges::sort(order, [](const auto& a, const auto& b) {
         return a.first != b.first ? a.first > b.first : a.second < b.second;
     });
     std::vector<std::size_t> chosen;
-    for (const auto& [count, solid] : order) chosen.push_back(static_cast<std::size_t>(solid));
+    for (const auto& [count, primitive] : order) chosen.push_back(static_cast<std::size_t>(primitive));
     if (chosen.empty()) {
-        chosen.resize(solids);
+        chosen.resize(primitives);
         std::iota(chosen.begin(), chosen.end(), std::size_t{0});
     }
-    if (chosen.size() > most_solids) chosen.resize(most_solids);
+    if (chosen.size() > most_primitives) chosen.resize(most_primitives);
     return chosen;
 }
 
@@ -65,11 +65,11 @@ std::vector<std::size_t> solids_to_time(const std::map<int, std::size_t>& hits, 
 /// Rays of a format in columns, a buffer for their answers, and the primitives.
 template <class S>
 struct SceneWork::Store {
-    answer::KernelRoom<S> room;
-    std::vector<Solid<S>> solids = {};
+    answer::KernelBuffers<S> buffers;
+    std::vector<Primitive<S>> primitives = {};
 
     void run(const intersect::table::Kernel<S>& kernel) {
-        for (const Solid<S>& solid : solids) kernel(room.rays(), Target<S>(solid), room.hits());
+        for (const Primitive<S>& primitive : primitives) kernel(buffers.rays(), Target<S>(primitive), buffers.hits());
     }
 };
 
@@ -84,20 +84,20 @@ Scene thinned(const Scene& scene, int pixels) {
 
 SceneWork::SceneWork(const Scene& scene, truth::TruthLimit limit)
     : scene_(thinned(scene, timed_pixels)), band_(scene_, 0, scene_.height, limit), rays_(band_.pixels()) {
-    choose_solids({}, scene_.solid_count());
+    choose_primitives({}, scene_.primitive_count());
 }
 
 SceneWork::SceneWork(const scene::rays::RayGroup& sample, truth::TruthLimit limit)
     : band_(sample, limit), rays_(band_.pixels()) {
-    choose_solids(first_same(sample.solids), sample.solids.size());
+    choose_primitives(first_same(sample.primitives), sample.primitives.size());
 }
 
-void SceneWork::choose_solids(const std::vector<int>& same_as, std::size_t solids) {
+void SceneWork::choose_primitives(const std::vector<int>& same_as, std::size_t primitives) {
     const auto hits = hits_of(band_, same_as);
     std::size_t all = 0;
-    for (const auto& [solid, count] : hits) all += count;
+    for (const auto& [primitive, count] : hits) all += count;
     hit_rate_ = static_cast<double>(all) / static_cast<double>(rays_);
-    solids_ = solids_to_time(hits, solids);
+    primitives_ = primitives_to_time(hits, primitives);
 }
 
 std::size_t SceneWork::bytes(const Format& format) const {
@@ -116,14 +116,14 @@ std::shared_ptr<SceneWork::Store<S>> SceneWork::store(const evaluate::TestedForm
     auto& made = stores[unit ? 1 : 0];
     if (!made) {
         const truth::FormatInputs inputs = band_.inputs_for(row.format, *row.form->info);
-        made = std::make_shared<Store<S>>(Store<S>{answer::KernelRoom<S>(inputs.rays_for(*row.form->info))});
-        for (const std::size_t s : solids_) made->solids.push_back(lift_solid<S>(inputs.solids[s]));
+        made = std::make_shared<Store<S>>(Store<S>{answer::KernelBuffers<S>(inputs.rays_for(*row.form->info))});
+        for (const std::size_t s : primitives_) made->primitives.push_back(lift_primitive<S>(inputs.primitives[s]));
     }
     return made;
 }
 
 TimedWork SceneWork::on(const evaluate::TestedForm& row, const intersect::simd::PackedRow& kernels) {
-    const std::size_t items = rays() * solids();
+    const std::size_t items = rays() * primitives();
     if (row.format.engine == Format::Engine::native32)
         return {[to = store<float>(row), kernel = kernels.f32] { to->run(kernel); }, items, true};
     return {[to = store<double>(row), kernel = kernels.f64] { to->run(kernel); }, items, true};

@@ -25,7 +25,7 @@ public:
     SceneWork& operator=(const SceneWork&) = delete;
 
     [[nodiscard]] std::size_t rays() const { return rays_; }
-    [[nodiscard]] std::size_t solids() const { return solids_.size(); }
+    [[nodiscard]] std::size_t primitives() const { return primitives_.size(); }
     /// Bytes of the rays and of the answers.
     [[nodiscard]] std::size_t bytes(const Format& format) const;
     /// Share of the rays that truly hit anything.
@@ -37,7 +37,7 @@ public:
     TimedWork on(const evaluate::TestedForm& row, const intersect::simd::PackedRow& kernels);
 
 private:
-    void choose_solids(const std::vector<int>& same_as, std::size_t solids);
+    void choose_primitives(const std::vector<int>& same_as, std::size_t primitives);
 
     template <class S>
     struct Store;
@@ -48,7 +48,7 @@ private:
     truth::Band band_;
     std::size_t rays_;
     double hit_rate_ = 0;
-    std::vector<std::size_t> solids_;
+    std::vector<std::size_t> primitives_;
     std::array<std::shared_ptr<Store<float>>, 2> f32_;  ///< with directions as they are, and of unit length
     std::array<std::shared_ptr<Store<double>>, 2> f64_;
 };

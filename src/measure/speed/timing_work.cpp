@@ -6,7 +6,7 @@
 #include <random>
 
 #include "measure/truth/unit_direction.hpp"
-#include "scene/sweep/families.hpp"
+#include "scene/sweep/distributions.hpp"
 #include "shapes/lift.hpp"
 
 namespace lostbits::measure::speed {
@@ -14,7 +14,7 @@ namespace lostbits::measure::speed {
 namespace {
 
 using scene::rays::RayGroup;
-using scene::sweep::FamilyRow;
+using scene::sweep::DistributionRow;
 
 std::vector<Ray<double>> unit_rays(const RayGroup& group) {
     std::vector<Ray<double>> rays;
@@ -25,8 +25,8 @@ std::vector<Ray<double>> unit_rays(const RayGroup& group) {
     return rays;
 }
 
-const FamilyRow& family_of(Shape shape) {
-    return *std::ranges::find(scene::sweep::families(), shape, &FamilyRow::shape);
+const DistributionRow& distribution_of(Shape shape) {
+    return *std::ranges::find(scene::sweep::distributions(), shape, &DistributionRow::shape);
 }
 
 /// Row of a form in a table; null if the table does not have the form.
@@ -49,25 +49,25 @@ TimedWork by_packs(const std::shared_ptr<RayStore<S>>& store, Kernel kernel, boo
 }  // namespace
 
 std::span<const RaySet> ray_sets(Shape shape) {
-    return is_solid(shape) ? family_of(shape).sets() : std::span<const RaySet>();
+    return is_primitive(shape) ? distribution_of(shape).sets() : std::span<const RaySet>();
 }
 
 RayPool ray_pool(Shape shape) {
-    const scene::rays::HitsAndMisses rays = family_of(shape).timed();
-    return {rays.hits.solids.front(), unit_rays(rays.hits), unit_rays(rays.misses)};
+    const scene::rays::HitsAndMisses rays = distribution_of(shape).timed();
+    return {rays.hits.primitives.front(), unit_rays(rays.hits), unit_rays(rays.misses)};
 }
 
 template <class S>
 RayStore<S>::RayStore(const RayPool& pool, std::size_t bytes, double hit_rate, std::size_t slice, std::uint64_t seed)
-    : solid_(lift_solid<S>(pool.solid)),
+    : primitive_(lift_primitive<S>(pool.primitive)),
       rays_(std::max(bytes / bytes_per_ray / whole, std::size_t{1}) * whole),
       slice_(slice == 0 ? rays_ : std::min(rays_, (slice + whole - 1) / whole * whole)) {
     constexpr std::size_t line = 64, stagger = 5 * line;
     const std::size_t column = (rays_ * sizeof(S) + stagger + line - 1) / line * line;
     memory_.resize(numbers * column + rays_ + line);
     void* start = memory_.data();
-    std::size_t room = memory_.size();
-    std::align(line, memory_.size() - line, start, room);
+    std::size_t space = memory_.size();
+    std::align(line, memory_.size() - line, start, space);
     auto* const first = static_cast<std::byte*>(start);
     for (std::size_t c = 0; c < numbers; ++c) columns_[c] = reinterpret_cast<S*>(first + c * column);
     hit_ = reinterpret_cast<std::uint8_t*>(first + numbers * column);
@@ -104,8 +104,8 @@ BoxField<S>::BoxField(std::size_t bytes) : ray{{S(-3), S(0.1F), S(0.2F)}, {S(1),
                       column = boxes * sizeof(S) + stagger;
     memory_.resize(numbers * column + line);
     void* start = memory_.data();
-    std::size_t room = memory_.size();
-    std::align(line, numbers * column, start, room);
+    std::size_t space = memory_.size();
+    std::align(line, numbers * column, start, space);
     const auto span_of = [&](std::size_t c) {
         return std::span<S>(reinterpret_cast<S*>(static_cast<std::byte*>(start) + c * column), boxes);
     };
@@ -170,8 +170,8 @@ std::optional<TimedWork> BoxWork::on(const TimedKernel& k) {
                          f32()->t.size(), warm};
     const auto isa = intersect::simd::isa_named(k.kernel);
     const intersect::simd::ManyRow* const row = isa ? row_of(intersect::simd::many_rows(*isa), k.form) : nullptr;
-    if (row && row->told_end && row->f32 && k.format == "f32") return by_packs(f32(), row->f32, warm);
-    if (row && row->told_end && row->f64 && k.format == "f64") return by_packs(f64(), row->f64, warm);
+    if (row && row->takes_tmax && row->f32 && k.format == "f32") return by_packs(f32(), row->f32, warm);
+    if (row && row->takes_tmax && row->f64 && k.format == "f64") return by_packs(f64(), row->f64, warm);
     return std::nullopt;
 }
 

@@ -14,7 +14,7 @@
 #include "intersect/simd/plain_many.hpp"
 #include "intersect/table/table.hpp"
 #include "measure/speed/timing.hpp"
-#include "scene/rays/family_parts.hpp"
+#include "scene/rays/distribution_parts.hpp"
 
 namespace lostbits::measure::speed {
 
@@ -26,7 +26,7 @@ std::span<const RaySet> ray_sets(Shape shape);
 /// One primitive, with rays that hit it and rays that miss it. All are of the easy kind, and their directions have unit
 /// length in binary32, so that every form accepts them.
 struct RayPool {
-    Solid<double> solid;
+    Primitive<double> primitive;
     std::vector<Ray<double>> hits, misses;
 };
 RayPool ray_pool(Shape shape);
@@ -51,7 +51,7 @@ public:
     void run(const Kernel& kernel) {
         const auto in = [this](std::size_t c) { return std::span<const S>(columns_[c] + at_, slice_); };
         const auto out = [this](std::size_t c) { return std::span<S>(columns_[c] + at_, slice_); };
-        kernel(intersect::table::RayBatch<S>{in(0), in(1), in(2), in(3), in(4), in(5)}, solid_,
+        kernel(intersect::table::RayBatch<S>{in(0), in(1), in(2), in(3), in(4), in(5)}, primitive_,
                intersect::table::HitBatch<S>{out(6), out(7), out(8), {hit_ + at_, slice_}});
         at_ += slice_;
         if (at_ + slice_ > rays_) at_ = 0;
@@ -66,7 +66,7 @@ private:
 
     void fill(const RayPool& pool, double hit_rate, std::uint64_t seed);
 
-    Solid<S> solid_;
+    Primitive<S> primitive_;
     std::size_t rays_, slice_, at_ = 0;
     std::vector<std::byte> memory_;
     std::array<S*, numbers> columns_{};
@@ -91,7 +91,7 @@ public:
     std::array<std::span<S>, 6> columns;  ///< lo x, y, z, hi x, y, z
     std::span<S> t;
 
-    [[nodiscard]] intersect::simd::SolidArrays<S> arrays() const {
+    [[nodiscard]] intersect::simd::PrimitiveArrays<S> arrays() const {
         return {columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]};
     }
     [[nodiscard]] std::array<const S*, 6> pointers() const;

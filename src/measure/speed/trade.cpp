@@ -38,7 +38,7 @@ void time_on_scene(const TradeRequest& request, TradeResult& result) {
     const auto timings = time_interleaved(work, request.plan);
     for (std::size_t k = 0; k < timings.size(); ++k)
         result.times.push_back({{timings[k], on_scene.bytes(request.kernels[k].measured.format), on_scene.rays(),
-                                 on_scene.hit_rate(), on_scene.solids()}});
+                                 on_scene.hit_rate(), on_scene.primitives()}});
 }
 
 /// Fills `times`: every kernel on every load, interleaved.
@@ -98,12 +98,12 @@ void count_all(const TradeRequest& request, TradeResult& result) {
     const auto narrow = [](const Vec<double>& v) {
         return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
     };
-    const Solid<float> solid = lift_solid<float>(pool.solid);
+    const Primitive<float> primitive = lift_primitive<float>(pool.primitive);
     const Ray<float> ray{narrow(hit.origin), narrow(hit.direction)};
     for (const TradeKernel& k : request.kernels) {
         const auto& count = k.measured.form->count;
         result.operations.push_back(
-            count ? count(ray, intersect::Target<float>(solid), std::numeric_limits<float>::infinity())
+            count ? count(ray, intersect::Target<float>(primitive), std::numeric_limits<float>::infinity())
                   : OperationCounts{});
     }
 }
@@ -180,7 +180,7 @@ TradeResult run_trade(const TradeRequest& request) {
 
 ParetoPoint pareto_point(const Timing& timing, const TestedForm& row, const evaluate::FormSummary& accuracy,
                          const std::vector<const metric::Metric*>& metrics) {
-    const std::size_t lost = metric::place_of(metrics, "lost_bits");
+    const std::size_t lost = metric::index_of(metrics, "lost_bits");
     const auto wrong = accuracy.wrong_count();
     const auto known = accuracy.rays - accuracy.count(Outcome::unresolved);
     return {timing.median * 1e9, known == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(known),

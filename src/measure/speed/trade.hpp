@@ -65,7 +65,7 @@ struct TradeResult {
         Timing timing;  ///< seconds a ray, on a scene for one ray and one primitive
         std::size_t bytes, rays;
         double hit_rate;  ///< hit rate of these rays
-        std::size_t solids = 1;
+        std::size_t primitives = 1;
     };
     std::vector<std::vector<Timed>> times;                 ///< [kernel][load]
     std::vector<OperationCounts> operations;               ///< [kernel]

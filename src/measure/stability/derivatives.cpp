@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "measure/blame/operation_error.hpp"
+#include "measure/attribution/operation_error.hpp"
 #include "number/rounded.hpp"
 
 namespace lostbits::measure::stability {
@@ -42,7 +42,7 @@ private:
             case TapeOp::copysign: return std::signbit(n.value) == std::signbit(x(0)) ? dx(0) : -dx(0);
             case TapeOp::min:
             case TapeOp::max:
-            case TapeOp::select: return at(blame::side_taken(tape_, i));
+            case TapeOp::select: return at(attribution::side_taken(tape_, i));
             case TapeOp::next_up:
             case TapeOp::next_down: return dx(0);
             case TapeOp::convert: return rounding::to_format(dx(0), 0, f);
@@ -57,11 +57,11 @@ private:
 
 /// Calls `see(t)` for the first three crossings within a range, in order, until it returns true. True if it did.
 template <class See>
-bool any_crossing(const Ray<double>& ray, const Solid<double>& solid, Range<double> range, const See& see) {
+bool any_crossing(const Ray<double>& ray, const Primitive<double>& primitive, Range<double> range, const See& see) {
     intersect::Convention every;
     every.inside = intersect::Inside::exit;
     for (int k = 0; k < 3 && range.holds_any(); ++k) {
-        const truth::Truth found = truth::find_truth(ray, solid, {}, every, range);
+        const truth::Truth found = truth::find_truth(ray, primitive, {}, every, range);
         if (!found.is_hit()) return false;
         const double at = truth::round_certified(found.t, binary64).value_or(found.t.hi);
         if (see(at)) return true;
@@ -79,14 +79,15 @@ std::vector<double> forward_derivatives(const Tape& tape) {
     return all;
 }
 
-bool is_wrong_root(const Ray<double>& ray, const Solid<double>& solid, const truth::Certified& truth, double t) {
+bool is_wrong_root(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Certified& truth,
+                   double t) {
     const double meant = std::ldexp(truth.hi, static_cast<int>(truth.exponent));
     const auto is_at = [&](double other) { return std::fabs(t - other) <= std::fabs(other - meant) / 4; };
     // Just beyond the true t, by more than the rounding of a truth to double can move it.
     const double beyond = meant * (1 + 0x1p-50);
-    if (any_crossing(ray, solid, {.tmin = beyond, .open = {.tmin = true}}, is_at)) return true;
+    if (any_crossing(ray, primitive, {.tmin = beyond, .open = {.tmin = true}}, is_at)) return true;
     const Ray<double> back{ray.origin, -ray.direction};
-    return any_crossing(back, solid, {}, [&](double other) { return other != meant && is_at(-other); });
+    return any_crossing(back, primitive, {}, [&](double other) { return other != meant && is_at(-other); });
 }
 
 }  // namespace lostbits::measure::stability

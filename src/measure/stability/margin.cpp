@@ -84,7 +84,7 @@ namespace {
 template <class E>
 std::optional<SpanDecision> met_exactly(const QuarticSpan<E>& span, const RangeOfSpan<E>* range,
                                         intersect::Convention asked) {
-    const MetRoot<E> met = met_root(span, range, asked);
+    const RootHit<E> met = root_hit(span, range, asked);
     if (met.hit.is_unknown()) return std::nullopt;
     const auto maximum = Turns(span).maximum();
     if (met.hit.is_no() || met.root < 0 || !maximum) return SpanDecision{met.hit, met.at};
@@ -120,17 +120,17 @@ bool misses(const CappedSpan<Near>& s) {
 }
 /// A tube is missed too by lines that run inside of it from plane to plane.
 bool misses(const WallSpan<Near>& s) {
-    const auto& [entry, exit] = std::pair(s.solid.at_entry.value, s.solid.at_exit.value);
-    return s.solid.crossed.is_yes() && entry.highest() < 0 && exit.highest() < 0 ? true : misses(s.solid);
+    const auto& [entry, exit] = std::pair(s.primitive.at_entry.value, s.primitive.at_exit.value);
+    return s.primitive.crossed.is_yes() && entry.highest() < 0 && exit.highest() < 0 ? true : misses(s.primitive);
 }
 /// A ball is missed where the discriminant is below zero.
 bool misses(const QuadraticSpan<Near>& s) { return s.q.highest() < 0; }
 bool misses(const auto&) { return false; }
 
 /// A primitive that is the union of others is missed by lines that miss each of them.
-bool misses_parts(const Ray<Near>& ray, const Solid<Near>& solid) {
-    return visit_shape(solid, [&]<template <class> class Of>() {
-        return in_its_space<Of>(ray, solid, [](const Of<Near>& shape, const Ray<Near>& its) {
+bool misses_parts(const Ray<Near>& ray, const Primitive<Near>& primitive) {
+    return visit_shape(primitive, [&]<template <class> class Of>() {
+        return in_its_space<Of>(ray, primitive, [](const Of<Near>& shape, const Ray<Near>& its) {
             bool all = false;
             if constexpr (requires { each_part(shape, [](const auto&) {}); }) {
                 all = true;
@@ -197,11 +197,12 @@ private:
     static constexpr int most_steps = 2, most_asked = 16;
 
     [[nodiscard]] std::optional<SpanDecision> met_after(const Change& change) const {
-        return asked_.of_changed(change, [&](const auto& ray, const auto& solid, const auto* range, const auto& words) {
-            return with_span(ray, solid, [&]<class Span>(const Span& span) {
-                return met_exactly(span, range, asked_of_span<Span>(words));
-            });
-        });
+        return asked_.of_changed(change,
+                                 [&](const auto& ray, const auto& primitive, const auto* range, const auto& words) {
+                                     return with_span(ray, primitive, [&]<class Span>(const Span& span) {
+                                         return met_exactly(span, range, asked_of_span<Span>(words));
+                                     });
+                                 });
     }
     bool is_other(const Change& change) {
         ++asked_exactly_;
@@ -210,10 +211,10 @@ private:
         return met && !met->is_same(*met_, turned_);
     }
     /// Known, and the same.
-    std::pair<bool, bool> outcome_of(const Ray<Near>& ray, const Solid<Near>& solid, const RangeOfSpan<Near>* range,
-                                     intersect::Convention words) {
-        if (met_->hit.is_no() && misses_parts(ray, solid)) return {true, true};
-        const SpanDecision met = with_span(ray, solid, [&]<class Span>(const Span& span) {
+    std::pair<bool, bool> outcome_of(const Ray<Near>& ray, const Primitive<Near>& primitive,
+                                     const RangeOfSpan<Near>* range, intersect::Convention words) {
+        if (met_->hit.is_no() && misses_parts(ray, primitive)) return {true, true};
+        const SpanDecision met = with_span(ray, primitive, [&]<class Span>(const Span& span) {
             const intersect::Convention asked = asked_of_span<Span>(words);
             if constexpr (std::is_same_v<Span, QuarticSpan<Near>>) {
                 return QuarticCases(span, range, asked, turned_, cases_).find();
@@ -267,10 +268,10 @@ private:
 
 }  // namespace
 
-Margin margin_of(const Ray<double>& ray, const Solid<double>& solid, Turned turned, Perturbed perturbed,
+Margin margin_of(const Ray<double>& ray, const Primitive<double>& primitive, Turned turned, Perturbed perturbed,
                  intersect::Convention convention, Range<double> range) {
-    if (!is_proper(ray) || !is_proper(solid)) return {0, 0};
-    const MarginQuestion asked(ray, solid, perturbed, convention, range);
+    if (!is_proper(ray) || !is_proper(primitive)) return {0, 0};
+    const MarginQuestion asked(ray, primitive, perturbed, convention, range);
     Decision decision(asked, turned);
     const double proved =
         largest([&](double epsilon) { return decision.holds(epsilon); }, [&] { return decision.guess(); });
@@ -281,10 +282,11 @@ Margin margin_of(const Ray<double>& ray, const Solid<double>& solid, Turned turn
     return change ? Margin{proved, within, asked.amounts(*change)} : Margin{proved, HUGE_VAL};
 }
 
-std::optional<bool> is_turned_within(double epsilon, const Ray<double>& ray, const Solid<double>& solid, Turned turned,
-                                     Perturbed perturbed, intersect::Convention convention, Range<double> range) {
-    if (!is_proper(ray) || !is_proper(solid)) return std::nullopt;
-    const MarginQuestion asked(ray, solid, perturbed, convention, range);
+std::optional<bool> is_turned_within(double epsilon, const Ray<double>& ray, const Primitive<double>& primitive,
+                                     Turned turned, Perturbed perturbed, intersect::Convention convention,
+                                     Range<double> range) {
+    if (!is_proper(ray) || !is_proper(primitive)) return std::nullopt;
+    const MarginQuestion asked(ray, primitive, perturbed, convention, range);
     Decision decision(asked, turned);
     if (decision.holds(epsilon)) return false;
     return decision.turns(epsilon) ? std::optional(true) : std::nullopt;
@@ -295,9 +297,9 @@ namespace {
 /// How far a ray's line passes a ball around a primitive, relative to all lengths: (distance − R)/(|o| + |c| + R). A
 /// change by ε moves that distance by at most 8 ε of these: the origin by |o|, the line by twice the way to the ball,
 /// the centre of the primitive by |c| + R, and its points by turning it, by 3 R.
-double gap(const Ray<double>& ray, const Solid<double>& solid) {
-    if (solid.placed) return 0;
-    const auto ball = ball_around(solid);
+double gap(const Ray<double>& ray, const Primitive<double>& primitive) {
+    if (primitive.placed) return 0;
+    const auto ball = ball_around(primitive);
     const Vec<double> from = ray.origin - ball.centre;
     const double away = length(cross(from, ray.direction)) / length(ray.direction);
     return (away * (1 - 0x1p-40) - ball.radius) / (length(ray.origin) + length(ball.centre) + ball.radius);
@@ -305,18 +307,18 @@ double gap(const Ray<double>& ray, const Solid<double>& solid) {
 
 }  // namespace
 
-std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::SolidList<double>& solids,
+std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::PrimitiveList<double>& primitives,
                              intersect::Convention convention, Range<double> range) {
     std::vector<std::pair<double, std::size_t>> order;
-    for (std::size_t i = 0; i < solids.size(); ++i) order.emplace_back(gap(ray, solids[i]), i);
+    for (std::size_t i = 0; i < primitives.size(); ++i) order.emplace_back(gap(ray, primitives[i]), i);
     std::ranges::sort(order);
     double least = HUGE_VAL;
     std::size_t nearest = 0;
     for (const auto& [away, i] : order) {
         if (away > 8 * least) break;
-        const Solid<double> solid = solids[i];
-        if (!is_proper(ray) || !is_proper(solid)) continue;
-        const MarginQuestion asked(ray, solid, Perturbed::componentwise, convention, range);
+        const Primitive<double> primitive = primitives[i];
+        if (!is_proper(ray) || !is_proper(primitive)) continue;
+        const MarginQuestion asked(ray, primitive, Perturbed::componentwise, convention, range);
         Decision decision(asked, Turned::root);
         if (least < HUGE_VAL && decision.holds(least)) continue;
         const double margin =
@@ -326,17 +328,17 @@ std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::SolidLis
     return nearest;
 }
 
-double decision_margin(const Ray<double>& ray, const Solid<double>& solid, Turned turned, Perturbed perturbed,
+double decision_margin(const Ray<double>& ray, const Primitive<double>& primitive, Turned turned, Perturbed perturbed,
                        intersect::Convention convention, Range<double> range) {
-    const Margin margin = margin_of(ray, solid, turned, perturbed, convention, range);
+    const Margin margin = margin_of(ray, primitive, turned, perturbed, convention, range);
     return margin.is_tight() ? margin.proved : missing;
 }
 
-double backward_error(const Ray<double>& ray, const Solid<double>& solid, double t, Perturbed perturbed,
+double backward_error(const Ray<double>& ray, const Primitive<double>& primitive, double t, Perturbed perturbed,
                       intersect::Convention convention, Range<double> range) {
     if (!(t > 0)) return std::nan("");
-    if (!is_proper(ray) || !is_proper(solid) || std::isinf(t)) return 0;
-    const MarginQuestion asked(ray, solid, perturbed, convention, range);
+    if (!is_proper(ray) || !is_proper(primitive) || std::isinf(t)) return 0;
+    const MarginQuestion asked(ray, primitive, perturbed, convention, range);
     const Near there(asked.in_time(t));
     return largest([&](double epsilon) {
         return asked.of_all_within(epsilon, [&](const auto& r, const auto& s, const auto* within, const auto& words) {

@@ -29,21 +29,21 @@ struct Change {
 /// component of d are about 1; the choice of units changes no answer.
 class ChangedProblems {
 public:
-    ChangedProblems(const Ray<double>& ray, const Solid<double>& solid, Perturbed perturbed)
-        : ray_(ray), solid_(solid), is_normwise_(perturbed == Perturbed::normwise) {
+    ChangedProblems(const Ray<double>& ray, const Primitive<double>& primitive, Perturbed perturbed)
+        : ray_(ray), primitive_(primitive), is_normwise_(perturbed == Perturbed::normwise) {
         for (int i = 0; i < 3; ++i) {
             numbers_[static_cast<std::size_t>(i)] = ray.origin[i];
             numbers_[static_cast<std::size_t>(i) + 3] = ray.direction[i];
         }
         vector(Of::length, 3), vector(Of::direction, 3);
-        for (const Key& key : row_of(solid.shape).keys) {
-            for (std::size_t k = 0; k < key.count(); ++k) numbers_[end_ + k] = solid.numbers[end_ - 6 + k];
+        for (const Key& key : row_of(primitive.shape).keys) {
+            for (std::size_t k = 0; k < key.count(); ++k) numbers_[end_ + k] = primitive.numbers[end_ - 6 + k];
             vector(key.kind == Key::Kind::direction ? Of::nothing : Of::length, key.count());
         }
         matrix_ = end_;
-        if (solid.placed) {
+        if (primitive.placed) {
             // The linear part of a matrix needs no unit: world space and object space have the same one.
-            for (std::size_t k = 0; k < 12; ++k) numbers_[matrix_ + k] = solid.placed->matrix[place_in_matrix(k)];
+            for (std::size_t k = 0; k < 12; ++k) numbers_[matrix_ + k] = primitive.placed->matrix[place_in_matrix(k)];
             vector(Of::nothing, 9), vector(Of::length, 3);
         }
         for (std::size_t i = 0; i < end_; ++i)
@@ -77,7 +77,7 @@ public:
     /// Enclosure of every ray and primitive within ε, as long as they are proper.
     struct All {
         Ray<Near> ray;
-        Solid<Near> solid;
+        Primitive<Near> primitive;
     };
     /// `from` moves the middle of the enclosures by a change.
     [[nodiscard]] All within(double epsilon, const Change& from = {}) const {
@@ -86,12 +86,13 @@ public:
             steps[i] = epsilon * sizes_[i] * (1 + 0x1p-40), middle[i] += from.by * sizes_[i] * from.way[i];
         const Near::Vectors vectors = is_normwise_ ? Near::Vectors(vectors_).first(vectors_used_) : Near::Vectors();
         const auto number = [&](std::size_t k) { return Near(middle[k], k, steps[k], lost_[k], vectors); };
-        All all{{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}}, Solid<Near>(solid_.shape)};
-        for (std::size_t k = 6; k < matrix_; ++k) all.solid.numbers[k - 6] = number(k);
-        if (solid_.placed) {
-            all.solid.placed = transformed(*solid_.placed, [](double) { return Near(0); });
+        All all{{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}},
+                Primitive<Near>(primitive_.shape)};
+        for (std::size_t k = 6; k < matrix_; ++k) all.primitive.numbers[k - 6] = number(k);
+        if (primitive_.placed) {
+            all.primitive.placed = transformed(*primitive_.placed, [](double) { return Near(0); });
             for (std::size_t k = matrix_; k < end_; ++k)
-                all.solid.placed->matrix[place_in_matrix(k - matrix_)] = number(k);
+                all.primitive.placed->matrix[place_in_matrix(k - matrix_)] = number(k);
         }
         return all;
     }
@@ -105,30 +106,31 @@ public:
         }
         return by;
     }
-    /// Calls `act(ray, solid)` on the problem after a change. Each number is the sum of two doubles in E. Empty where
-    /// that is no proper problem.
+    /// Calls `act(ray, primitive)` on the problem after a change. Each number is the sum of two doubles in E. Empty
+    /// where that is no proper problem.
     template <class E, class Act>
-    auto changed(const Change& change, const Act& act) const -> decltype(act(Ray<E>{}, Solid<E>{})) {
+    auto changed(const Change& change, const Act& act) const -> decltype(act(Ray<E>{}, Primitive<E>{})) {
         const Amounts by = amounts(change);
-        const auto moved = [&](const auto& ray, const auto& solid, auto& to_ray, auto& to_solid) {
+        const auto moved = [&](const auto& ray, const auto& primitive, auto& to_ray, auto& to_primitive) {
             using N = std::decay_t<decltype(to_ray.origin.x)>;
-            to_ray = lift_ray<N>(ray), to_solid = lift_solid<N>(solid);
+            to_ray = lift_ray<N>(ray), to_primitive = lift_primitive<N>(primitive);
             const auto move = [&](N& number, std::size_t i) { number = number + N(by[i]); };
             for (std::size_t i = 0; i < 3; ++i) {
                 move(to_ray.origin[static_cast<int>(i)], i);
                 move(to_ray.direction[static_cast<int>(i)], i + 3);
             }
-            for (std::size_t i = 6; i < matrix_; ++i) move(to_solid.numbers[i - 6], i);
-            for (std::size_t i = matrix_; i < end_; ++i) move(to_solid.placed->matrix[place_in_matrix(i - matrix_)], i);
+            for (std::size_t i = 6; i < matrix_; ++i) move(to_primitive.numbers[i - 6], i);
+            for (std::size_t i = matrix_; i < end_; ++i)
+                move(to_primitive.placed->matrix[place_in_matrix(i - matrix_)], i);
         };
         Ray<double> near_ray;
-        Solid<double> near_solid;
-        moved(ray_, solid_, near_ray, near_solid);
-        if (!is_proper(near_ray) || !is_proper(near_solid)) return {};
+        Primitive<double> near_primitive;
+        moved(ray_, primitive_, near_ray, near_primitive);
+        if (!is_proper(near_ray) || !is_proper(near_primitive)) return {};
         Ray<E> to_ray;
-        Solid<E> to_solid;
-        moved(ray_, solid_, to_ray, to_solid);
-        return act(to_ray, to_solid);
+        Primitive<E> to_primitive;
+        moved(ray_, primitive_, to_ray, to_primitive);
+        return act(to_ray, to_primitive);
     }
     [[nodiscard]] std::size_t count() const { return end_; }
     [[nodiscard]] bool is_normwise() const { return is_normwise_; }
@@ -143,7 +145,7 @@ private:
     }
 
     Ray<double> ray_;
-    Solid<double> solid_;
+    Primitive<double> primitive_;
     bool is_normwise_;
     std::array<double, most_inputs> numbers_{}, lost_{}, sizes_{};
     std::array<Of, most_inputs> of_{};
@@ -153,20 +155,20 @@ private:
 };
 
 /// True if no matrix within ε is singular, so that each has a determinant of the same sign as the stored one.
-bool all_proper(const Solid<Near>& solid) {
-    if (!solid.placed) return true;
-    const Near determinant = solid.placed->map().determinant(), zero(0);
-    return (solid.placed->orientation > 0 ? determinant > zero : determinant < zero).is_yes();
+bool all_proper(const Primitive<Near>& primitive) {
+    if (!primitive.placed) return true;
+    const Near determinant = primitive.placed->map().determinant(), zero(0);
+    return (primitive.placed->orientation > 0 ? determinant > zero : determinant < zero).is_yes();
 }
 
 /// A problem with its convention and range, for questions about all problems near it.
 class MarginQuestion {
 public:
-    MarginQuestion(const Ray<double>& ray, const Solid<double>& solid, Perturbed perturbed,
+    MarginQuestion(const Ray<double>& ray, const Primitive<double>& primitive, Perturbed perturbed,
                    intersect::Convention convention, Range<double> range)
-        : neighbours_(ray, solid, perturbed) {
+        : neighbours_(ray, primitive, perturbed) {
         if (convention.endless) range.tmax = HUGE_VAL;
-        convention_ = convention_in(range, convention.of(solid.shape));
+        convention_ = convention_in(range, convention.of(primitive.shape));
         in_world_ = range;
         range.tmin = in_time(range.tmin), range.tmax = in_time(range.tmax);
         range_ = range_over<Near, double>(range);
@@ -177,21 +179,21 @@ public:
     [[nodiscard]] Amounts amounts(const Change& change) const { return neighbours_.amounts(change); }
     /// The share of a step that a number may take: all of it, or 1/3, so that a vector of nine has length 1 at most.
     [[nodiscard]] double share() const { return neighbours_.is_normwise() ? 1.0 / 3 : 1; }
-    /// Result of `act(ray, solid, range, convention)` on all problems within `epsilon`; false where a matrix may be
+    /// Result of `act(ray, primitive, range, convention)` on all problems within `epsilon`; false where a matrix may be
     /// singular.
     template <class Act>
     bool of_all_within(double epsilon, const Act& act, const Change& from = {}) const {
         const auto all = neighbours_.within(epsilon, from);
-        return all_proper(all.solid) && act(all.ray, all.solid, range_ ? &*range_ : nullptr, convention_);
+        return all_proper(all.primitive) && act(all.ray, all.primitive, range_ ? &*range_ : nullptr, convention_);
     }
-    /// Result of `act(ray, solid, range, convention)`, an optional, on the problem after a change, in balls or in
+    /// Result of `act(ray, primitive, range, convention)`, an optional, on the problem after a change, in balls or in
     /// intervals that decide; empty where none does.
     template <class Act>
     auto of_changed(const Change& change, const Act& act) const {
         return by_rising_precision([&]<class E>() {
             const auto range = range_over<E>(in_world_);
-            return neighbours_.changed<E>(change, [&](const Ray<E>& ray, const Solid<E>& solid) {
-                return act(ray, solid, range ? &*range : nullptr, convention_);
+            return neighbours_.changed<E>(change, [&](const Ray<E>& ray, const Primitive<E>& primitive) {
+                return act(ray, primitive, range ? &*range : nullptr, convention_);
             });
         });
     }

@@ -6,20 +6,20 @@
 #include <cstdint>
 #include <limits>
 
-#include "measure/blame/exact_arithmetic.hpp"
-#include "measure/blame/operation_error.hpp"
-#include "measure/blame/operations.hpp"
+#include "measure/attribution/exact_arithmetic.hpp"
+#include "measure/attribution/operation_error.hpp"
+#include "measure/attribution/operations.hpp"
 
 namespace lostbits::measure::stability {
 
-using namespace blame;
+using namespace attribution;
 
 namespace {
 
 /// SplitMix64: a sequence for each seed, the same on every machine.
-class Coins {
+class SplitMix64 {
 public:
-    explicit Coins(std::uint64_t seed) : state_(seed) {}
+    explicit SplitMix64(std::uint64_t seed) : state_(seed) {}
     std::uint64_t bits() {
         state_ += 0x9e3779b97f4a7c15U;
         std::uint64_t z = state_;
@@ -36,7 +36,7 @@ private:
 std::uint64_t seed_of(const Tape& tape) {
     std::uint64_t seed = 0;
     for (const TapeNode& n : tape.nodes)
-        if (n.op == TapeOp::input) seed = Coins(seed ^ std::bit_cast<std::uint64_t>(n.value)).bits();
+        if (n.op == TapeOp::input) seed = SplitMix64(seed ^ std::bit_cast<std::uint64_t>(n.value)).bits();
     return seed;
 }
 
@@ -70,7 +70,7 @@ double value_of(const Tape& tape, NodeId i) {
 /// formula.
 bool rounds(TapeOp op) { return kind_of(op) == OperationKind::rounded || op == TapeOp::call || op == TapeOp::convert; }
 
-void run_at_random(Tape& tape, Coins& coins) {
+void run_at_random(Tape& tape, SplitMix64& coins) {
     for (NodeId i = 0; i < tape.size(); ++i) {
         double& value = tape[i].value;
         value = value_of(tape, i);
@@ -84,7 +84,7 @@ void run_at_random(Tape& tape, Coins& coins) {
 }  // namespace
 
 RandomRuns::RandomRuns(Tape tape) {
-    Coins coins(seed_of(tape));
+    SplitMix64 coins(seed_of(tape));
     for (std::size_t k = 0; k < t.size(); ++k) {
         run_at_random(tape, coins);
         t[k] = tape[tape.outputs.t].value;

@@ -6,11 +6,11 @@
 #include <optional>
 #include <vector>
 
-#include "measure/blame/attribution.hpp"
+#include "measure/attribution/attribution.hpp"
 #include "measure/truth/reach.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/tape.hpp"
-#include "scene/rays/solid_list.hpp"
+#include "scene/rays/primitive_list.hpp"
 
 namespace lostbits::measure::stability {
 
@@ -38,31 +38,31 @@ struct Margin {
 
 /// Relative change within which the answer is the same, for every problem: each number x of ray and primitive changes
 /// by at most ε|x| (`componentwise`), or each vector and length v by ε|v| (`normwise`). `proved` is at most 1/2.
-Margin margin_of(const Ray<double>& ray, const Solid<double>& solid, Turned turned = Turned::root,
+Margin margin_of(const Ray<double>& ray, const Primitive<double>& primitive, Turned turned = Turned::root,
                  Perturbed perturbed = Perturbed::componentwise, intersect::Convention convention = {},
                  Range<double> range = {});
 
 /// The proved margin; NaN where it is below 2^-10 and no change of twice its size is found that turns the answer.
-double decision_margin(const Ray<double>& ray, const Solid<double>& solid, Turned turned = Turned::root,
+double decision_margin(const Ray<double>& ray, const Primitive<double>& primitive, Turned turned = Turned::root,
                        Perturbed perturbed = Perturbed::componentwise, intersect::Convention convention = {},
                        Range<double> range = {});
 
 /// Whether a change of at most ε turns the answer: true with an example, false with a proof, otherwise nothing.
-std::optional<bool> is_turned_within(double epsilon, const Ray<double>& ray, const Solid<double>& solid,
+std::optional<bool> is_turned_within(double epsilon, const Ray<double>& ray, const Primitive<double>& primitive,
                                      Turned turned = Turned::root, Perturbed perturbed = Perturbed::componentwise,
                                      intersect::Convention convention = {}, Range<double> range = {});
 
 /// Index of the primitive with the least margin, for a ray that misses all of them: its decision is the nearest.
-std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::SolidList<double>& solids,
+std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::PrimitiveList<double>& primitives,
                              intersect::Convention convention = {}, Range<double> range = {});
 
 /// Lower bound of the backward error of t: for a ray that hits, no problem within a relative change of ε has the answer
 /// t. 0 where t is right, or where nothing can be proved; at most 1/2. NaN for a t that is not above 0.
-double backward_error(const Ray<double>& ray, const Solid<double>& solid, double t,
+double backward_error(const Ray<double>& ray, const Primitive<double>& primitive, double t,
                       Perturbed perturbed = Perturbed::componentwise, intersect::Convention convention = {},
                       Range<double> range = {});
 
-using blame::Attribution;
+using attribution::Attribution;
 
 /// Three runs of a tape in which each result that rounds is rounded up or down at random, and every decision follows
 /// the values of its run: CESTAC (La Porte and Vignes, 1974), as in CADNA. The random bits follow from the inputs
@@ -94,6 +94,6 @@ std::vector<double> forward_derivatives(const Tape& tape);
 /// True where t is another place where the ray's line, ahead or behind, crosses the surface that it truly meets at
 /// `truth`: t is nearer to that place than a quarter of the distance between the two. Checks the three crossings behind
 /// the true one, and the three nearest behind the origin.
-bool is_wrong_root(const Ray<double>& ray, const Solid<double>& solid, const truth::Certified& truth, double t);
+bool is_wrong_root(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Certified& truth, double t);
 
 }  // namespace lostbits::measure::stability

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "geometry/recorded_root.hpp"
-#include "measure/stages/met_spans.hpp"
 #include "measure/stages/problem.hpp"
 #include "measure/stages/raw_stages.hpp"
+#include "measure/stages/span_hits.hpp"
 #include "number/pack.hpp"
 
 namespace lostbits::measure::stages {
@@ -31,8 +31,9 @@ mask_t<P> mask_of(const P& x) {
 template <class P, std::size_t count, bool all_move>
 class ColumnCursor {
 public:
-    ColumnCursor(double* room, const ColumnOperand* operands) {
-        for (std::size_t k = 0; k < count; ++k) columns_[k] = room + operands[k].offset, steps_[k] = operands[k].step;
+    ColumnCursor(double* scratch, const ColumnOperand* operands) {
+        for (std::size_t k = 0; k < count; ++k)
+            columns_[k] = scratch + operands[k].offset, steps_[k] = operands[k].step;
     }
     void move_to(std::size_t pack) { pack_ = pack; }
 
@@ -50,19 +51,19 @@ private:
 
 /// `Step::run(cursor)` for each pack. (Flattened itself: within a lambda of a flattened function GCC leaves calls.)
 template <class P, class Step, bool all_move>
-[[gnu::flatten]] void run_packs(double* room, const ColumnOperand* operands, std::size_t packs) {
-    ColumnCursor<P, Step::columns, all_move> cursor(room, operands);
+[[gnu::flatten]] void run_packs(double* scratch, const ColumnOperand* operands, std::size_t packs) {
+    ColumnCursor<P, Step::columns, all_move> cursor(scratch, operands);
     for (std::size_t i = 0; i < packs; ++i) {
         cursor.move_to(i);
         Step::run(cursor);
     }
 }
 template <class P, class Step>
-void run(double* room, const ColumnOperand* operands, std::size_t packs) {
+void run(double* scratch, const ColumnOperand* operands, std::size_t packs) {
     bool all_move = true;
     for (std::size_t k = 0; k < Step::columns; ++k) all_move = all_move && operands[k].step != 0;
-    if (all_move) run_packs<P, Step, true>(room, operands, packs);
-    else run_packs<P, Step, false>(room, operands, packs);
+    if (all_move) run_packs<P, Step, true>(scratch, operands, packs);
+    else run_packs<P, Step, false>(scratch, operands, packs);
 }
 
 template <ColumnOperation operation, class P>
@@ -88,7 +89,7 @@ struct StepOfWords {
         else if constexpr (operation == either) c.put(2, c.mask(0) || c.mask(1));
         else if constexpr (operation == opposite) c.put(1, !c.mask(0));
         else if constexpr (operation == order_of_first_words) {
-            const auto order = told_apart(c.word(0), c.word(1), c.word(2));
+            const auto order = certain_order(c.word(0), c.word(1), c.word(2));
             c.put(3, order.less.yes()), c.put(4, order.less.no());
             c.put(5, order.at_most.yes()), c.put(6, order.at_most.no());
         } else if constexpr (operation == near_root_of_quartic) {
@@ -105,32 +106,32 @@ struct BoundedOperands {
     using P = typename E::P;
     static constexpr bool has_two = !std::is_same_v<W, P>;
 
-    static constexpr std::size_t place_of(std::size_t operand) {
+    static constexpr std::size_t index_of(std::size_t operand) {
         std::size_t place = 0;
         for (std::size_t k = 0; k < operand; ++k) place += (exact >> k & 1) != 0 ? 1 : has_two ? 3 : 2;
         return place;
     }
     /// Operands and results.
     static constexpr std::size_t columns(bool is_decision) {
-        return place_of(count) + (is_decision || !has_two ? 2 : 3);
+        return index_of(count) + (is_decision || !has_two ? 2 : 3);
     }
     template <std::size_t k, class Cursor>
     [[gnu::always_inline]] static E load(const Cursor& c) {
-        constexpr std::size_t at = place_of(k);
+        constexpr std::size_t at = index_of(k);
         if constexpr ((exact >> k & 1) != 0) return E(W(c.word(at)), P(0));
         else if constexpr (has_two) return E(W(c.word(at), c.word(at + 1)), c.word(at + 2));
         else return E(c.word(at), c.word(at + 1));
     }
     template <class Cursor>
     [[gnu::always_inline]] static void put(const Cursor& c, const E& x) {
-        constexpr std::size_t at = place_of(count);
+        constexpr std::size_t at = index_of(count);
         c.put(at, x.first());
         if constexpr (has_two) c.put(at + 1, x.second());
         c.put(at + (has_two ? 2 : 1), x.bound());
     }
     template <class Cursor>
     [[gnu::always_inline]] static void put(const Cursor& c, const Tris<mask_t<P>>& x) {
-        c.put(place_of(count), x.yes()), c.put(place_of(count) + 1, x.no());
+        c.put(index_of(count), x.yes()), c.put(index_of(count) + 1, x.no());
     }
 };
 

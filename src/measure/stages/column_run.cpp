@@ -7,9 +7,9 @@
 
 namespace lostbits::measure::stages {
 
+using number::wide::ColumnIndex;
 using number::wide::ColumnInstruction;
 using number::wide::ColumnOperation;
-using number::wide::ColumnPlace;
 using number::wide::ColumnProgram;
 
 namespace {
@@ -22,18 +22,18 @@ constexpr std::size_t block = 128;
 constexpr std::size_t column_step = block + 8;
 constexpr std::size_t most_lanes = 8;
 
-double* room_of_thread(std::size_t doubles) {
+double* scratch_of_thread(std::size_t doubles) {
     struct Free {
         void operator()(double* p) const { ::operator delete[](p, std::align_val_t{64}); }
     };
-    thread_local std::unique_ptr<double[], Free> room;
+    thread_local std::unique_ptr<double[], Free> scratch;
     thread_local std::size_t size = 0;
     if (size < doubles) {
-        room.reset(static_cast<double*>(::operator new[](doubles * sizeof(double), std::align_val_t{64})));
-        std::fill_n(room.get(), doubles, 0.0);
+        scratch.reset(static_cast<double*>(::operator new[](doubles * sizeof(double), std::align_val_t{64})));
+        std::fill_n(scratch.get(), doubles, 0.0);
         size = doubles;
     }
-    return room.get();
+    return scratch.get();
 }
 
 }  // namespace
@@ -62,9 +62,9 @@ public:
     }
     [[nodiscard]] bool is_once(const ColumnInstruction& one) const {
         return std::all_of(one.in.begin(), one.in.begin() + one.ins,
-                           [this](ColumnPlace place) { return place < 0 || of(place).once; });
+                           [this](ColumnIndex place) { return place < 0 || of(place).once; });
     }
-    [[nodiscard]] ColumnOperand operand(ColumnPlace place) const {
+    [[nodiscard]] ColumnOperand operand(ColumnIndex place) const {
         if (place < 0) return {constant_at_[static_cast<std::size_t>(-1 - place)], 0};
         const Column& column = of(place);
         return {column.offset, column.once ? 0 : static_cast<std::uint32_t>(lanes_)};
@@ -88,7 +88,7 @@ private:
                 if (one.in[k] >= 0) of(one.in[k]).last = number;
             ++number;
         }
-        for (const ColumnPlace place : program_.outputs)
+        for (const ColumnIndex place : program_.outputs)
             if (place >= 0) of(place).last = never;
     }
     void place(Column& column) {
@@ -100,7 +100,7 @@ private:
             column.offset = static_cast<std::uint32_t>(size_), size_ += column_step;
         }
     }
-    void release(ColumnPlace place, std::ptrdiff_t number) {
+    void release(ColumnIndex place, std::ptrdiff_t number) {
         if (place < 0) return;
         const Column& column = of(place);
         if (column.once || column.last != number) return;
@@ -111,8 +111,8 @@ private:
         size_ += most_lanes;
         return offset;
     }
-    Column& of(ColumnPlace place) { return at_[static_cast<std::size_t>(place)]; }
-    [[nodiscard]] const Column& of(ColumnPlace place) const { return at_[static_cast<std::size_t>(place)]; }
+    Column& of(ColumnIndex place) { return at_[static_cast<std::size_t>(place)]; }
+    [[nodiscard]] const Column& of(ColumnIndex place) const { return at_[static_cast<std::size_t>(place)]; }
 
     const ColumnProgram& program_;
     std::size_t lanes_;
@@ -127,10 +127,10 @@ ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels,
     std::vector<std::pair<std::size_t, const ColumnInstruction*>> first_operand;
     for (std::size_t k = 0; k < program.constants.size(); ++k)
         constants_.emplace_back(program.constants[k],
-                                layout.operand(static_cast<ColumnPlace>(-1 - static_cast<int>(k))).offset);
+                                layout.operand(static_cast<ColumnIndex>(-1 - static_cast<int>(k))).offset);
     for (std::size_t k = 0; k < program.inputs; ++k) {
         if (!layout.is_read(k)) continue;
-        (layout.is_once(k) ? once_in_ : each_in_).push_back({k, layout.operand(static_cast<ColumnPlace>(k)).offset});
+        (layout.is_once(k) ? once_in_ : each_in_).push_back({k, layout.operand(static_cast<ColumnIndex>(k)).offset});
     }
     std::ptrdiff_t number = 0;
     for (const ColumnInstruction& one : program.instructions) {
@@ -146,8 +146,8 @@ ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels,
         (once ? once_ : each_)
             .push_back({is_gate ? nullptr : of[one->exact], &operands_[first], is_of_masks(one->operation)});
     }
-    for (const ColumnPlace place : program.outputs) outputs_.push_back(layout.operand(place));
-    room_ = layout.size();
+    for (const ColumnIndex place : program.outputs) outputs_.push_back(layout.operand(place));
+    scratch_size_ = layout.size();
 }
 
 template <class S>
@@ -155,28 +155,28 @@ void ColumnRun::run(const RawProblems<S>& p) const {
     const auto column = [&p](std::size_t input) -> const RawColumn<S>& {
         if (input == input_of_tmin) return p.tmin;
         if (input == input_of_tmax) return p.tmax;
-        if (input >= input_of_solid_low) return p.solid_low[input - input_of_solid_low];
+        if (input >= input_of_primitive_low) return p.primitive_low[input - input_of_primitive_low];
         if (input >= input_of_ray_low) return p.ray_low[input - input_of_ray_low];
-        return input >= input_of_solid ? p.solid[input - input_of_solid] : p.ray[input];
+        return input >= input_of_primitive ? p.primitive[input - input_of_primitive] : p.ray[input];
     };
-    const auto load = [&](const std::vector<Input>& inputs, double* room, std::size_t first, std::size_t packs) {
+    const auto load = [&](const std::vector<Input>& inputs, double* scratch, std::size_t first, std::size_t packs) {
         for (const Input& one : inputs) {
             if constexpr (std::is_same_v<S, float>)
-                kernels_->load_floats(column(one.input), first, room + one.offset, packs);
-            else kernels_->load_doubles(column(one.input), first, room + one.offset, packs);
+                kernels_->load_floats(column(one.input), first, scratch + one.offset, packs);
+            else kernels_->load_doubles(column(one.input), first, scratch + one.offset, packs);
         }
     };
-    double* const room = room_of_thread(room_);
+    double* const scratch = scratch_of_thread(scratch_size_);
     const std::size_t lanes = kernels_->lanes;
-    for (const auto& [x, offset] : constants_) kernels_->repeat(x, room + offset);
-    load(once_in_, room, 0, 1);
-    for (const Step& step : once_) step.kernel(room, step.operands, 1);
+    for (const auto& [x, offset] : constants_) kernels_->repeat(x, scratch + offset);
+    load(once_in_, scratch, 0, 1);
+    for (const Step& step : once_) step.kernel(scratch, step.operands, 1);
     for (std::size_t first = 0; first < p.size; first += block) {
         const std::size_t packs = std::min(block, p.size - first) / lanes;
-        load(each_in_, room, first, packs);
-        run_block(room, packs);
+        load(each_in_, scratch, first, packs);
+        run_block(scratch, packs);
         const auto cells = [&](std::size_t output) {
-            return CellsOfColumn{room + outputs_[output].offset, outputs_[output].step};
+            return CellsOfColumn{scratch + outputs_[output].offset, outputs_[output].step};
         };
         kernels_->store_mask(cells(output_settled), p.out.settled + first, packs);
         kernels_->store_mask(cells(output_hit), p.out.hit + first, packs);
@@ -191,14 +191,14 @@ void ColumnRun::run(const RawProblems<S>& p) const {
     }
 }
 
-void ColumnRun::run_block(double* room, std::size_t packs) const {
+void ColumnRun::run_block(double* scratch, std::size_t packs) const {
     bool are_wanted = true;  // applies to numbers; decisions always are
     for (const Step& step : each_) {
         if (!step.kernel) {
             const bool is_once = step.operands[0].step == 0;
-            are_wanted = are_wanted && kernels_->is_any(room + step.operands[0].offset, is_once ? 1 : packs);
+            are_wanted = are_wanted && kernels_->is_any(scratch + step.operands[0].offset, is_once ? 1 : packs);
         } else if (are_wanted || step.is_of_masks) {
-            step.kernel(room, step.operands, packs);
+            step.kernel(scratch, step.operands, packs);
         }
     }
 }

@@ -38,10 +38,10 @@ private:
 
     template <class S>
     void run(const RawProblems<S>& problems) const;
-    void run_block(double* room, std::size_t packs) const;
+    void run_block(double* scratch, std::size_t packs) const;
 
     const ColumnKernels* kernels_;
-    std::size_t room_ = 0;  ///< doubles
+    std::size_t scratch_size_ = 0;  ///< doubles
     std::vector<ColumnOperand> operands_;
     std::vector<Step> once_, each_;
     std::vector<Input> once_in_, each_in_;

@@ -8,7 +8,7 @@
 
 #include "geometry/range.hpp"
 #include "number/wide/column_program.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::measure::stages {
 
@@ -32,8 +32,8 @@ struct RawFindings {
     std::uint8_t *touches = nullptr, *on_surface = nullptr;
 };
 
-/// Matrices of a batch of solids: if `placed`, each solid is under a matrix, which follows its numbers. All matrices of
-/// a batch are of one kind.
+/// Matrices of a batch of primitives: if `placed`, each primitive is under a matrix, which follows its numbers. All
+/// matrices of a batch are of one kind.
 struct UnderMatrix {
     bool placed = false, is_inverse = false;
     int orientation = 1;
@@ -43,9 +43,9 @@ struct UnderMatrix {
 /// Whole packs of problems and room for what is found: `size` is a multiple of a register's doubles.
 template <class S>
 struct RawProblems {
-    RawColumn<S> ray[6], solid[most_stored];
-    RawColumn<S> ray_low[6], solid_low[most_stored];  ///< second words
-    bool two_words;                                   ///< whether there are any; never of floats
+    RawColumn<S> ray[6], primitive[most_stored];
+    RawColumn<S> ray_low[6], primitive_low[most_stored];  ///< second words
+    bool two_words;                                       ///< whether there are any; never of floats
     RawColumn<S> tmin, tmax;
     bool ranged;  ///< else these are 0 and endless for every ray
     OpenEnds open;
@@ -84,7 +84,7 @@ struct CellsOfColumn {
 
 /// The instructions of column programs in registers of one width.
 struct ColumnKernels {
-    using Kernel = void (*)(double* room, const ColumnOperand* operands, std::size_t packs);
+    using Kernel = void (*)(double* scratch, const ColumnOperand* operands, std::size_t packs);
     using OfOperation = std::array<Kernel, 64>;  ///< by the operands that are exact
     using OfWords = std::array<OfOperation, number::wide::column_operations>;
 

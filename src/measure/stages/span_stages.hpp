@@ -1,4 +1,5 @@
-// Rays and solids of any shape: decisions, and t* with its bound, from the first t at which the ray meets the solid.
+// Rays and primitives of any shape: decisions, and t* with its bound, from the first t at which the ray meets the
+// primitive.
 #pragma once
 
 #include <array>
@@ -6,10 +7,10 @@
 #include <utility>
 
 #include "geometry/ray.hpp"
-#include "measure/stages/met_spans.hpp"
 #include "measure/stages/problem.hpp"
+#include "measure/stages/span_hits.hpp"
 #include "number/wide/running.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::measure::stages {
 
@@ -39,11 +40,11 @@ inline constexpr std::size_t numbers_of = [] {
     for (const Key& key : S::keys) count += key.count();
     return count;
 }();
-struct PlaceOfNumber {
+struct NumberIndex {
     std::size_t key, in_key;
 };
 template <class S>
-constexpr PlaceOfNumber place_of(std::size_t number) {
+constexpr NumberIndex index_of(std::size_t number) {
     std::size_t key = 0;
     for (; number >= S::keys[key].count(); ++key) number -= S::keys[key].count();
     return {key, number};
@@ -51,39 +52,39 @@ constexpr PlaceOfNumber place_of(std::size_t number) {
 
 /// Tests if a number keeps the limit of its key.
 template <class S, std::size_t k, class E>
-mask_t<typename E::P> keeps_limit(const std::array<E, numbers_of<S>>& solid) {
+mask_t<typename E::P> keeps_limit(const std::array<E, numbers_of<S>>& primitive) {
     using Limit = Key::Limit;
-    constexpr PlaceOfNumber place = place_of<S>(k);
+    constexpr NumberIndex place = index_of<S>(k);
     constexpr Key key = S::keys[place.key];
     const E zero(0);
     if constexpr (key.limit == Limit::not_zero && place.in_key == 0) {
-        const E &x = solid[k], &y = solid[k + 1], &z = solid[k + 2];
+        const E &x = primitive[k], &y = primitive[k + 1], &z = primitive[k + 2];
         return (x > zero).yes() || (x < zero).yes() || (y > zero).yes() || (y < zero).yes() || (z > zero).yes() ||
                (z < zero).yes();
     } else if constexpr (key.limit == Limit::positive) {
-        return (solid[k] > zero).yes();
+        return (primitive[k] > zero).yes();
     } else if constexpr (key.limit == Limit::not_negative) {
-        return (solid[k] >= zero).yes();
+        return (primitive[k] >= zero).yes();
     } else if constexpr (key.limit == Limit::below_before) {
-        return (solid[k] >= zero).yes() && (solid[k] < solid[k - 1]).yes();
+        return (primitive[k] >= zero).yes() && (primitive[k] < primitive[k - 1]).yes();
     } else if constexpr (key.limit == Limit::within_before) {
-        return (solid[k] > zero).yes() && (solid[k] < solid[k - 1]).yes();
+        return (primitive[k] > zero).yes() && (primitive[k] < primitive[k - 1]).yes();
     } else if constexpr (key.limit == Limit::at_least_before) {
-        return (solid[k - key.count()] <= solid[k]).yes();
+        return (primitive[k - key.count()] <= primitive[k]).yes();
     } else {
         return zero.first() <= zero.first();
     }
 }
 
-/// Tests if the numbers of a solid are valid, by the limits of its keys. Points on one line pass this test, but no line
-/// is proved to cross them. `settle` finds origins and directions that are not finite.
+/// Tests if the numbers of a primitive are valid, by the limits of its keys. Points on one line pass this test, but no
+/// line is proved to cross them. `settle` finds origins and directions that are not finite.
 template <class S, class E, std::size_t... k>
-mask_t<typename E::P> keeps_limits(const std::array<E, numbers_of<S>>& solid, std::index_sequence<k...>) {
-    return (keeps_limit<S, k>(solid) && ...);
+mask_t<typename E::P> keeps_limits(const std::array<E, numbers_of<S>>& primitive, std::index_sequence<k...>) {
+    return (keeps_limit<S, k>(primitive) && ...);
 }
 template <class S, class E>
-mask_t<typename E::P> is_proper(const std::array<E, numbers_of<S>>& solid) {
-    return keeps_limits<S>(solid, std::make_index_sequence<numbers_of<S>>());
+mask_t<typename E::P> is_proper(const std::array<E, numbers_of<S>>& primitive) {
+    return keeps_limits<S>(primitive, std::make_index_sequence<numbers_of<S>>());
 }
 
 /// The range from tmin to tmax, if it contains more than one t. Otherwise `proper` is false there, and nothing is
@@ -97,29 +98,29 @@ RangeOfSpan<E> range_of(const P& tmin, const P& tmax, OpenEnds open, mask_t<P>& 
 }
 
 /// Questions asked of all problems alike: do the rays have ranges; is t needed, is the distance.
-struct Asked {
+struct RequestedResults {
     bool ranged, t, distance;
 };
 
-/// A ray and a solid as they stand in the space of the solid, d·d in the world, and whether the solid is proved to be
-/// one.
+/// A ray and a primitive as they stand in the space of the primitive, d·d in the world, and whether the primitive is
+/// proved to be one.
 template <class S, class E>
 struct InSpace {
     Ray<E> ray;
-    std::array<E, numbers_of<S>> solid;
+    std::array<E, numbers_of<S>> primitive;
     E d2;
     mask_t<typename E::P> proper;
 };
 
-/// `in_object` for rays at one solid, in each lane; the work that depends on matrix and solid alone is done once. If
-/// the determinant is not proved to differ from 0, nothing is proved. `proper` is decided by the numbers before they
-/// are scaled, since a zero times a number known within bounds is not an exact zero.
+/// `in_object` for rays at one primitive, in each lane; the work that depends on matrix and primitive alone is done
+/// once. If the determinant is not proved to differ from 0, nothing is proved. `proper` is decided by the numbers
+/// before they are scaled, since a zero times a number known within bounds is not an exact zero.
 template <class S, class E>
 struct Entrance {
     UnderMatrix matrix;
     Affine<E> map;
     std::array<Vec<E>, 3> adjugate;
-    std::array<E, numbers_of<S>> solid;
+    std::array<E, numbers_of<S>> primitive;
     mask_t<typename E::P> proper;
 
     static Entrance of(const std::array<E, numbers_of<S>>& numbers, const Affine<E>& map, const UnderMatrix& matrix) {
@@ -129,7 +130,7 @@ struct Entrance {
         if (matrix.is_inverse) return all;
         const E scale = E(matrix.orientation) * map.determinant();
         for (std::size_t k = 0; k < numbers_of<S>; ++k)
-            if (S::keys[place_of<S>(k).key].kind != Key::Kind::direction) all.solid[k] = scale * numbers[k];
+            if (S::keys[index_of<S>(k).key].kind != Key::Kind::direction) all.primitive[k] = scale * numbers[k];
         all.proper = all.proper && (scale > E(0)).yes();
         return all;
     }
@@ -153,12 +154,13 @@ Enclosure<P> taken(const E& length, const mask_t<P>& at_origin, const mask_t<P>&
 /// S is the shape over `Running` words. It has a copy of the numbers: that nothing points to them keeps them in
 /// registers, and what they are known to be known. `range(proper)` is asked for where there is one.
 template <template <class> class S, class E, class Range, class P = typename E::P>
-Finding<P> settle_shape(const InSpace<S<E>, E>& in, const Asked& asked, const Range& range) {
+Finding<P> settle_shape(const InSpace<S<E>, E>& in, const RequestedResults& asked, const Range& range) {
     const Ray<E>& ray = in.ray;
-    const auto span = solid_from<S, E>([solid = in.solid](std::size_t k) { return solid[k]; }).span(ray);
+    const auto span =
+        primitive_from<S, E>([primitive = in.primitive](std::size_t k) { return primitive[k]; }).span(ray);
     auto proper = in.proper && (in.d2 > E(0)).yes() &&
                   sum_of_sizes(ray.origin.x.first(), ray.origin.y.first(), ray.origin.z.first()) < P(HUGE_VAL);
-    const Met<E> met = asked.ranged ? first_met(span, range(proper)) : first_met(span);
+    const SpanHit<E> met = asked.ranged ? first_span_hit(span, range(proper)) : first_span_hit(span);
     const auto missed = proper && met.missed;
     auto hit = proper && met.hit;
     const Enclosure<P> nothing{{P(0), P(0)}, P(0)};

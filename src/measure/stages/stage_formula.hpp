@@ -21,17 +21,17 @@ auto settle_inputs(const StageTerms& terms, const Word& word) {
         return E(W(x));
     };
     const auto of_ray = [&](std::size_t k) { return number(input_of_ray + k, input_of_ray_low + k); };
-    const auto of_solid = [&](std::size_t k) { return number(input_of_solid + k, input_of_solid_low + k); };
+    const auto of_primitive = [&](std::size_t k) { return number(input_of_primitive + k, input_of_primitive_low + k); };
     InSpace<Shape, E> in;
     in.ray = {{of_ray(0), of_ray(1), of_ray(2)}, {of_ray(3), of_ray(4), of_ray(5)}};
     in.d2 = square(in.ray.direction);
-    for (std::size_t k = 0; k < numbers_of<Shape>; ++k) in.solid[k] = of_solid(k);
+    for (std::size_t k = 0; k < numbers_of<Shape>; ++k) in.primitive[k] = of_primitive(k);
     if (terms.matrix.placed) {
-        const auto map = Affine<E>::of([&](std::size_t k) { return of_solid(most_numbers + k); });
-        const auto entrance = Entrance<Shape, E>::of(in.solid, map, terms.matrix);
-        in = {entrance.ray(in.ray), entrance.solid, in.d2, entrance.proper};
+        const auto map = Affine<E>::of([&](std::size_t k) { return of_primitive(most_numbers + k); });
+        const auto entrance = Entrance<Shape, E>::of(in.primitive, map, terms.matrix);
+        in = {entrance.ray(in.ray), entrance.primitive, in.d2, entrance.proper};
     } else {
-        in.proper = is_proper<Shape>(in.solid);
+        in.proper = is_proper<Shape>(in.primitive);
     }
     const auto range = [&](mask_t<P>& proper) {
         return range_of<E>(word(input_of_tmin), word(input_of_tmax), terms.open, proper);

@@ -74,14 +74,14 @@ template <template <class> class Of, class P>
 [[gnu::flatten]] void settle_ties(const RawProblems<double>& raw) {
     using Shape = Of<Multiple<P>>;
     const RawProblems<double> p = raw;  // as above
-    const Asked asked{false, p.out.t.hi != nullptr, p.out.distance.hi != nullptr};
+    const RequestedResults asked{false, p.out.t.hi != nullptr, p.out.distance.hi != nullptr};
     for (std::size_t i = 0; i < p.size; i += P::lanes) {
         const auto load = [&](const RawColumn<double>& c) { return P::load(c.from + i * c.step); };
         const auto load_all = [&]<std::size_t... k>(const RawColumn<double>* c, std::index_sequence<k...>) {
             return std::array<P, sizeof...(k)>{load(c[k])...};
         };
         const auto tie = settle_tie<Of>(load_all(p.ray, std::make_index_sequence<6>()),
-                                        load_all(p.solid, std::make_index_sequence<numbers_of<Shape>>()), asked);
+                                        load_all(p.primitive, std::make_index_sequence<numbers_of<Shape>>()), asked);
         store(tie.found, p.out, i);
         store_lanes<P>(tie.touches, p.out.touches + i);
         store_lanes<P>(tie.on_surface, p.out.on_surface + i);
@@ -102,7 +102,7 @@ template <class P>
 template <class P>
 void fill_stages(RawStages& kernels) {
     kernels = {column_kernels<P>(), settle_unit_directions<P>, {}};
-    Solids::each([&]<template <class> class Of>() {
+    Primitives::each([&]<template <class> class Of>() {
         if constexpr (is_flat_between_points<Of<Multiple<P>>>)
             kernels.ties[static_cast<std::size_t>(shape_as<Of>)] = settle_ties<Of, P>;
     });

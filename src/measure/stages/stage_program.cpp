@@ -6,16 +6,16 @@ namespace lostbits::measure::stages {
 
 namespace {
 
-using number::wide::ColumnPlace;
+using number::wide::ColumnIndex;
 using number::wide::ColumnRecorder;
 using number::wide::ColumnWords;
 
 template <template <class> class Of, ColumnWords W>
 number::wide::ColumnProgram record(const StageTerms& terms) {
     ColumnRecorder recorder(terms.words, stage_inputs);
-    const auto word = [](std::size_t input) { return ColumnWord::at(static_cast<ColumnPlace>(input)); };
+    const auto word = [](std::size_t input) { return ColumnWord::at(static_cast<ColumnIndex>(input)); };
     const Finding<ColumnWord> found = settle_inputs<Of, W>(terms, word);
-    std::vector<ColumnPlace> outputs{found.settled.place(), found.hit.place()};
+    std::vector<ColumnIndex> outputs{found.settled.place(), found.hit.place()};
     for (const auto* const x : {&found.t, &found.distance})
         for (const ColumnWord& part : {x->middle.hi, x->middle.lo, x->bound}) outputs.push_back(part.place());
     return recorder.finish(std::move(outputs));
@@ -25,7 +25,7 @@ number::wide::ColumnProgram record(const StageTerms& terms) {
 
 number::wide::ColumnProgram record_stage(const StageTerms& terms) {
     number::wide::ColumnProgram program;
-    Solids::each([&]<template <class> class Of>() {
+    Primitives::each([&]<template <class> class Of>() {
         if (shape_as<Of> != terms.shape) return;
         program = terms.words == 1 ? record<Of, ColumnWord>(terms) : record<Of, TwoWords<ColumnWord>>(terms);
     });

@@ -5,14 +5,15 @@
 
 #include "measure/stages/raw_stages.hpp"
 #include "number/wide/column_program.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::measure::stages {
 
 /// Columns of a batch as inputs of a program: the index of each among the numbers of `RawProblems`.
-inline constexpr std::size_t input_of_ray = 0, input_of_solid = 6, input_of_ray_low = input_of_solid + most_stored,
-                             input_of_solid_low = input_of_ray_low + 6,
-                             input_of_tmin = input_of_solid_low + most_stored, input_of_tmax = input_of_tmin + 1,
+inline constexpr std::size_t input_of_ray = 0, input_of_primitive = 6,
+                             input_of_ray_low = input_of_primitive + most_stored,
+                             input_of_primitive_low = input_of_ray_low + 6,
+                             input_of_tmin = input_of_primitive_low + most_stored, input_of_tmax = input_of_tmin + 1,
                              stage_inputs = input_of_tmax + 1;
 /// Outputs: two decisions, then t* and t* |d|, two words and a bound each; 0 for a length that is not asked for.
 inline constexpr std::size_t output_settled = 0, output_hit = 1, output_t = 2, output_distance = 5;

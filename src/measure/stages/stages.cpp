@@ -67,7 +67,7 @@ std::uint64_t same_inputs(const RawProblems<S>& p) {
     };
     for (std::size_t k = 0; k < 6; ++k) look(input_of_ray + k, p.ray[k]), look(input_of_ray_low + k, p.ray_low[k]);
     for (std::size_t k = 0; k < most_stored; ++k)
-        look(input_of_solid + k, p.solid[k]), look(input_of_solid_low + k, p.solid_low[k]);
+        look(input_of_primitive + k, p.primitive[k]), look(input_of_primitive_low + k, p.primitive_low[k]);
     look(input_of_tmin, p.tmin), look(input_of_tmax, p.tmax);
     static_assert(stage_inputs <= 64);
     return same;

@@ -3,7 +3,7 @@
 
 #include "intersect/simd/packed.hpp"
 #include "measure/stages/raw_stages.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::measure::stages {
 

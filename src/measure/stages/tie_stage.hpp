@@ -69,14 +69,15 @@ private:
 /// nothing: a direction of zero crosses no plane, and no line crosses the plane of points on one line. For numbers that
 /// are not finite, the result is a miss or nothing.
 template <template <class> class Of, class P, std::size_t count>
-TieFinding<P> settle_tie(const std::array<P, 6>& ray, const std::array<P, count>& points, const Asked& asked) {
+TieFinding<P> settle_tie(const std::array<P, 6>& ray, const std::array<P, count>& points,
+                         const RequestedResults& asked) {
     using E = Multiple<P>;
     using Known = Running<TwoWords<P>>;
     const Grid<P> grid =
         std::apply([&](const auto&... p) { return Grid<P>::of(bits_of_points, ray[0], ray[1], ray[2], p...); }, points);
     const Grid<P> of_direction = Grid<P>::of(bits_of_directions, ray[3], ray[4], ray[5]);
     const auto at = [&](std::size_t k) { return E(ray[k], k < 3 ? grid : of_direction); };
-    const FlatSpan<E> span = solid_from<Of, E>([&](std::size_t k) {
+    const FlatSpan<E> span = primitive_from<Of, E>([&](std::size_t k) {
                                  return E(points[k], grid);
                              }).span({{at(0), at(1), at(2)}, {at(3), at(4), at(5)}});
     const E zero(0);

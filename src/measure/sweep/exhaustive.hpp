@@ -29,13 +29,13 @@ inline constexpr std::array<FirstEvent, 11> first_events{{{answer::Outcome::fals
                                                           {answer::Outcome::agree_hit, 4},
                                                           {answer::Outcome::agree_hit, 8},
                                                           {answer::Outcome::agree_hit, 12},
-                                                          {answer::Outcome::wrong_object},
+                                                          {answer::Outcome::wrong_primitive},
                                                           {answer::Outcome::crack},
                                                           {answer::Outcome::double_hit},
                                                           {answer::Outcome::out_of_order}}};
 /// True for an event that can happen where a ray has only one primitive to hit.
-inline constexpr bool is_of_one_solid(const FirstEvent& event) {
-    return static_cast<std::size_t>(event.outcome) < answer::outcomes_of_one_solid;
+inline constexpr bool is_of_one_primitive(const FirstEvent& event) {
+    return static_cast<std::size_t>(event.outcome) < answer::outcomes_of_one_primitive;
 }
 
 /// Counts of a form on one ray over floats in their order. A float is named by its index among all floats

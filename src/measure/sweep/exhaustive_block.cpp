@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "intersect/hull/behind.hpp"
+#include "intersect/bounding_box/behind.hpp"
 #include "measure/metric/values.hpp"
 #include "measure/sweep/float_columns.hpp"
 
@@ -53,7 +53,7 @@ private:
         if (!any(Outcome::false_hit) && !any(Outcome::false_miss) && !any(Outcome::not_a_number)) return;
         for (std::size_t e = 0; e < first_events.size(); ++e) {
             const Outcome o = first_events[e].outcome;
-            if (first_events[e].lost_bits > 0 || !is_of_one_solid(first_events[e]) || onto_.first[e] || !any(o))
+            if (first_events[e].lost_bits > 0 || !is_of_one_primitive(first_events[e]) || onto_.first[e] || !any(o))
                 continue;
             std::size_t i = 0;
             while (ulps_.outcome(i) != o) ++i;
@@ -143,20 +143,21 @@ private:
 /// the primitive, for a form behind a box that box; other forms have none.
 class BoxOfRow {
 public:
-    explicit BoxOfRow(const evaluate::TestedForm& row) : row_(row), behind_(intersect::hull::made_of(*row.form)) {}
+    explicit BoxOfRow(const evaluate::TestedForm& row)
+        : row_(row), behind_(intersect::bounding_box::made_of(*row.form)) {}
 
-    [[nodiscard]] bool is_asked() const { return row_.form->shape == hull_shape || behind_.form != nullptr; }
+    [[nodiscard]] bool is_asked() const { return row_.form->shape == bounding_box_shape || behind_.form != nullptr; }
     /// Number of u by which tmax must grow for the slabs of `box.signs` to overlap at float i: the metric `padding`.
     [[nodiscard]] double padding(const AxisColumns& columns, std::size_t i) {
-        if (!same_ || columns.solid_varies()) same_ = box_around(columns.solid(i));
+        if (!same_ || columns.primitive_varies()) same_ = box_around(columns.primitive(i));
         return metric::padding(columns.ray_for(row_, i), *same_);
     }
 
 private:
-    [[nodiscard]] Hull<float> box_around(const Solid<float>& solid) const {
-        if (behind_.form == nullptr) return hull_of(solid);
+    [[nodiscard]] BoundingBox<float> box_around(const Primitive<float>& primitive) const {
+        if (behind_.form == nullptr) return bounding_box_of(primitive);
         const auto [lo, hi] =
-            behind_.way->in(row_.format, transformed(solid, [](float x) { return static_cast<double>(x); }));
+            behind_.method->in(row_.format, transformed(primitive, [](float x) { return static_cast<double>(x); }));
         const auto narrow = [](const Vec<double>& v) {
             return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
         };
@@ -164,8 +165,9 @@ private:
     }
 
     const evaluate::TestedForm& row_;
-    intersect::hull::HullParts behind_;
-    std::optional<Hull<float>> same_;  ///< the last box; still right where the axis does not change the primitive
+    intersect::bounding_box::BoxedRowParts behind_;
+    /// The last box; still right where the axis does not change the primitive.
+    std::optional<BoundingBox<float>> same_;
 };
 
 /// Rows that are compared with the same truth.

@@ -4,7 +4,7 @@
 
 #include "measure/culling/culling.hpp"
 #include "measure/evaluate/measure_row.hpp"
-#include "scene/rays/solid_list.hpp"
+#include "scene/rays/primitive_list.hpp"
 
 namespace lostbits::measure::sweep {
 
@@ -37,7 +37,7 @@ public:
 private:
     static std::optional<culling::Culler> culler_of(const scene::rays::RayGroup& group) {
         if (!group.mesh) return std::nullopt;
-        return culling::Culler(scene::rays::solid_list_of(group), group.rays);
+        return culling::Culler(scene::rays::primitive_list_of(group), group.rays);
     }
 
     const std::vector<TestedForm>& rows_;

@@ -32,45 +32,45 @@ AxisColumns::AxisColumns(const scene::sweep::ExhaustiveFile& file, std::size_t r
     : file_(file), ray_(ray), near_(most), far_(most) {
     const Ray<float>& r = file.rays[ray].ray;
     ray_numbers_ = {r.origin.x, r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z};
-    solid_numbers_ = file.solid.numbers;
+    primitive_numbers_ = file.primitive.numbers;
     for (const std::size_t place : file.ray_places) ray_varies_[place] = true;
-    for (const std::size_t place : file.solid_places) solid_varies_[place] = true;
+    for (const std::size_t place : file.primitive_places) primitive_varies_[place] = true;
     direction_varies_ = ray_varies_[3] || ray_varies_[4] || ray_varies_[5];
     for (std::size_t k = 0; k < ray_columns_.size(); ++k)
         if (!ray_varies_[k]) ray_columns_[k].assign(most, ray_numbers_[k]);
-    for (std::size_t k = 0; k < solid_columns_.size() && !file.solid_places.empty(); ++k)
-        if (!solid_varies_[k]) solid_columns_[k].assign(most, solid_numbers_[k]);
+    for (std::size_t k = 0; k < primitive_columns_.size() && !file.primitive_places.empty(); ++k)
+        if (!primitive_varies_[k]) primitive_columns_[k].assign(most, primitive_numbers_[k]);
     if (std::isfinite(file.rays[ray].tmax)) tmax_.assign(most, file.rays[ray].tmax);
 }
 
 void AxisColumns::set(std::span<const float> values) {
     values_ = values;
     if (direction_varies_) units_made_ = false;
-    solids_made_ = false;
+    primitives_made_ = false;
 }
 
 truth::ProblemColumns<float> AxisColumns::problems() const { return problems(values_); }
 
 truth::ProblemColumns<float> AxisColumns::problems(std::span<const float> values) const {
-    truth::ProblemColumns<float> p{.size = values.size(), .ray = {}, .shape = file_.solid.shape, .solid = {}};
+    truth::ProblemColumns<float> p{.size = values.size(), .ray = {}, .shape = file_.primitive.shape, .primitive = {}};
     for (std::size_t k = 0; k < 6; ++k) p.ray[k] = ray_varies_[k] ? values : one(ray_numbers_[k]);
-    for (std::size_t k = 0; k < file_.solid.used().size(); ++k)
-        p.solid[k] = solid_varies_[k] ? values : one(solid_numbers_[k]);
+    for (std::size_t k = 0; k < file_.primitive.used().size(); ++k)
+        p.primitive[k] = primitive_varies_[k] ? values : one(primitive_numbers_[k]);
     if (!tmax_.empty()) p.tmax = one(tmax_.front());
     return p;
 }
 
 truth::Truth AxisColumns::find_truth(std::size_t i, const truth::ColumnTerms& terms) const {
     const scene::rays::RayGroup group = file_.group_at(ray_, values_[i]);
-    return truth::find_truth(group.rays[0], group.solids[0], terms.limit, terms.convention, group.rays.range(0));
+    return truth::find_truth(group.rays[0], group.primitives[0], terms.limit, terms.convention, group.rays.range(0));
 }
 
 /// Makes the directions that forms for unit directions receive, as they receive them in maps.
 void AxisColumns::make_unit_directions() {
     if (units_made_) return;
     units_made_ = true;
-    const std::size_t room = near_.size(), count = direction_varies_ ? values_.size() : room;
-    for (auto& column : unit_columns_) column.resize(room);
+    const std::size_t capacity = near_.size(), count = direction_varies_ ? values_.size() : capacity;
+    for (auto& column : unit_columns_) column.resize(capacity);
     Vec<float> d{};
     for (std::size_t i = 0; i < count; ++i) {
         if (i == 0 || direction_varies_) d = unit(file_.ray_at(ray_, direction_varies_ ? values_[i] : 0.0F).direction);
@@ -80,12 +80,12 @@ void AxisColumns::make_unit_directions() {
 
 /// Makes the primitives once for all forms. There are many forms, and each takes little longer to run than its
 /// primitives take to make.
-void AxisColumns::make_solids() {
-    if (solids_made_) return;
-    solids_made_ = true;
-    solids_.resize(values_.size(), file_.solid);
+void AxisColumns::make_primitives() {
+    if (primitives_made_) return;
+    primitives_made_ = true;
+    primitives_.resize(values_.size(), file_.primitive);
     for (std::size_t i = 0; i < values_.size(); ++i)
-        for (const std::size_t place : file_.solid_places) solids_[i].numbers[place] = values_[i];
+        for (const std::size_t place : file_.primitive_places) primitives_[i].numbers[place] = values_[i];
 }
 
 std::span<const float> AxisColumns::wide(std::size_t place, bool unit) const {
@@ -113,24 +113,24 @@ void AxisColumns::answer(const TestedForm& row, std::span<float> t, std::span<st
                                 .dz = wide(5, unit),
                                 .tmax = tmax};
     const HitBatch<float> hits{t, std::span(near_).first(n), std::span(far_).first(n), hit};
-    if (file_.solid_places.empty())
-        intersect::simd::packed_kernels(*row.form).f32(batch, intersect::Target<float>(file_.solid), hits);
-    else answer_solids(row, batch, hits);
+    if (file_.primitive_places.empty())
+        intersect::simd::packed_kernels(*row.form).f32(batch, intersect::Target<float>(file_.primitive), hits);
+    else answer_primitives(row, batch, hits);
 }
 
 /// Uses the packed kernel for one ray against many primitives where there is one; it gives the same bits. A kernel that
 /// takes tmax is not used, because it cannot tell a miss from a hit at tmax.
-void AxisColumns::answer_solids(const TestedForm& row, const RayBatch<float>& rays, const HitBatch<float>& hits) {
+void AxisColumns::answer_primitives(const TestedForm& row, const RayBatch<float>& rays, const HitBatch<float>& hits) {
     const std::size_t n = values_.size();
     const intersect::simd::ManyRow many = intersect::simd::many_kernels(*row.form);
-    if (!many.f32 || many.told_end || !file_.ray_places.empty()) {
-        make_solids();
-        return row.form->native32(rays, intersect::Target<float>(std::span<const Solid<float>>(solids_)), hits);
+    if (!many.f32 || many.takes_tmax || !file_.ray_places.empty()) {
+        make_primitives();
+        return row.form->native32(rays, intersect::Target<float>(std::span<const Primitive<float>>(primitives_)), hits);
     }
-    intersect::simd::SolidArrays<float> solids;
-    for (std::size_t k = 0; k < file_.solid.used().size(); ++k)
-        solids.numbers[k] = solid_varies_[k] ? values_ : std::span<const float>(solid_columns_[k]).first(n);
-    many.f32(ray_for(row, 0), solids, hits.t, hits.hit);
+    intersect::simd::PrimitiveArrays<float> primitives;
+    for (std::size_t k = 0; k < file_.primitive.used().size(); ++k)
+        primitives.numbers[k] = primitive_varies_[k] ? values_ : std::span<const float>(primitive_columns_[k]).first(n);
+    many.f32(ray_for(row, 0), primitives, hits.t, hits.hit);
 }
 
 namespace {

@@ -33,36 +33,36 @@ public:
 
     /// Ray that a form is given at float i; valid once the form has answered there.
     [[nodiscard]] Ray<float> ray_for(const evaluate::TestedForm& row, std::size_t i) const;
-    [[nodiscard]] Solid<float> solid(std::size_t i) const { return file_.solid_at(values_[i]); }
+    [[nodiscard]] Primitive<float> primitive(std::size_t i) const { return file_.primitive_at(values_[i]); }
     /// True where the primitive differs from float to float.
-    [[nodiscard]] bool solid_varies() const { return !file_.solid_places.empty(); }
+    [[nodiscard]] bool primitive_varies() const { return !file_.primitive_places.empty(); }
 
 private:
     void make_unit_directions();
-    void make_solids();
+    void make_primitives();
     [[nodiscard]] std::span<const float> wide(std::size_t place, bool unit) const;
-    void answer_solids(const evaluate::TestedForm& row, const intersect::table::RayBatch<float>& rays,
-                       const intersect::table::HitBatch<float>& hits);
+    void answer_primitives(const evaluate::TestedForm& row, const intersect::table::RayBatch<float>& rays,
+                           const intersect::table::HitBatch<float>& hits);
 
     const scene::sweep::ExhaustiveFile& file_;
     std::size_t ray_;
     std::span<const float> values_;
     std::array<float, 6> ray_numbers_;  ///< numbers that do not vary
-    std::array<float, most_numbers> solid_numbers_;
+    std::array<float, most_numbers> primitive_numbers_;
     std::array<bool, 6> ray_varies_{};
-    std::array<bool, most_numbers> solid_varies_{};
+    std::array<bool, most_numbers> primitive_varies_{};
     std::array<std::vector<float>, 6> ray_columns_;  ///< a number that does not vary fills its whole column
-    std::array<std::vector<float>, most_numbers> solid_columns_;
+    std::array<std::vector<float>, most_numbers> primitive_columns_;
     std::array<std::vector<float>, 3> unit_columns_;  ///< directions of unit length, rounded to binary32
     std::vector<float> tmax_, near_, far_;
-    std::vector<Solid<float>> solids_;  ///< one a float, for forms without a kernel over many
-    bool units_made_ = false, solids_made_ = false, direction_varies_ = false;
+    std::vector<Primitive<float>> primitives_;  ///< one a float, for forms without a kernel over many
+    bool units_made_ = false, primitives_made_ = false, direction_varies_ = false;
 };
 
 /// Bounds of the errors of one form at the floats of some columns.
 class UlpColumns {
 public:
-    using Outcomes = std::array<std::uint64_t, answer::outcomes_of_one_solid>;
+    using Outcomes = std::array<std::uint64_t, answer::outcomes_of_one_primitive>;
 
     /// Compares the answers of a form with the truth of the same floats.
     UlpColumns(const AxisColumns& columns, const truth::ColumnTerms& terms) : columns_(columns), terms_(terms) {}

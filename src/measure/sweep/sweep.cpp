@@ -41,7 +41,7 @@ struct Event {
 bool is_step(const Metric& m) { return (m.needs & metric::needs_steps) != 0 && m.ramp == metric::Ramp::magnitude; }
 
 std::vector<Event> events_of(const TestedForm& row, const std::vector<const Metric*>& metrics) {
-    const std::size_t lost = metric::place_of(metrics, "lost_bits"), stop = metric::place_of(metrics, "stop");
+    const std::size_t lost = metric::index_of(metrics, "lost_bits"), stop = metric::index_of(metrics, "stop");
     std::vector<Event> events;
     const double p = row.format.parameters.precision;
     for (const metric::Statistic& s : metric::quantiles) {
@@ -60,7 +60,7 @@ std::vector<Event> events_of(const TestedForm& row, const std::vector<const Metr
         events.push_back({std::string(answer::outcome_names[static_cast<std::size_t>(o)]), "count", 1,
                           [o](const FormSummary& m) { return static_cast<double>(m.count(o)); }});
     }
-    if (is_solid(row.form->shape) || stop == metrics.size()) return events;
+    if (is_primitive(row.form->shape) || stop == metrics.size()) return events;
     for (const Stop why : {Stop::max_dist, Stop::max_steps, Stop::stagnated}) {
         const auto c = static_cast<std::size_t>(why);
         events.push_back({std::string(intersect::stop_names[c]), "count", 1,
@@ -75,7 +75,7 @@ SweepRequest for_events(SweepRequest request) {
     std::ranges::replace_if(
         request.metrics,
         [](const Metric* m) {
-            return m->over != metric::Over::marches && m->over != metric::Over::pairs && !is_step(*m);
+            return m->over != metric::MetricDomain::marches && m->over != metric::MetricDomain::pairs && !is_step(*m);
         },
         metric::find_metric("lost_bits"));
     return request;
@@ -296,10 +296,10 @@ Verdict verdict_of(const FormSummary& s, const std::vector<const metric::Metric*
         return *wrong == Outcome::not_a_number ? Verdict::not_a_number
                : *wrong == Outcome::false_miss ? Verdict::false_miss
                : *wrong == Outcome::false_hit  ? Verdict::false_hit
-                                               : Verdict::wrong_object;
+                                               : Verdict::wrong_primitive;
     }
     // NaN where form and truth agree on no hit: nothing is lost then.
-    const auto most = [&](const char* name) { return s.metrics[metric::place_of(metrics, name)].quantile(1); };
+    const auto most = [&](const char* name) { return s.metrics[metric::index_of(metrics, name)].quantile(1); };
     if (most("excess_bits") > within) return Verdict::wrong_value;
     return most("lost_bits") > within ? Verdict::within_inputs : Verdict::right;
 }

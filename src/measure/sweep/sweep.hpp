@@ -110,11 +110,12 @@ enum class Verdict : std::uint8_t {
     false_miss,
     not_a_number,
     unresolved,
-    wrong_object
+    wrong_primitive
 };
 
-inline constexpr std::array<std::string_view, 8> verdict_names{
-    "right", "within_inputs", "wrong_value", "false_hit", "false_miss", "not_a_number", "unresolved", "wrong_object"};
+inline constexpr std::array<std::string_view, 8> verdict_names{"right",      "within_inputs",  "wrong_value",
+                                                               "false_hit",  "false_miss",     "not_a_number",
+                                                               "unresolved", "wrong_primitive"};
 
 struct CaseRequest {
     const scene::sweep::CaseFile& file;

@@ -19,7 +19,7 @@ using intersect::Direction;
 
 namespace {
 
-constexpr int litter = 32;  // candidates that are measured together
+constexpr int batch_size = 32;  // candidates that are measured together
 
 /// Number that comes `steps` numbers after x in the format.
 double step_from(double x, std::int64_t steps, const FloatFormat& f) {
@@ -27,11 +27,11 @@ double step_from(double x, std::int64_t steps, const FloatFormat& f) {
 }
 
 /// Ray and primitive as one list of numbers, in the order of the ranges of the search.
-struct Place {
+struct SearchPoint {
     std::array<double, 6 + most_numbers> x{};
     [[nodiscard]] Ray<double> ray() const { return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}; }
-    [[nodiscard]] Solid<double> solid(Shape shape) const {
-        Solid<double> s;
+    [[nodiscard]] Primitive<double> primitive(Shape shape) const {
+        Primitive<double> s;
         s.shape = shape;
         for (std::size_t i = 0; i < s.used().size(); ++i) s.numbers[i] = x[6 + i];
         return s;
@@ -50,7 +50,7 @@ public:
             if (file_.hits_only && o != Outcome::agree_hit) continue;
             const double size = std::fabs(result.metrics[metric_][i]);
             const double value = o == Outcome::agree_hit ? (file_.smallest ? 1 / size : size)
-                                                         : wrong(result.inputs->rays[i], result.inputs->solids[0]);
+                                                         : wrong(result.inputs->rays[i], result.inputs->primitives[0]);
             if (!(value > score)) continue;
             score = value;
             place = i;
@@ -67,8 +67,8 @@ public:
 
 private:
     /// Score of a wrong decision, above that of every right one.
-    [[nodiscard]] double wrong(const Ray<double>& ray, const Solid<double>& solid) const {
-        return file_.nearest ? 0x1p1000 / std::max(1.0, scene::sweep::distance_in_radii(ray, solid))
+    [[nodiscard]] double wrong(const Ray<double>& ray, const Primitive<double>& primitive) const {
+        return file_.nearest ? 0x1p1000 / std::max(1.0, scene::sweep::distance_in_radii(ray, primitive))
                              : std::numeric_limits<double>::infinity();
     }
 
@@ -84,9 +84,9 @@ public:
           file_(request.search),
           row_(row),
           random_(file_.seed),
-          metric_(metric::place_of(request.metrics, file_.metric)) {}
+          metric_(metric::index_of(request.metrics, file_.metric)) {}
 
-    std::optional<WorstFound> run() {
+    std::optional<WorstResult> run() {
         for (int start = 0; start < file_.starts && !is_over(); ++start) climb();
         best_.evaluations = evaluations_;
         return best_score_ < 0 ? std::nullopt : std::optional(best_);
@@ -98,13 +98,13 @@ private:
     void climb() {
         const auto first = draw();
         if (!first) return;
-        Place here = *first;
+        SearchPoint here = *first;
         double score = -1;
         for (int g = 0; g < file_.generations; ++g) {
             // All candidates of a litter have one primitive, so that their rays share a band.
-            const Place parent = g == 0 ? here : moved(here, 6, file_.ranges.size(), random_.below(2));
-            std::vector<Place> children{parent};
-            while (children.size() < litter) children.push_back(moved(parent, 0, 6, 1 + random_.below(3)));
+            const SearchPoint parent = g == 0 ? here : moved(here, 6, file_.ranges.size(), random_.below(2));
+            std::vector<SearchPoint> children{parent};
+            while (children.size() < batch_size) children.push_back(moved(parent, 0, 6, 1 + random_.below(3)));
             const Judge judge = judged(children);
             if (judge.score < score) continue;
             score = judge.score;
@@ -116,9 +116,9 @@ private:
 
     /// Random candidate within the ranges of the search, its ray aimed at its primitive; nothing where 4096 tries find
     /// none.
-    std::optional<Place> draw() {
+    std::optional<SearchPoint> draw() {
         for (int attempt = 0; attempt < 4096; ++attempt) {
-            Place p;
+            SearchPoint p;
             for (std::size_t i = 0; i < file_.ranges.size(); ++i) {
                 const auto [low, high] = file_.ranges[i];
                 p.x[i] = file_.exponents ? free_number() : low + random_.unit() * (high - low);
@@ -127,7 +127,7 @@ private:
             if (file_.at_edge) put_edge(p);
             else aim(p);
             for (double& x : p.x) x = rounding::to_format(x, 0, row_.format.parameters);
-            if (file_.holds(p.ray(), p.solid(file_.shape))) return p;
+            if (file_.holds(p.ray(), p.primitive(file_.shape))) return p;
         }
         return std::nullopt;
     }
@@ -148,7 +148,7 @@ private:
     /// Puts an edge of the box on the ray: the edge of the plane by which the ray enters one axis and of the plane by
     /// which it leaves another. Rounding moves the planes, and the origin is moved to make up for it. The smaller the
     /// origin is, the nearer the ray comes to the edge.
-    void put_edge(Place& p) {
+    void put_edge(SearchPoint& p) {
         const double t = std::ldexp(significand(), random_.below(6) - 3);
         const auto enter = static_cast<std::size_t>(random_.below(3)),
                    leave = (enter + 1 + static_cast<std::size_t>(random_.below(2))) % 3;
@@ -166,7 +166,7 @@ private:
 
     /// Moves the origin along the axis that the ray leaves first, so that the ray leaves it at the t at which it enters
     /// the last one.
-    void back_to_edge(Place& p) {
+    void back_to_edge(SearchPoint& p) {
         double entry = 0, exit = std::numeric_limits<double>::infinity();
         std::size_t leave = 0;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -182,10 +182,10 @@ private:
 
     /// Moves the centre to where the search still has something to gain: to a distance between the smallest one allowed
     /// and the smallest one found, uniform in its logarithm.
-    void approach(Place& p) {
+    void approach(SearchPoint& p) {
         const double radius = p.x[9], low = std::max(1.0, file_.distance_radii.low),
                      high = best_.value < 0x1p100 ? file_.distance_radii.high : best_.distance;
-        const Vec<double> origin = p.ray().origin, f = ball_around(p.solid(file_.shape)).centre - origin;
+        const Vec<double> origin = p.ray().origin, f = ball_around(p.primitive(file_.shape)).centre - origin;
         const Real distance = Real(low) * pow(Real(high) / Real(low), Real(random_.unit()));
         const double scale = radius * static_cast<double>(distance) / length(f);
         for (std::size_t i = 0; i < 3; ++i) p.x[6 + i] = origin[static_cast<int>(i)] + scale * f[static_cast<int>(i)];
@@ -193,10 +193,10 @@ private:
 
     /// Turns the direction to a point of the primitive, and keeps the size of its largest component. Random directions
     /// seldom meet a far primitive.
-    void aim(Place& p) {
-        const Solid<double> solid = p.solid(file_.shape);
+    void aim(SearchPoint& p) {
+        const Primitive<double> primitive = p.primitive(file_.shape);
         const double x = random_.unit(), y = random_.unit(), z = random_.unit();
-        const Vec<double> point = visit(solid, [&](const auto& shape) { return shape.point_at({x, y, z}); });
+        const Vec<double> point = visit(primitive, [&](const auto& shape) { return shape.point_at({x, y, z}); });
         double to[3], largest = 0, size = 0;
         for (std::size_t i = 0; i < 3; ++i) {
             to[i] = point[static_cast<int>(i)] - p.x[i];
@@ -207,15 +207,15 @@ private:
         for (std::size_t i = 0; i < 3; ++i) p.x[3 + i] = to[i] / largest * size;
     }
 
-    Place moved(const Place& from, std::size_t begin, std::size_t end, int count) {
+    SearchPoint moved(const SearchPoint& from, std::size_t begin, std::size_t end, int count) {
         for (int attempt = 0; count > 0 && attempt < 16; ++attempt) {
-            Place p = from;
+            SearchPoint p = from;
             for (int k = 0; k < count; ++k) {
                 double& x = p.x[begin + static_cast<std::size_t>(random_.below(static_cast<int>(end - begin)))];
                 x = file_.exponents && random_.below(2) == 0 ? with_a_bit_turned(x) : stepped(x);
             }
             if (file_.at_edge && random_.below(2) == 0) back_to_edge(p);
-            if (file_.holds(p.ray(), p.solid(file_.shape))) return p;
+            if (file_.holds(p.ray(), p.primitive(file_.shape))) return p;
         }
         return from;
     }
@@ -234,12 +234,12 @@ private:
         return std::copysign(step_from(std::fabs(x), turned - n, f), x);
     }
 
-    Judge judged(const std::vector<Place>& places) {
+    Judge judged(const std::vector<SearchPoint>& places) {
         scene::rays::RayBlock rays;
-        for (const Place& p : places) rays.push(p.ray());
-        rays.be_list();
+        for (const SearchPoint& p : places) rays.push(p.ray());
+        rays.set_as_list();
         evaluations_ += places.size();
-        truth::Band band(std::move(rays), {places.front().solid(file_.shape)}, request_.limit);
+        truth::Band band(std::move(rays), {places.front().primitive(file_.shape)}, request_.limit);
         const evaluate::BandOfRows shared(band, {row_}, request_.metrics);
         evaluate::FormSummary summary(request_.metrics);
         Judge judge(metric_, row_.form->info->direction, file_);
@@ -248,17 +248,18 @@ private:
         return judge;
     }
 
-    void keep(const Judge& judge, const Place& place) {
+    void keep(const Judge& judge, const SearchPoint& place) {
         if (!(judge.score > best_score_)) return;
         best_score_ = judge.score;
         best_ = {.outcome = judge.outcome,
                  .value = file_.smallest ? 1 / judge.score : judge.score,
                  .ray = place.ray(),
-                 .solid = place.solid(file_.shape),
+                 .primitive = place.primitive(file_.shape),
                  .t = judge.t,
                  .truth = judge.truth,
-                 .distance = file_.is_round() ? scene::sweep::distance_in_radii(place.ray(), place.solid(file_.shape))
-                                              : truth::missing};
+                 .distance = file_.is_round()
+                                 ? scene::sweep::distance_in_radii(place.ray(), place.primitive(file_.shape))
+                                 : truth::missing};
     }
 
     const WorstRequest& request_;
@@ -268,14 +269,14 @@ private:
     std::size_t metric_;
     std::uint64_t evaluations_ = 0;
     double best_score_ = -1;  ///< the metric, or 1 over it where the smallest value is looked for
-    WorstFound best_;
+    WorstResult best_;
 };
 
 }  // namespace
 
-std::vector<std::optional<WorstFound>> find_worst(const WorstRequest& request) {
+std::vector<std::optional<WorstResult>> find_worst(const WorstRequest& request) {
     const auto units = request.share.of_units(request.rows.size());
-    std::vector<std::optional<WorstFound>> found(units.size());
+    std::vector<std::optional<WorstResult>> found(units.size());
     intersect::process::in_parallel(std::size_t{0}, found.size(), [&](std::size_t i) {
         found[i] = Search(request, request.rows[units.first + i]).run();
         request.progress(1);

@@ -11,11 +11,11 @@
 namespace lostbits::measure::sweep {
 
 /// Result of a search, for one row.
-struct WorstFound {
+struct WorstResult {
     answer::Outcome outcome = answer::Outcome::agree_hit;
     double value = -1;  ///< value of the metric; meaningless for a wrong decision
     Ray<double> ray{};  ///< in numbers of the format
-    Solid<double> solid{};
+    Primitive<double> primitive{};
     double t = 0;         ///< the form's answer
     double truth = 0;     ///< t*, correctly rounded to binary64; NaN for a miss
     double distance = 0;  ///< from the ray's origin to the centre of a sphere, in radii; NaN for other primitives
@@ -36,6 +36,6 @@ struct WorstRequest {
 /// before. A wrong decision ends the search of its row, unless the nearest one is requested: then the nearer of two
 /// wrong decisions is the worse, and further starts lie nearer than the nearest so far. One result a row of the share;
 /// nothing where no ray of the box is hit. The result depends on the file alone, not on the number of threads.
-std::vector<std::optional<WorstFound>> find_worst(const WorstRequest& request);
+std::vector<std::optional<WorstResult>> find_worst(const WorstRequest& request);
 
 }  // namespace lostbits::measure::sweep

@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "intersect/hull/behind.hpp"
+#include "intersect/bounding_box/behind.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::measure::tape {
@@ -102,14 +102,15 @@ namespace {
 
 /// Reason why no tape can have all operations of a form; empty where one can.
 std::string refusal_of_tape(const Intersector& form) {
-    if (!is_solid(form.shape))
+    if (!is_primitive(form.shape))
         return "it marches, so its operations differ from ray to ray; name a form of a primitive";
     if (form.is_set()) return "it stands for several forms; name one of them";
-    if (intersect::hull::innermost(form).way)
+    if (intersect::bounding_box::innermost(form).way)
         return "it filters: it decides by itself how far to go with each ray; name a form that does the same "
                "operations for every ray";
-    if (intersect::hull::has_box(form))
-        return "name the form without its box, such as " + std::string(intersect::hull::innermost(form).info->name);
+    if (intersect::bounding_box::has_box(form))
+        return "name the form without its box, such as " +
+               std::string(intersect::bounding_box::innermost(form).info->name);
     if (!form.record)
         return "its operations are not known, since it is compiled elsewhere; write it as a form over any number to "
                "see them (docs/your-own-form.md)";
@@ -124,21 +125,21 @@ Tape tape_of(const Intersector& form, const Format& format, bool from_inverse) {
     if (const std::string why = refusal_of_tape(form); !why.empty())
         throw InputError(std::string(form.info->name) + ": " + why);
     const Ray<double> any{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)};
-    Solid<double> solid(form.shape);
-    for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = static_cast<double>(k + 1);
-    if (form.is_placed) solid.placed = {{2, 0, 0, 1, 0, 2, 0, 1, 0, 0, 2, 1}, from_inverse};
+    Primitive<double> primitive(form.shape);
+    for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = static_cast<double>(k + 1);
+    if (form.is_placed) primitive.placed = {{2, 0, 0, 1, 0, 2, 0, 1, 0, 0, 2, 1}, from_inverse};
     Tape tape;
     tape.every_loop = true;
-    form.record(format, any, intersect::Target<double>(solid), HUGE_VAL, tape);
+    form.record(format, any, intersect::Target<double>(primitive), HUGE_VAL, tape);
     return tape;
 }
 
-std::vector<double> inputs_of(const Ray<double>& ray, const Solid<double>& solid, double tmax) {
+std::vector<double> inputs_of(const Ray<double>& ray, const Primitive<double>& primitive, double tmax) {
     const auto &o = ray.origin, &d = ray.direction;
     std::vector<double> all{o.x, o.y, o.z, d.x, d.y, d.z};
-    const auto used = solid.used();
+    const auto used = primitive.used();
     all.insert(all.end(), used.begin(), used.end());
-    if (solid.placed) all.insert(all.end(), solid.placed->matrix.begin(), solid.placed->matrix.end());
+    if (primitive.placed) all.insert(all.end(), primitive.placed->matrix.begin(), primitive.placed->matrix.end());
     all.push_back(tmax);
     return all;
 }
@@ -147,13 +148,13 @@ Ray<double> ray_of(const std::vector<double>& inputs) {
     return {{inputs[0], inputs[1], inputs[2]}, {inputs[3], inputs[4], inputs[5]}};
 }
 
-Solid<double> solid_of(const std::vector<double>& inputs, const Solid<double>& like) {
-    Solid<double> solid = like;
+Primitive<double> primitive_of(const std::vector<double>& inputs, const Primitive<double>& like) {
+    Primitive<double> primitive = like;
     auto next = inputs.begin() + 6;
-    for (double& x : solid.used()) x = *next++;
-    if (solid.placed)
-        for (double& x : solid.placed->matrix) x = *next++;
-    return solid;
+    for (double& x : primitive.used()) x = *next++;
+    if (primitive.placed)
+        for (double& x : primitive.placed->matrix) x = *next++;
+    return primitive;
 }
 
 std::vector<NodeId> rounded_operations(const Tape& tape) {

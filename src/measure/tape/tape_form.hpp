@@ -19,9 +19,9 @@ bool has_tape(const intersect::table::Intersector& form);
 
 /// Inputs on the tape of a form, in its order (`input_names`). The next two give back the ray and the primitive that
 /// they stand for: equal to `like` in everything that is not a number.
-std::vector<double> inputs_of(const Ray<double>& ray, const Solid<double>& solid, double tmax);
+std::vector<double> inputs_of(const Ray<double>& ray, const Primitive<double>& primitive, double tmax);
 Ray<double> ray_of(const std::vector<double>& inputs);
-Solid<double> solid_of(const std::vector<double>& inputs, const Solid<double>& like);
+Primitive<double> primitive_of(const std::vector<double>& inputs, const Primitive<double>& like);
 
 /// Operations that can be done wider: their results are rounded in the format of the answer and are needed for it.
 std::vector<NodeId> rounded_operations(const Tape& tape);

@@ -19,9 +19,9 @@ namespace {
 
 /// Number of a primitive in the order of `input_names`: its own, then those of its matrix.
 template <class S>
-S number_of(const Solid<S>& solid, std::size_t number) {
-    const auto own = solid.used();
-    return number < own.size() ? own[number] : solid.placed->matrix[number - own.size()];
+S number_of(const Primitive<S>& primitive, std::size_t number) {
+    const auto own = primitive.used();
+    return number < own.size() ? own[number] : primitive.placed->matrix[number - own.size()];
 }
 
 constexpr bool is_pair(Word w) { return w == Word::pair || w == Word::twice_pair; }
@@ -176,13 +176,13 @@ void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const Hi
     // only as far as there are rays.
     columns.rays = std::min(together, rays.size());
     for (const Constant& c : constants_) columns.fill(c.word, c.out, c.value);
-    const bool one_solid = target.solids.size() == 1;
+    const bool one_primitive = target.primitives.size() == 1;
     const std::size_t limit = input_count_ - 1;
     const auto is_of_rays = [&](std::size_t number) { return number < 6 || number == limit; };
     const Word own = std::same_as<S, float> ? Word::single : Word::twice;
     for (const Input& in : inputs_) {
-        if (one_solid && !is_of_rays(in.number))
-            columns.fill(own, in.out, static_cast<double>(number_of(target.solids[0], in.number - 6)));
+        if (one_primitive && !is_of_rays(in.number))
+            columns.fill(own, in.out, static_cast<double>(number_of(target.primitives[0], in.number - 6)));
         if (in.number == limit && rays.tmax.empty()) columns.fill(own, in.out, std::numeric_limits<double>::infinity());
     }
     for (std::size_t begin = 0; begin < rays.size(); begin += together) {
@@ -194,9 +194,9 @@ void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const Hi
             };
             if (in.number < 6) copy(six[in.number]);
             else if (in.number == limit && !rays.tmax.empty()) copy(rays.tmax);
-            else if (in.number != limit && !one_solid)
+            else if (in.number != limit && !one_primitive)
                 for (std::size_t i = 0; i < columns.rays; ++i)
-                    out[i] = number_of(target.solids[begin + i], in.number - 6);
+                    out[i] = number_of(target.primitives[begin + i], in.number - 6);
         }
         columns.run(steps_);
         const auto put = [&](const auto* from, const auto& to) {

@@ -17,26 +17,26 @@ using intersect::Convention;
 using intersect::Facing;
 using intersect::Inside;
 using intersect::Touching;
+using scene::rays::PrimitiveList;
 using scene::rays::RayBlock;
-using scene::rays::SolidList;
 
 namespace {
 
 /// Primitives of a group; those of its culler where it has one.
-SolidList<double> solids_of(const scene::rays::RayGroup& group, const culling::Culler* culler) {
-    return culler ? culler->shared() : scene::rays::solid_list_of(group);
+PrimitiveList<double> primitives_of(const scene::rays::RayGroup& group, const culling::Culler* culler) {
+    return culler ? culler->shared() : scene::rays::primitive_list_of(group);
 }
 
-/// True if binary32 holds every number of the group; `solids` lists its primitives. Every format holds a NaN.
-bool fits_binary32(const scene::rays::RayGroup& group, const SolidList<double>& solids) {
-    bool fits = !group.mesh || solids.made().inputs == scene::file::Inputs::shared;
+/// True if binary32 holds every number of the group; `primitives` lists its primitives. Every format holds a NaN.
+bool fits_binary32(const scene::rays::RayGroup& group, const PrimitiveList<double>& primitives) {
+    bool fits = !group.mesh || primitives.made().inputs == scene::file::Inputs::shared;
     const auto look = [&fits](double x) {
         fits &= static_cast<double>(static_cast<float>(x)) == x || x != x;
         return x;
     };
     for (const auto* all : group.rays.numbers()) std::ranges::for_each(*all, look);
     for (const auto* all : {&group.rays.tmin, &group.rays.tmax}) std::ranges::for_each(*all, look);
-    for (const Solid<double>& solid : group.solids) static_cast<void>(transformed(solid, look));
+    for (const Primitive<double>& primitive : group.primitives) static_cast<void>(transformed(primitive, look));
     if (group.march) transformed(*group.march, look);
     return fits;
 }
@@ -64,27 +64,27 @@ Band::Band(const scene::file::Scene& scene, int y0, int y1, TruthLimit limit, cu
     : culler_(culler), scene_(&scene), y0_(y0), rows_(y1 - y0), limit_(limit) {
     if (scene.inputs == scene::file::Inputs::shared) {
         shared_ = scene::rays::make_shared_rays(scene, y0, y1);
-        shared_solids_ = culler ? culler->shared() : SolidList(scene::rays::shared_solids(scene));
+        shared_primitives_ = culler ? culler->shared() : PrimitiveList(scene::rays::shared_primitives(scene));
     } else {
         ideal_ = scene::rays::make_own_rays(scene, y0, y1);
-        ideal_solids_ = culler ? culler->ideal() : SolidList(scene.solids());
+        ideal_primitives_ = culler ? culler->ideal() : PrimitiveList(scene.primitives());
     }
     if (scene.march) shared_march_ = scene::file::round_march(*scene.march, binary32);
     find_truth_of_all();
 }
 
 Band::Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, TruthLimit limit)
-    : Band(std::move(rays), scene.solids(), false, limit) {
+    : Band(std::move(rays), scene.primitives(), false, limit) {
     scene_ = &scene;
 }
 
-Band::Band(scene::rays::IdealRayBlock rays, std::vector<Solid<Real>> solids, bool paired, TruthLimit limit)
+Band::Band(scene::rays::IdealRayBlock rays, std::vector<Primitive<Real>> primitives, bool paired, TruthLimit limit)
     : y0_(rays.y0),
       rows_(rays.y1 - rays.y0),
       limit_(limit),
       paired_(paired),
       ideal_(std::move(rays)),
-      ideal_solids_(std::move(solids)) {
+      ideal_primitives_(std::move(primitives)) {
     find_truth_of_all();
 }
 
@@ -94,9 +94,9 @@ Band::Band(scene::rays::RayGroup group, TruthLimit limit, culling::Culler* culle
       rows_(group.rays.y1 - group.rays.y0),
       limit_(limit),
       paired_(group.paired),
-      shared_solids_(solids_of(group, culler)),
+      shared_primitives_(primitives_of(group, culler)),
       shared_march_(group.march) {
-    in_binary32_ = fits_binary32(group, shared_solids_);
+    in_binary32_ = fits_binary32(group, shared_primitives_);
     shared_ = std::move(group.rays);
     find_truth_of_all();
 }
@@ -107,7 +107,7 @@ Band::Band(const scene::file::Scene& scene, RayBlock one, culling::Culler& culle
       limit_(limit),
       in_binary32_(fits_binary32({one, {}}, {})),
       shared_(std::move(one)),
-      shared_solids_(culler.shared()) {
+      shared_primitives_(culler.shared()) {
     if (scene.march) shared_march_ = scene::file::round_march(*scene.march, binary32);
     find_truth_of_all();
 }
@@ -125,30 +125,30 @@ constexpr Convention other_conventions[] = {
 
 /// Primitives that a ray is tested against: those that an index finds, all, or the one that it is paired with.
 struct Candidates {
-    const culling::SolidIndex* index = nullptr;
+    const culling::PrimitiveIndex* index = nullptr;
     bool paired = false;
 };
 
 /// Truth of ray i among its candidates alone.
 template <class S>
-Truth find_among(Candidates among, std::size_t i, const Ray<S>& ray, const SolidList<S>& solids, TruthLimit limit,
-                 Convention convention, const Range<double>& range) {
-    const culling::SolidIndex* const index = among.index;
+Truth find_among(Candidates among, std::size_t i, const Ray<S>& ray, const PrimitiveList<S>& primitives,
+                 TruthLimit limit, Convention convention, const Range<double>& range) {
+    const culling::PrimitiveIndex* const index = among.index;
     if (among.paired) {
-        Truth truth = find_truth(ray, solids[i], limit, convention, range);
+        Truth truth = find_truth(ray, primitives[i], limit, convention, range);
         if (truth.object >= 0) truth.object = static_cast<int>(i);
         return truth;
     }
     if (index == nullptr) {
-        if (solids.all_listed()) return find_truth(ray, solids.listed(), limit, convention, range);
-        return find_truth(ray, std::span<const Solid<S>>(solids.all()), limit, convention, range);
+        if (primitives.all_listed()) return find_truth(ray, primitives.listed(), limit, convention, range);
+        return find_truth(ray, std::span<const Primitive<S>>(primitives.all()), limit, convention, range);
     }
     thread_local std::vector<std::uint32_t> found;
-    thread_local std::vector<Solid<S>> few;
+    thread_local std::vector<Primitive<S>> few;
     index->candidates(in_double(ray), found);
     few.clear();
-    for (const std::uint32_t solid : found) few.push_back(solids[solid]);
-    Truth truth = find_truth(ray, std::span<const Solid<S>>(few), limit, convention, range);
+    for (const std::uint32_t primitive : found) few.push_back(primitives[primitive]);
+    Truth truth = find_truth(ray, std::span<const Primitive<S>>(few), limit, convention, range);
     if (truth.object >= 0) truth.object = static_cast<int>(found[static_cast<std::size_t>(truth.object)]);
     return truth;
 }
@@ -157,21 +157,22 @@ Truth find_among(Candidates among, std::size_t i, const Ray<S>& ray, const Solid
 
 Truth Band::find_truth_of(std::size_t i, Convention convention) const {
     const Candidates among{culler_ ? culler_->for_truth() : nullptr, paired_};
-    return with_ray(i, [&](const auto& ray, const auto& solids) {
-        return find_among(among, i, ray, solids, limit_, convention, range(i));
+    return with_ray(i, [&](const auto& ray, const auto& primitives) {
+        return find_among(among, i, ray, primitives, limit_, convention, range(i));
     });
 }
 
-Truth Band::truth_of_solid(std::size_t i, std::size_t solid, Convention convention) const {
-    return with_ray(i, [&](const auto& ray, const auto& solids) {
-        return find_truth(ray, solids[solid], limit_, convention, range(i));
+Truth Band::truth_of_primitive(std::size_t i, std::size_t primitive, Convention convention) const {
+    return with_ray(i, [&](const auto& ray, const auto& primitives) {
+        return find_truth(ray, primitives[primitive], limit_, convention, range(i));
     });
 }
 
 void Band::find_truth_of_all() {
-    const culling::SolidIndex* const index = culler_ ? culler_->for_truth() : nullptr;
-    stages_ = ideal_ ? find_truths(RaysAndSolids<Real>{*ideal_, ideal_solids_, index, paired_}, limit_, truths_)
-                     : find_truths(RaysAndSolids<double>{shared_, shared_solids_, index, paired_}, limit_, truths_);
+    const culling::PrimitiveIndex* const index = culler_ ? culler_->for_truth() : nullptr;
+    stages_ =
+        ideal_ ? find_truths(RaysAndPrimitives<Real>{*ideal_, ideal_primitives_, index, paired_}, limit_, truths_)
+               : find_truths(RaysAndPrimitives<double>{shared_, shared_primitives_, index, paired_}, limit_, truths_);
     for (const auto& [i, closed] : truths_.whole) {
         for (const Convention convention : other_conventions) {
             if (matters(convention, closed.touches, closed.on_surface))
@@ -180,7 +181,7 @@ void Band::find_truth_of_all() {
     }
 }
 
-const Band::Apart* Band::find_apart(std::size_t i, Convention convention) const {
+const Band::SpecialTruth* Band::find_special(std::size_t i, Convention convention) const {
     const Truth* const closed = truths_.find_whole(i);
     return closed && matters(convention, closed->touches, closed->on_surface) ? &apart_.at(key_of(i, convention))
                                                                               : nullptr;
@@ -188,21 +189,21 @@ const Band::Apart* Band::find_apart(std::size_t i, Convention convention) const 
 
 bool Band::shows_side(std::size_t i, Facing facing) const {
     if (truths_.object[i] < 0) return false;
-    return with_ray(i, [&](const auto& ray, const auto& solids) {
-        const auto solid = lift_solid<Ball>(solids[static_cast<std::size_t>(truths_.object[i])]);
-        return with_span(lift_ray<Ball>(ray), solid, [facing](const auto& span) {
+    return with_ray(i, [&](const auto& ray, const auto& primitives) {
+        const auto primitive = lift_primitive<Ball>(primitives[static_cast<std::size_t>(truths_.object[i])]);
+        return with_span(lift_ray<Ball>(ray), primitive, [facing](const auto& span) {
             if constexpr (requires { faces(span, facing); }) return faces(span, facing).is_yes();
             else return true;
         });
     });
 }
 
-bool Band::asks_anew(std::size_t i, Convention convention) const {
+bool Band::needs_special_truth(std::size_t i, Convention convention) const {
     const Truth* const whole = truths_.find_whole(i);
     if (convention.by_shape)
         return std::ranges::any_of(all_shapes, [&](Shape shape) {
             const Convention own = convention.of(shape);
-            return (whole && matters(own, whole->touches, whole->on_surface)) || asks_anew(i, own);
+            return (whole && matters(own, whole->touches, whole->on_surface)) || needs_special_truth(i, own);
         });
     const bool ranged = ideal_ ? ideal_->have_ranges() : shared_.have_ranges();
     if (convention.endless && ranged) return true;
@@ -214,16 +215,16 @@ bool Band::asks_anew(std::size_t i, Convention convention) const {
         return true;
     if (convention.inside == Inside::usual) return false;
     if (ranged) return true;  // the ray may begin elsewhere than at its origin
-    if (ideal_ || !shared_solids_.all_listed() || (culler_ && culler_->for_truth())) return true;
-    const auto solids = shared_solids_.listed();
-    return std::ranges::any_of(paired_ ? solids.subspan(i, 1) : solids, [ray = shared_[i]](const Solid<double>& solid) {
-        return culling::may_start_inside(ray, solid);
-    });
+    if (ideal_ || !shared_primitives_.all_listed() || (culler_ && culler_->for_truth())) return true;
+    const auto primitives = shared_primitives_.listed();
+    return std::ranges::any_of(
+        paired_ ? primitives.subspan(i, 1) : primitives,
+        [ray = shared_[i]](const Primitive<double>& primitive) { return culling::may_start_inside(ray, primitive); });
 }
 
 Truth Band::truth(std::size_t i, Convention convention) const {
-    if (convention.is_special() && asks_anew(i, convention)) return find_truth_of(i, convention);
-    const Apart* const apart = find_apart(i, convention);
+    if (convention.is_special() && needs_special_truth(i, convention)) return find_truth_of(i, convention);
+    const SpecialTruth* const apart = find_special(i, convention);
     return apart ? apart->truth : truths_[i];
 }
 
@@ -232,13 +233,13 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     const FloatFormat& shape = format.parameters;
     if (ideal_) {
         in.rays = scene::rays::round_rays(*ideal_, shape);
-        in.solids = round_solids(ideal_solids_, shape);
+        in.primitives = round_primitives(ideal_primitives_, shape);
     } else {
         const bool wide =
             shape.precision >= binary32.precision && shape.emin <= binary32.emin && shape.emax >= binary32.emax;
         in.ideal = wide && in_binary32_;
         in.rays = in.ideal ? shared_ : scene::rays::round_block(shared_, shape);
-        in.solids = round_solids(shared_solids_, shape);
+        in.primitives = round_primitives(shared_primitives_, shape);
         if (wide && !in.ideal) in.ideal = holds_binary64(shape) || keeps_all(in);
     }
     if (ideal_ && scene_ && scene_->march) in.march = scene::file::round_march(*scene_->march, shape);
@@ -246,18 +247,18 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     // Ray generators end with directions of length one, up to their rounding.
     const bool are_unit = ideal_ && ideal_->made;
     if (needs.unit_rays) in.unit_rays = are_unit ? in.rays : normalised(in.rays, shape, limit_.stop);
-    if (const auto index = culler_ ? culler_->for_forms(shape, in.solids) : nullptr) {
+    if (const auto index = culler_ ? culler_->for_forms(shape, in.primitives) : nullptr) {
         in.index = std::dynamic_pointer_cast<const culling::SphereIndex>(index);
         if (!in.index) in.candidates = std::make_shared<culling::CandidateLists>(*index, in.rays);
     }
     find_reach(in, needs);
     if (needs.own_truth && !in.ideal) {
-        const auto index = culler_ ? culler_->for_own_truth(shape, in.solids) : nullptr;
+        const auto index = culler_ ? culler_->for_own_truth(shape, in.primitives) : nullptr;
         const Candidates among{index.get(), paired_};
         const auto own = [&](std::size_t i, Convention convention) {
-            return find_among(among, i, in.rays[i], in.solids, limit_, convention, in.rays.range(i));
+            return find_among(among, i, in.rays[i], in.primitives, limit_, convention, in.rays.range(i));
         };
-        find_truths(RaysAndSolids<double>{in.rays, in.solids, index.get(), paired_}, limit_, in.own_truth);
+        find_truths(RaysAndPrimitives<double>{in.rays, in.primitives, index.get(), paired_}, limit_, in.own_truth);
         for (const auto& [i, closed] : in.own_truth.whole)
             for (const Convention convention : other_conventions)
                 if (matters(convention, closed.touches, closed.on_surface))
@@ -268,7 +269,7 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
 
 Truth FormatInputs::own(std::size_t i, Convention convention) const {
     if (convention.is_special())
-        return find_among({.paired = paired}, i, rays[i], solids, {.stop = stop}, convention, rays.range(i));
+        return find_among({.paired = paired}, i, rays[i], primitives, {.stop = stop}, convention, rays.range(i));
     const Truth closed = own_truth[i];
     const bool apart = matters(convention, closed.touches, closed.on_surface);
     return apart ? own_apart.at(key_of(i, convention)) : closed;
@@ -302,24 +303,25 @@ bool Band::keeps_ray(const FormatInputs& inputs, std::size_t i) const {
     });
 }
 
-bool Band::keeps_solid(const FormatInputs& inputs, std::size_t k) const {
-    return with_ray(0, [&](const auto&, const auto& solids) {
-        const auto stored_solid = inputs.solids[k];
-        const auto given = solids[k];
-        if (!std::ranges::equal(stored_solid.used(), given.used(), is_same)) return false;
-        return !given.placed || std::ranges::equal(stored_solid.placed->matrix, given.placed->matrix, is_same);
+bool Band::keeps_primitive(const FormatInputs& inputs, std::size_t k) const {
+    return with_ray(0, [&](const auto&, const auto& primitives) {
+        const auto stored_primitive = inputs.primitives[k];
+        const auto given = primitives[k];
+        if (!std::ranges::equal(stored_primitive.used(), given.used(), is_same)) return false;
+        return !given.placed || std::ranges::equal(stored_primitive.placed->matrix, given.placed->matrix, is_same);
     });
 }
 
 bool Band::keeps(const FormatInputs& inputs, std::size_t i) const {
     if (!keeps_ray(inputs, i)) return false;
-    if (paired_) return keeps_solid(inputs, i);
-    return all_below(inputs.solids.size(), [&](std::size_t k) { return keeps_solid(inputs, k); });
+    if (paired_) return keeps_primitive(inputs, i);
+    return all_below(inputs.primitives.size(), [&](std::size_t k) { return keeps_primitive(inputs, k); });
 }
 
 bool Band::keeps_all(const FormatInputs& inputs) const {
     return all_below(pixels(), [&](std::size_t i) { return keeps_ray(inputs, i); }) &&
-           all_below(pixels() == 0 ? 0 : inputs.solids.size(), [&](std::size_t k) { return keeps_solid(inputs, k); });
+           all_below(pixels() == 0 ? 0 : inputs.primitives.size(),
+                     [&](std::size_t k) { return keeps_primitive(inputs, k); });
 }
 
 Ray<Real> Band::true_ray(std::size_t i) const {
@@ -336,15 +338,16 @@ std::optional<scene::rays::RecordedRay> Band::recorded_ray(std::size_t i, const 
     return ideal_->made->record(format, {place % ideal_->width, y0_ + place / ideal_->width});
 }
 
-std::shared_ptr<const scene::rays::RayGroup> Band::given(std::size_t i, std::set<int> solids) const {
-    if (paired_) solids = {static_cast<int>(i)};
-    const std::size_t count = solids.empty() ? shared_solids_.size() : solids.size();
+std::shared_ptr<const scene::rays::RayGroup> Band::given(std::size_t i, std::set<int> primitives) const {
+    if (paired_) primitives = {static_cast<int>(i)};
+    const std::size_t count = primitives.empty() ? shared_primitives_.size() : primitives.size();
     if (scene_ != nullptr || ideal_ || count > most_given) return nullptr;
     auto one = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(shared_[i]));
     one->rays.push_range(shared_, i);
-    for (const int solid : solids) one->solids.push_back(shared_solids_[static_cast<std::size_t>(solid)]);
-    if (!solids.empty()) return one;
-    one->solids = shared_solids_.all();
+    for (const int primitive : primitives)
+        one->primitives.push_back(shared_primitives_[static_cast<std::size_t>(primitive)]);
+    if (!primitives.empty()) return one;
+    one->primitives = shared_primitives_.all();
     one->march = shared_march_;
     return one;
 }
@@ -353,9 +356,9 @@ double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::
                            Convention convention) const {
     const Truth truth = this->truth(i, convention);
     const Length length = length_of(unit_of);
-    return with_ray(i, [&](const auto& ray, const auto& solids) {
-        const auto solid = solids[static_cast<std::size_t>(truth.object)];
-        return round_truth(truth, ray, solid, format, length, convention.of(solid.shape), range(i));
+    return with_ray(i, [&](const auto& ray, const auto& primitives) {
+        const auto primitive = primitives[static_cast<std::size_t>(truth.object)];
+        return round_truth(truth, ray, primitive, format, length, convention.of(primitive.shape), range(i));
     });
 }
 

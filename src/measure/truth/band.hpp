@@ -25,14 +25,14 @@ public:
     /// that cannot matter; it must outlive the band.
     Band(const scene::file::Scene& scene, int y0, int y1, TruthLimit limit = {}, culling::Culler* culler = nullptr);
     /// Rays that are already stored numbers, with their primitives: the input of a step of a sweep.
-    Band(scene::rays::RayBlock rays, std::vector<Solid<double>> solids, TruthLimit limit = {})
-        : Band(scene::rays::RayGroup{std::move(rays), std::move(solids)}, limit) {}
-    /// `culler`: of the same solids; it must outlive the band.
+    Band(scene::rays::RayBlock rays, std::vector<Primitive<double>> primitives, TruthLimit limit = {})
+        : Band(scene::rays::RayGroup{std::move(rays), std::move(primitives)}, limit) {}
+    /// `culler`: of the same primitives; it must outlive the band.
     explicit Band(scene::rays::RayGroup group, TruthLimit limit = {}, culling::Culler* culler = nullptr);
     /// Given ideal rays among the primitives of a scene with own inputs, which must outlive the band.
     Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, TruthLimit limit = {});
     /// Given ideal rays and primitives; where they are paired, ray i is aimed at primitive i alone.
-    Band(scene::rays::IdealRayBlock rays, std::vector<Solid<Real>> solids, bool paired, TruthLimit limit = {});
+    Band(scene::rays::IdealRayBlock rays, std::vector<Primitive<Real>> primitives, bool paired, TruthLimit limit = {});
     /// One ray in stored numbers among the primitives of a scene with shared inputs. `culler` is of that scene and must
     /// outlive the band.
     Band(const scene::file::Scene& scene, scene::rays::RayBlock one, culling::Culler& culler, TruthLimit limit = {});
@@ -56,7 +56,7 @@ public:
     /// True where `inputs`, which are of this band, hold ray i and the primitives as they were given: the format
     /// rounded none of their numbers.
     [[nodiscard]] bool keeps(const FormatInputs& inputs, std::size_t i) const;
-    /// Whether all rays and solids are in them so.
+    /// Whether all rays and primitives are in them so.
     [[nodiscard]] bool keeps_all(const FormatInputs& inputs) const;
     /// Ray i before any format rounds or makes it.
     [[nodiscard]] Ray<Real> true_ray(std::size_t i) const;
@@ -67,7 +67,7 @@ public:
     /// Ray i alone as it was given, before any format rounded it, with these primitives. Where none is named, with all
     /// of them, and with the constants of a march along them. Nothing for a pixel of a scene (its position names it),
     /// for an ideal ray, and where there would be more than `most_given` primitives.
-    [[nodiscard]] std::shared_ptr<const scene::rays::RayGroup> given(std::size_t i, std::set<int> solids) const;
+    [[nodiscard]] std::shared_ptr<const scene::rays::RayGroup> given(std::size_t i, std::set<int> primitives) const;
     static constexpr std::size_t most_given = 64;
 
     [[nodiscard]] int y0() const { return y0_; }
@@ -79,10 +79,11 @@ public:
     /// Truth of ray i by the convention of a form.
     [[nodiscard]] Truth truth(std::size_t i, intersect::Convention convention) const;
     /// Truth of ray i at one of the primitives alone, as if there were no other.
-    [[nodiscard]] Truth truth_of_solid(std::size_t i, std::size_t solid, intersect::Convention convention) const;
+    [[nodiscard]] Truth truth_of_primitive(std::size_t i, std::size_t primitive,
+                                           intersect::Convention convention) const;
     /// True where a special convention needs a truth of its own for ray i: where it starts in or on a primitive, where
     /// it ends, and for what it meets where one side counts.
-    [[nodiscard]] bool asks_anew(std::size_t i, intersect::Convention convention) const;
+    [[nodiscard]] bool needs_special_truth(std::size_t i, intersect::Convention convention) const;
     /// Truth of every ray by the closed primitive's convention. Other conventions that are not special can differ only
     /// on rays of its `whole`.
     [[nodiscard]] const RayTruths& truths() const { return truths_; }
@@ -93,7 +94,7 @@ public:
 private:
     void find_truth_of_all();
     [[nodiscard]] bool keeps_ray(const FormatInputs& inputs, std::size_t i) const;
-    [[nodiscard]] bool keeps_solid(const FormatInputs& inputs, std::size_t k) const;
+    [[nodiscard]] bool keeps_primitive(const FormatInputs& inputs, std::size_t k) const;
     /// Whether what ray i truly meets first is proved to be met from a side that counts.
     [[nodiscard]] bool shows_side(std::size_t i, intersect::Facing facing) const;
 
@@ -105,32 +106,32 @@ private:
     void find_reach(FormatInputs& in, BandNeeds needs) const;
 
     culling::Culler* culler_ = nullptr;
-    const scene::file::Scene* scene_ = nullptr;  ///< for own inputs, whose solids each format rounds itself
+    const scene::file::Scene* scene_ = nullptr;  ///< for own inputs, whose primitives each format rounds itself
     int y0_ = 0, rows_ = 0;
     TruthLimit limit_;
     bool in_binary32_ = true;       ///< every shared number is one of binary32
-    bool paired_ = false;           ///< ray i is aimed at solid i alone
+    bool paired_ = false;           ///< ray i is aimed at primitive i alone
     scene::rays::RayBlock shared_;  ///< inputs = shared
-    scene::rays::SolidList<double> shared_solids_;
+    scene::rays::PrimitiveList<double> shared_primitives_;
     std::optional<scene::rays::IdealRayBlock> ideal_;  ///< inputs = own
-    scene::rays::SolidList<Real> ideal_solids_;
+    scene::rays::PrimitiveList<Real> ideal_primitives_;
     std::optional<intersect::MarchConstants<double>> shared_march_;
     /// Truth by a convention that differs from the closed primitive's.
-    struct Apart {
+    struct SpecialTruth {
         Truth truth;
         double condition = 0;
     };
     /// Truth where the convention makes a difference on ray i; else null.
-    [[nodiscard]] const Apart* find_apart(std::size_t i, intersect::Convention convention) const;
+    [[nodiscard]] const SpecialTruth* find_special(std::size_t i, intersect::Convention convention) const;
     template <class Function>
     auto with_ray(std::size_t i, Function&& function) const {
-        return ideal_ ? function((*ideal_)[i], ideal_solids_) : function(shared_[i], shared_solids_);
+        return ideal_ ? function((*ideal_)[i], ideal_primitives_) : function(shared_[i], shared_primitives_);
     }
 
     RayTruths truths_;
     StageCounts stages_;
     std::vector<double> condition_;
-    std::unordered_map<std::size_t, Apart> apart_;  ///< by `key_of`, where the convention makes a difference
+    std::unordered_map<std::size_t, SpecialTruth> apart_;  ///< by `key_of`, where the convention makes a difference
 };
 
 }  // namespace lostbits::measure::truth

@@ -29,13 +29,13 @@ struct Given {
     std::optional<Placement<int>> placed;  ///< without its numbers
 
     template <class S>
-    Given(const Ray<S>& ray, const Solid<S>& solid) : shape(solid.shape) {
+    Given(const Ray<S>& ray, const Primitive<S>& primitive) : shape(primitive.shape) {
         auto& all = numbers.emplace<std::vector<S>>();
         for (const Vec<S>& v : {ray.origin, ray.direction}) all.insert(all.end(), {v.x, v.y, v.z});
-        all.insert(all.end(), solid.used().begin(), solid.used().end());
-        if (!solid.placed) return;
-        all.insert(all.end(), solid.placed->matrix.begin(), solid.placed->matrix.end());
-        placed = transformed(*solid.placed, [](const S&) { return 0; });
+        all.insert(all.end(), primitive.used().begin(), primitive.used().end());
+        if (!primitive.placed) return;
+        all.insert(all.end(), primitive.placed->matrix.begin(), primitive.placed->matrix.end());
+        placed = transformed(*primitive.placed, [](const S&) { return 0; });
     }
 };
 
@@ -49,9 +49,9 @@ template <class E>
 struct Problem {
     std::vector<E> x;
     Ray<Sensitive<E>> ray;
-    Solid<Sensitive<E>> solid;
+    Primitive<Sensitive<E>> primitive;
 
-    explicit Problem(const Given& given) : solid(given.shape) {
+    explicit Problem(const Given& given) : primitive(given.shape) {
         const auto lift_all = [&](const auto& numbers) {
             for (const auto& n : numbers) x.push_back(lift<E>(n));
         };
@@ -59,10 +59,10 @@ struct Problem {
         std::size_t i = 0;
         const auto next = [&] { return ++i, Sensitive<E>::input(x[i - 1], i - 1, x.size()); };
         for (auto* const v : {&ray.origin, &ray.direction}) v->x = next(), v->y = next(), v->z = next();
-        for (auto& number : solid.used()) number = next();
+        for (auto& number : primitive.used()) number = next();
         if (!given.placed) return;
-        solid.placed = transformed(*given.placed, [](int) { return Sensitive<E>(0); });
-        for (auto& number : solid.placed->matrix) number = next();
+        primitive.placed = transformed(*given.placed, [](int) { return Sensitive<E>(0); });
+        for (auto& number : primitive.placed->matrix) number = next();
     }
 };
 
@@ -81,7 +81,7 @@ std::optional<Sensitivity<E>> sensitivity(const Given& given, Convention convent
     using Kind = typename Sensitivity<E>::Kind;
     const Problem<E> problem(given);
     const auto range = range_over<Sensitive<E>, E>(of_ray);
-    const auto found = enclose(problem.ray, problem.solid, range ? &*range : nullptr, convention);
+    const auto found = enclose(problem.ray, problem.primitive, range ? &*range : nullptr, convention);
     if (found.hit.is_no()) return Sensitivity<E>{Kind::miss};
     if (!found.hit.is_yes()) return std::nullopt;
     if (found.at_double_root || (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes()))
@@ -156,10 +156,11 @@ std::optional<typename Asked::Answer> asked_of(const std::optional<Sensitivity<E
 }
 
 template <class Asked, class S>
-typename Asked::Answer answer_of(const Ray<S>& ray, const Solid<S>& solid, Convention convention, Range<double> range) {
+typename Asked::Answer answer_of(const Ray<S>& ray, const Primitive<S>& primitive, Convention convention,
+                                 Range<double> range) {
     if (convention.endless) range.tmax = HUGE_VAL;
     convention = convention_in(range, convention);
-    const Given given(ray, solid);
+    const Given given(ray, primitive);
     if (const auto quick = asked_of<Asked>(sensitivity<Ball>(given, convention, range))) return *quick;
     for (int bits = 384; bits <= 24576; bits *= 4) {
         const Interval::Precision precision(bits);
@@ -171,16 +172,17 @@ typename Asked::Answer answer_of(const Ray<S>& ray, const Solid<S>& solid, Conve
 
 }  // namespace
 
-double condition(const Ray<double>& ray, const Solid<double>& solid, Convention convention,
+double condition(const Ray<double>& ray, const Primitive<double>& primitive, Convention convention,
                  const Range<double>& range) {
-    return answer_of<OfCondition>(ray, solid, convention, range);
+    return answer_of<OfCondition>(ray, primitive, convention, range);
 }
-double condition(const Ray<Real>& ray, const Solid<Real>& solid, Convention convention, const Range<double>& range) {
-    return answer_of<OfCondition>(ray, solid, convention, range);
+double condition(const Ray<Real>& ray, const Primitive<Real>& primitive, Convention convention,
+                 const Range<double>& range) {
+    return answer_of<OfCondition>(ray, primitive, convention, range);
 }
-std::vector<double> gradient(const Ray<double>& ray, const Solid<double>& solid, Convention convention,
+std::vector<double> gradient(const Ray<double>& ray, const Primitive<double>& primitive, Convention convention,
                              const Range<double>& range) {
-    return answer_of<OfGradient>(ray, solid, convention, range);
+    return answer_of<OfGradient>(ray, primitive, convention, range);
 }
 
 void Band::find_condition() {
@@ -199,32 +201,32 @@ void Band::find_condition() {
 
 double Band::condition_of(std::size_t i, Truth::Decision decision, int object, Convention convention) const {
     if (decision != Truth::Decision::hit) return missing;
-    return with_ray(i, [&](const auto& ray, const auto& solids) {
-        const auto solid = solids[static_cast<std::size_t>(object)];
-        return lostbits::measure::truth::condition(ray, solid, convention.of(solid.shape), range(i));
+    return with_ray(i, [&](const auto& ray, const auto& primitives) {
+        const auto primitive = primitives[static_cast<std::size_t>(object)];
+        return lostbits::measure::truth::condition(ray, primitive, convention.of(primitive.shape), range(i));
     });
 }
 
 double Band::condition(std::size_t i, Convention convention) const {
-    if (convention.is_special() && asks_anew(i, convention)) {
+    if (convention.is_special() && needs_special_truth(i, convention)) {
         const Truth truth = find_truth_of(i, convention);
         return condition_of(i, truth.decision, truth.object, convention);
     }
-    const Apart* const apart = find_apart(i, convention);
+    const SpecialTruth* const apart = find_special(i, convention);
     return apart ? apart->condition : condition_[i];
 }
 
 double Band::reach_of(std::size_t i, const Truth& found, Convention convention, Length length,
                       const FloatFormat& format, Perturbed perturbed) const {
     if (!found.is_hit()) return missing;
-    return with_ray(i, [&](const auto& ray, const auto& solids) {
-        const auto solid = solids[static_cast<std::size_t>(found.object)];
+    return with_ray(i, [&](const auto& ray, const auto& primitives) {
+        const auto primitive = primitives[static_cast<std::size_t>(found.object)];
         const Certified& answer = length == Length::distance ? found.distance : found.t;
         const double tmin = range(i).tmin;
-        const bool begins_inside = tmin > 0 &&
-                                   intersect::answers_0_inside(solid.shape, convention.of(solid.shape).inside) &&
-                                   std::ldexp(found.t.hi, static_cast<int>(found.t.exponent)) == tmin;
-        return lostbits::measure::truth::reach(ray, solid, answer, length, format, perturbed,
+        const bool begins_inside =
+            tmin > 0 && intersect::answers_0_inside(primitive.shape, convention.of(primitive.shape).inside) &&
+            std::ldexp(found.t.hi, static_cast<int>(found.t.exponent)) == tmin;
+        return lostbits::measure::truth::reach(ray, primitive, answer, length, format, perturbed,
                                                begins_inside ? MovedBy::entered_faces : MovedBy::every_face);
     });
 }
@@ -233,8 +235,8 @@ double Band::reach(std::size_t i, Convention convention, intersect::Direction un
                    Perturbed perturbed) const {
     const Length length = length_of(unit_of);
     const auto& known = of.reach[static_cast<std::size_t>(perturbed)][static_cast<std::size_t>(length)];
-    const bool closed = !known.empty() && !(convention.is_special() && asks_anew(i, convention)) &&
-                        find_apart(i, convention) == nullptr;
+    const bool closed = !known.empty() && !(convention.is_special() && needs_special_truth(i, convention)) &&
+                        find_special(i, convention) == nullptr;
     return closed ? known[i] : reach_of(i, truth(i, convention), convention, length, of.format.parameters, perturbed);
 }
 

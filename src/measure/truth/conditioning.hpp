@@ -14,14 +14,14 @@ namespace lostbits::measure::truth {
 /// Infinite where t = 0, and on an exact tangent, where ∂t/∂xᵢ is infinite; NaN for a miss. The range is not an input:
 /// where the answer is the tmin of a ray that begins inside, κ is 0.
 /// answer is the tmin of a ray that begins inside, κ is 0.
-double condition(const Ray<double>& ray, const Solid<double>& solid, intersect::Convention convention = {},
+double condition(const Ray<double>& ray, const Primitive<double>& primitive, intersect::Convention convention = {},
                  const Range<double>& range = {});
-double condition(const Ray<Real>& ray, const Solid<Real>& solid, intersect::Convention convention = {},
+double condition(const Ray<Real>& ray, const Primitive<Real>& primitive, intersect::Convention convention = {},
                  const Range<double>& range = {});
 
 /// ∂t/∂xᵢ of the same intersection, in the order of the inputs and then those of a matrix, each good to 2^-40 of the
 /// largest. Empty for a miss, for a hit where the range begins, and on an exact tangent.
-std::vector<double> gradient(const Ray<double>& ray, const Solid<double>& solid, intersect::Convention convention = {},
-                             const Range<double>& range = {});
+std::vector<double> gradient(const Ray<double>& ray, const Primitive<double>& primitive,
+                             intersect::Convention convention = {}, const Range<double>& range = {});
 
 }  // namespace lostbits::measure::truth

@@ -14,21 +14,22 @@
 #include "number/ball.hpp"
 #include "number/interval.hpp"
 #include "shapes/lift.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::measure::truth {
 
-/// At what of a line a ray meets a solid: where its range begins, at the near root or entry, at the far root or exit.
+/// At what of a line a ray meets a primitive: where its range begins, at the near root or entry, at the far root or
+/// exit.
 enum class Crossing : std::uint8_t { begin, near, far };
 
-/// What one precision can say about one solid, all of it only where `hit` is certain.
+/// What one precision can say about one primitive, all of it only where `hit` is certain.
 template <class E>
 struct Enclosed {
-    Tri hit;  ///< of the closed solid: touching counts
+    Tri hit;  ///< of the closed primitive: touching counts
     E t = E(0);
     E distance = E(0);
-    /// The ray meets the solid's boundary alone: a miss where touching does not count. A tangent does, and so does a
-    /// ray that ends where it enters; what has no inside is crossed there. Whether a ray may begin where it leaves is
+    /// The ray meets the primitive's boundary alone: a miss where touching does not count. A tangent does, and so does
+    /// a ray that ends where it enters; what has no inside is crossed there. Whether a ray may begin where it leaves is
     /// said of its origin, but for boxes, whose points count.
     bool touching = false;
     /// The ray begins on the surface: that is a root, and whether it counts is a matter of convention.
@@ -158,7 +159,8 @@ Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* 
 }
 
 /// The line against what slabs leave of it. The first t of the range (all that lies ahead where `range` is null) for
-/// which o + t d lies in the closed solid (`Touching::hit`), or the infimum of those for which it lies in the open one
+/// which o + t d lies in the closed primitive (`Touching::hit`), or the infimum of those for which it lies in the open
+/// one
 /// (`Touching::miss`). For either, t* = max(tmin, largest entry):
 ///
 ///   - a ray that begins inside gives t = tmin exactly, be that end open or not; so does one that begins on the
@@ -203,7 +205,7 @@ Enclosed<E> enclosed_at(const FlatSpan<E>& s, int, bool touching, bool on_surfac
 }
 template <class E>
 Enclosed<E> enclosed_at(const WallSpan<E>& s, int i, bool touching, bool on_surface) {
-    return enclosed_root(s.solid.side, i == 0 ? Crossing::near : Crossing::far, touching, on_surface);
+    return enclosed_root(s.primitive.side, i == 0 ? Crossing::near : Crossing::far, touching, on_surface);
 }
 
 /// Whether a surface is met from a side that counts.
@@ -263,8 +265,8 @@ Enclosed<E> enclosed_at(const JoinedSpan<E>& s, Crossing at, bool touching, bool
     return enclosed_root(at == Crossing::near ? s.enter : s.leave, at, touching, on_surface);
 }
 
-/// What a convention says of a ray that begins in the closed solid: inside of it, or on its surface.
-template <class E, ToldSpan<E> S>
+/// What a convention says of a ray that begins in the closed primitive: inside of it, or on its surface.
+template <class E, ComparableSpan<E> S>
 Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const RangeOfSpan<E>* range,
                                 intersect::Convention asked, bool touching) {
     using intersect::AtOrigin, intersect::Inside;
@@ -291,7 +293,7 @@ Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const Rang
 
 /// From outside t* is where the line enters, from inside where it leaves; a line along the surface, or through no more
 /// than a rim, touches, and so does a ray that ends where it enters.
-template <class E, ToldSpan<E> S>
+template <class E, ComparableSpan<E> S>
 Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
     const Fraction<E> begin{begin_of(range), E(1)};
     Order<Tri> to_end{Tri::yes, Tri::yes};
@@ -299,7 +301,7 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
         to_end = s.enters_to(range->end);
         to_end.less = to_end.less || range->end.m <= E(0);  // along a side of a cone no root comes before 1/0
     }
-    const Tri closed = s.is_met() && !s.leaves_to(begin).less && (range ? in_time(to_end, *range) : Tri::yes);
+    const Tri closed = s.is_hit() && !s.leaves_to(begin).less && (range ? in_time(to_end, *range) : Tri::yes);
     if (closed.is_no()) return {Tri::no};
     if (closed.is_unknown()) return {Tri::unknown};
     const Tri begun = s.enters_to(begin).at_most, through = s.is_open() && to_end.less;
@@ -317,15 +319,15 @@ Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, inters
 /// Of a span that is not met behind a touch whoever asks knows whether that counts.
 template <class Span>
 intersect::Convention asked_of_span(intersect::Convention convention) {
-    if (!Span::is_met_behind_touch) convention.touching = intersect::Touching::hit;
+    if (!Span::may_hit_behind_touch) convention.touching = intersect::Touching::hit;
     return convention;
 }
 
-/// Of a solid of any shape. `range` (null: all that lies ahead) holds some t.
+/// Of a primitive of any shape. `range` (null: all that lies ahead) holds some t.
 template <class E>
-Enclosed<E> enclose(const Ray<E>& ray, const Solid<E>& solid, const RangeOfSpan<E>* range = nullptr,
+Enclosed<E> enclose(const Ray<E>& ray, const Primitive<E>& primitive, const RangeOfSpan<E>* range = nullptr,
                     intersect::Convention convention = {}) {
-    return with_span(ray, solid, [&]<class Span>(const Span& span) {
+    return with_span(ray, primitive, [&]<class Span>(const Span& span) {
         return enclose<E>(span, range, asked_of_span<Span>(convention));
     });
 }

@@ -20,7 +20,7 @@ namespace lostbits::measure::truth {
 struct FormatInputs {
     Format format;
     scene::rays::RayBlock rays = {};
-    scene::rays::SolidList<double> solids = {};
+    scene::rays::PrimitiveList<double> primitives = {};
     /// Constants of a march, where the scene has them; a form that marches is never run without them.
     std::optional<intersect::MarchConstants<double>> march = {};
     /// Directions normalised and rounded to the format; empty unless a form asks for them.
@@ -32,7 +32,7 @@ struct FormatInputs {
     /// Reach by `Perturbed` and `Length`, of the closed primitive's truth, see `truth::reach`; empty unless requested.
     std::array<std::array<std::vector<double>, 2>, 2> reach = {};
     bool ideal = false;   ///< the inputs are exactly those of the truth
-    bool paired = false;  ///< ray i is aimed at solid i alone
+    bool paired = false;  ///< ray i is aimed at primitive i alone
     /// Index of the primitives that forms are asked about: for spheres, and for other shapes ray by ray. Null: all.
     std::shared_ptr<const culling::SphereIndex> index = {};
     std::shared_ptr<const culling::CandidateLists> candidates = {};
@@ -45,20 +45,20 @@ struct FormatInputs {
     /// Target of a ray: one of the primitives, or all of them together. Stores the one primitive.
     class AimedAt {
     public:
-        explicit AimedAt(const Solid<double>& one) : one_(one) {}
-        AimedAt(std::span<const Solid<double>> all, const intersect::MarchConstants<double>& march)
+        explicit AimedAt(const Primitive<double>& one) : one_(one) {}
+        AimedAt(std::span<const Primitive<double>> all, const intersect::MarchConstants<double>& march)
             : all_(all), march_(&march) {}
         operator intersect::Target<double>() const {
             return march_ ? intersect::Target<double>(all_, *march_) : intersect::Target<double>(one_);
         }
 
     private:
-        Solid<double> one_;
-        std::span<const Solid<double>> all_;
+        Primitive<double> one_;
+        std::span<const Primitive<double>> all_;
         const intersect::MarchConstants<double>* march_ = nullptr;
     };
-    [[nodiscard]] AimedAt target_for(const intersect::table::Intersector& form, std::size_t solid) const {
-        return !is_solid(form.shape) ? AimedAt(solids.listed(), march.value()) : AimedAt(solids[solid]);
+    [[nodiscard]] AimedAt target_for(const intersect::table::Intersector& form, std::size_t primitive) const {
+        return !is_primitive(form.shape) ? AimedAt(primitives.listed(), march.value()) : AimedAt(primitives[primitive]);
     }
 };
 

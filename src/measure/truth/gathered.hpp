@@ -19,7 +19,7 @@ namespace lostbits::measure::truth {
 inline constexpr std::size_t settled_together = 1024;
 /// Stride of a column in a buffer. It is not a multiple of 4096 bytes, since all columns would then share a few lines
 /// of the first cache.
-inline constexpr std::size_t column_room = settled_together + 24;
+inline constexpr std::size_t column_capacity = settled_together + 24;
 /// Doubles of the widest register.
 inline constexpr std::size_t most_lanes = 8;
 
@@ -36,10 +36,10 @@ public:
             if constexpr (std::is_same_v<S, double>) {
                 words[k] = numbers;
             } else {
-                room_[k].resize(numbers.size()), room_[k + 6].resize(numbers.size());
-                std::ranges::transform(numbers, room_[k].begin(), [](const S& x) { return word_of(x); });
-                std::ranges::transform(numbers, room_[k + 6].begin(), [](const S& x) { return low_word_of(x); });
-                words[k] = room_[k], low[k] = room_[k + 6];
+                buffers_[k].resize(numbers.size()), buffers_[k + 6].resize(numbers.size());
+                std::ranges::transform(numbers, buffers_[k].begin(), [](const S& x) { return word_of(x); });
+                std::ranges::transform(numbers, buffers_[k + 6].begin(), [](const S& x) { return low_word_of(x); });
+                words[k] = buffers_[k], low[k] = buffers_[k + 6];
             }
         }
         const auto part = [&](const std::vector<double>& all) {
@@ -51,7 +51,7 @@ public:
     std::span<const double> tmin = {}, tmax = {};
 
 private:
-    std::array<std::vector<double>, std::is_same_v<S, double> ? 0 : 12> room_;
+    std::array<std::vector<double>, std::is_same_v<S, double> ? 0 : 12> buffers_;
 };
 
 /// True where some ray has a range that is not everything ahead of its origin.
@@ -66,24 +66,24 @@ bool have_ranges(std::span<const S> tmin, std::span<const S> tmax, OpenEnds open
 template <class S, class Raw, class Use>
 void for_each_column(const ProblemColumns<S>& p, stages::RawProblems<Raw>& raw, const Use& use) {
     for (std::size_t k = 0; k < 6; ++k) use(p.ray[k], raw.ray[k], 0);
-    for (std::size_t k = 0; k < most_stored; ++k) use(p.solid[k], raw.solid[k], 0);
+    for (std::size_t k = 0; k < most_stored; ++k) use(p.primitive[k], raw.primitive[k], 0);
     use(p.tmin, raw.tmin, 0);
     use(p.tmax, raw.tmax, static_cast<S>(HUGE_VAL));
     raw.two_words = !p.ray_low[0].empty();
     if (!raw.two_words) return;
     for (std::size_t k = 0; k < 6; ++k) use(p.ray_low[k], raw.ray_low[k], 0);
-    for (std::size_t k = 0; k < most_stored; ++k) use(p.solid_low[k], raw.solid_low[k], 0);
+    for (std::size_t k = 0; k < most_stored; ++k) use(p.primitive_low[k], raw.primitive_low[k], 0);
 }
 /// First columns of a ray, a primitive, its range and of the second words.
-inline constexpr std::size_t first_of_ray = 0, first_of_solid = 6, place_of_tmin = 6 + most_stored,
+inline constexpr std::size_t first_of_ray = 0, first_of_primitive = 6, place_of_tmin = 6 + most_stored,
                              place_of_tmax = place_of_tmin + 1, first_of_low = place_of_tmax + 1,
                              most_columns = first_of_low + 6 + most_stored;
 
 /// Findings of the stages on up to `settled_together` problems.
-struct FoundTogether {
-    std::uint8_t settled[column_room], hit[column_room], touches[column_room], on_surface[column_room];
-    double hi[column_room], lo[column_room], bound[column_room];
-    double distance_hi[column_room], distance_lo[column_room], distance_bound[column_room];
+struct BatchFindings {
+    std::uint8_t settled[column_capacity], hit[column_capacity], touches[column_capacity], on_surface[column_capacity];
+    double hi[column_capacity], lo[column_capacity], bound[column_capacity];
+    double distance_hi[column_capacity], distance_lo[column_capacity], distance_bound[column_capacity];
 
     stages::RawFindings raw() {
         return {settled, hit, {hi, lo, bound}, {distance_hi, distance_lo, distance_bound}, touches, on_surface};
@@ -93,8 +93,8 @@ struct FoundTogether {
 /// Problems gathered in a row from anywhere. The last one is repeated to fill whole registers.
 template <class S>
 struct Gathered {
-    alignas(64) S numbers[most_columns][column_room];
-    FoundTogether found;
+    alignas(64) S numbers[most_columns][column_capacity];
+    BatchFindings found;
     std::size_t size = 0;  ///< number of problems that were added one by one
 
     /// Buffer of this thread for a shape, or for columns of any shape: some callers ask for one ray at a time, a
@@ -122,7 +122,7 @@ struct Gathered {
                 for (std::size_t i = 0; i < which.size(); ++i) to[i] = static_cast<S>(from[which[i]]);
                 std::fill(to + which.size(), to + filled, to[which.size() - 1]);
             }
-            to += column_room;
+            to += column_capacity;
         });
         return raw;
     }
@@ -133,10 +133,10 @@ struct Gathered {
     }
     /// Added problems as columns of one word a number, for rays without ranges and primitives without matrices.
     [[nodiscard]] ProblemColumns<S> columns(Shape shape) const {
-        ProblemColumns<S> p{.size = size, .ray = {}, .shape = shape, .solid = {}};
+        ProblemColumns<S> p{.size = size, .ray = {}, .shape = shape, .primitive = {}};
         const auto column = [this](std::size_t k) { return std::span(numbers[k]).first(size); };
         for (std::size_t k = 0; k < p.ray.size(); ++k) p.ray[k] = column(first_of_ray + k);
-        for (std::size_t k = 0; k < row_of(shape).numbers; ++k) p.solid[k] = column(first_of_solid + k);
+        for (std::size_t k = 0; k < row_of(shape).numbers; ++k) p.primitive[k] = column(first_of_primitive + k);
         return p;
     }
     /// Added problems, for rays without ranges; with `two_words`, also their second words.
@@ -147,7 +147,7 @@ struct Gathered {
             for (std::size_t k = 0; k < count; ++k) to[k] = {numbers[first + k], 1};
         };
         words(first_of_ray, 6, raw.ray), words(first_of_low, 6, raw.ray_low);
-        words(first_of_solid, most_stored, raw.solid), words(first_of_low + 6, most_stored, raw.solid_low);
+        words(first_of_primitive, most_stored, raw.primitive), words(first_of_low + 6, most_stored, raw.primitive_low);
         raw.two_words = two_words;
         raw.tmin = {numbers[place_of_tmin], 1};
         raw.tmax = {numbers[place_of_tmax], 1};

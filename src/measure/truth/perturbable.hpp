@@ -65,7 +65,8 @@ struct AllValues {
 class ProblemNumbers {
 public:
     template <class S>
-    ProblemNumbers(const Ray<S>& r, const Solid<S>& s, const FloatFormat& format, Perturbed perturbed, Length length)
+    ProblemNumbers(const Ray<S>& r, const Primitive<S>& s, const FloatFormat& format, Perturbed perturbed,
+                   Length length)
         : matrix_(6 + row_of(s.shape).numbers),
           count_(matrix_ + (s.placed ? Affine<S>::numbers : 0)),
           shape_(s.shape),
@@ -81,7 +82,7 @@ public:
         for_each_key(shape_, [&](const Key& key, std::size_t k) {
             std::fill_n(&is_direction_[6 + k], key.count(), key.kind == Key::Kind::direction);
         });
-        std::array<int, room> exponents{};
+        std::array<int, capacity> exponents{};
         for (std::size_t i = 0; i < count_; ++i) {
             exponents[i] = binary_exponent(number(i));
             int& unit = units_[unit_place(i)];
@@ -122,7 +123,7 @@ public:
     /// |f(x') − f(x)| ≤ Σ hᵢ |∂f/∂xᵢ|, each derivative the largest within the errors (the mean value theorem); for
     /// vectors, Σ hᵥ |∇ᵥ f|.
     [[nodiscard]] double moved(const Differentiated& f) const {
-        std::array<double, room> by;
+        std::array<double, capacity> by;
         for (std::size_t i = 0; i < count_; ++i) {
             const double most = AllValues(f.derivative(i)).most();
             by[i] = most == 0 ? 0 : step_[i] * most + tiny;
@@ -147,7 +148,7 @@ public:
     /// simple norm inequality, 1964).
     [[nodiscard]] double across(const WithinErrors& t) const {
         if (placed_) return anywhere;
-        Solid<double> plain(shape_);
+        Primitive<double> plain(shape_);
         std::copy_n(x_.begin() + 6, plain.used().size(), plain.numbers.begin());
         // Covers the roundings of a radius, and what its squares lose to underflow.
         double away = 2 * ball_around(plain).radius + 0x1p-48 * length_of(x_, 6, count_) + 0x1p-500;
@@ -166,7 +167,7 @@ protected:
     [[nodiscard]] bool is_as_distance() const { return as_distance_; }
 
 private:
-    static constexpr std::size_t room = 6 + most_stored;
+    static constexpr std::size_t capacity = 6 + most_stored;
 
     /// Index of the unit of number i: the world's lengths, directions, the primitive's lengths under a matrix, its
     /// linear part, the primitive's directions.
@@ -197,34 +198,36 @@ private:
     Shape shape_;
     bool normwise_, as_distance_;
     std::array<int, 5> units_{exponent_of_zero, exponent_of_zero, exponent_of_zero, exponent_of_zero, exponent_of_zero};
-    std::array<bool, room> is_direction_{};
-    std::array<double, room> x_, step_, off_;
+    std::array<bool, capacity> is_direction_{};
+    std::array<double, capacity> x_, step_, off_;
 };
 
-/// Problem as a function of its numbers: f(x') of any x' within the errors is in f(ray, solid). For distances the
+/// Problem as a function of its numbers: f(x') of any x' within the errors is in f(ray, primitive). For distances the
 /// direction is d/|d|, also a function of its numbers, so that t is the distance.
 struct Perturbable : ProblemNumbers {
     Ray<Differentiated> ray;
-    Solid<Differentiated> solid;
+    Primitive<Differentiated> primitive;
 
-    explicit Perturbable(const ProblemNumbers& numbers) : ProblemNumbers(numbers), solid(numbers.shape()) {
+    explicit Perturbable(const ProblemNumbers& numbers) : ProblemNumbers(numbers), primitive(numbers.shape()) {
         const auto input = [&](std::size_t i) { return Differentiated::input(at(i), i, count_); };
         ray = {{input(0), input(1), input(2)}, {input(3), input(4), input(5)}};
         if (is_as_distance()) {
             const Differentiated size = sqrt(square(ray.direction));
             ray.direction = {ray.direction.x / size, ray.direction.y / size, ray.direction.z / size};
         }
-        for (std::size_t i = 6; i < matrix_; ++i) solid.numbers[i - 6] = input(i);
+        for (std::size_t i = 6; i < matrix_; ++i) primitive.numbers[i - 6] = input(i);
         if (!placed_) return;
-        solid.placed = transformed(*placed_, [](int) { return Differentiated(0); });
-        for (std::size_t i = matrix_; i < count_; ++i) solid.placed->matrix[place_in_matrix(i - matrix_)] = input(i);
+        primitive.placed = transformed(*placed_, [](int) { return Differentiated(0); });
+        for (std::size_t i = matrix_; i < count_; ++i)
+            primitive.placed->matrix[place_in_matrix(i - matrix_)] = input(i);
     }
 
     /// Calls `act(shape, ray)` in object space, with the ray starting at its point at t.
     template <class Act>
     [[nodiscard]] auto with_ray_from(const WithinErrors& t, const Act& act) const {
         const Ray<Differentiated> from{ray.origin + Differentiated(t) * ray.direction, ray.direction};
-        return visit_shape(solid, [&]<template <class> class Of>() { return in_its_space<Of>(from, solid, act); });
+        return visit_shape(primitive,
+                           [&]<template <class> class Of>() { return in_its_space<Of>(from, primitive, act); });
     }
 };
 

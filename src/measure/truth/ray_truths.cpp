@@ -30,8 +30,8 @@ class BlockSearch {
 public:
     static constexpr bool two_words = !std::is_same_v<S, double>;
 
-    BlockSearch(const RaysAndSolids<S>& problems, TruthLimit limit, std::size_t begin, std::size_t end, RayTruths& out,
-                Leftover& rest)
+    BlockSearch(const RaysAndPrimitives<S>& problems, TruthLimit limit, std::size_t begin, std::size_t end,
+                RayTruths& out, Leftover& rest)
         : problems_(problems),
           limit_(limit),
           begin_(begin),
@@ -49,9 +49,9 @@ public:
         open_.assign(count_, 0);
         if (problems_.paired) meet_own();
         else
-            for (std::size_t s = 0; s < problems_.solids.size(); ++s) meet(s);
+            for (std::size_t s = 0; s < problems_.primitives.size(); ++s) meet(s);
         const auto open = static_cast<std::size_t>(std::ranges::count(open_, 1));
-        rest_.counts.double_double += (count_ - open) * (problems_.paired ? 1 : problems_.solids.size());
+        rest_.counts.double_double += (count_ - open) * (problems_.paired ? 1 : problems_.primitives.size());
         if (open > 0) find_pairs([this](std::size_t i) { return open_[i] != 0; });
     }
 
@@ -61,7 +61,7 @@ private:
         return {.size = count_,
                 .ray = rays_.words,
                 .shape = shape,
-                .solid = {},
+                .primitive = {},
                 .tmin = rays_.tmin,
                 .tmax = rays_.tmax,
                 .open = problems_.rays.open,
@@ -72,45 +72,46 @@ private:
     /// Tests every ray against one primitive, and keeps the hits that come first.
     void meet(std::size_t s) {
         limit_.stop.check();
-        const Solid<S> solid = problems_.solids[s];
-        const Solid<double> words = transformed(solid, [](const S& x) { return word_of(x); });
-        const Solid<double> low = transformed(solid, [](const S& x) { return low_word_of(x); });
-        ProblemColumns<double> columns = columns_for(solid.shape);
-        const auto put = [](const Solid<double>& from, auto& to) {
+        const Primitive<S> primitive = problems_.primitives[s];
+        const Primitive<double> words = transformed(primitive, [](const S& x) { return word_of(x); });
+        const Primitive<double> low = transformed(primitive, [](const S& x) { return low_word_of(x); });
+        ProblemColumns<double> columns = columns_for(primitive.shape);
+        const auto put = [](const Primitive<double>& from, auto& to) {
             for (std::size_t k = 0; k < from.used().size(); ++k) to[k] = std::span(&from.numbers[k], 1);
             for (std::size_t k = most_numbers; from.placed && k < most_stored; ++k)
                 to[k] = std::span(&from.placed->matrix[k - most_numbers], 1);
         };
-        put(words, columns.solid);
-        columns.matrix = under_matrix(solid);
-        if constexpr (two_words) put(low, columns.solid_low);
+        put(words, columns.primitive);
+        columns.matrix = under_matrix(primitive);
+        if constexpr (two_words) put(low, columns.primitive_low);
         meet(columns, s == 0, [s](std::size_t) { return static_cast<std::int32_t>(s); });
     }
 
-    static stages::UnderMatrix under_matrix(const Solid<S>& solid) {
-        return solid.placed ? stages::UnderMatrix{true, solid.placed->is_inverse, solid.placed->orientation}
-                            : stages::UnderMatrix{};
+    static stages::UnderMatrix under_matrix(const Primitive<S>& primitive) {
+        return primitive.placed ? stages::UnderMatrix{true, primitive.placed->is_inverse, primitive.placed->orientation}
+                                : stages::UnderMatrix{};
     }
 
     /// Tests every ray against the primitive that it is paired with.
     void meet_own() {
         limit_.stop.check();
-        if (problems_.solids[begin_].placed) {  // each has a matrix of its own
+        if (problems_.primitives[begin_].placed) {  // each has a matrix of its own
             std::ranges::fill(open_, 1);
             return;
         }
-        const Shape shape = problems_.solids[begin_].shape;
+        const Shape shape = problems_.primitives[begin_].shape;
         const std::size_t numbers = row_of(shape).numbers;
-        std::array<std::vector<double>, 2 * most_numbers> room;
-        for (auto& column : room) column.resize(count_);
+        std::array<std::vector<double>, 2 * most_numbers> buffers;
+        for (auto& column : buffers) column.resize(count_);
         for (std::size_t i = 0; i < count_; ++i) {
-            const Solid<S> solid = problems_.solids[begin_ + i];
+            const Primitive<S> primitive = problems_.primitives[begin_ + i];
             for (std::size_t k = 0; k < numbers; ++k)
-                room[k][i] = word_of(solid.numbers[k]), room[numbers + k][i] = low_word_of(solid.numbers[k]);
+                buffers[k][i] = word_of(primitive.numbers[k]),
+                buffers[numbers + k][i] = low_word_of(primitive.numbers[k]);
         }
         ProblemColumns<double> columns = columns_for(shape);
-        for (std::size_t k = 0; k < numbers; ++k) columns.solid[k] = room[k];
-        for (std::size_t k = 0; two_words && k < numbers; ++k) columns.solid_low[k] = room[numbers + k];
+        for (std::size_t k = 0; k < numbers; ++k) columns.primitive[k] = buffers[k];
+        for (std::size_t k = 0; two_words && k < numbers; ++k) columns.primitive_low[k] = buffers[numbers + k];
         meet(columns, true, [this](std::size_t i) { return static_cast<std::int32_t>(begin_ + i); });
     }
 
@@ -135,13 +136,13 @@ private:
             for (std::size_t i = 0; i < count_; ++i) out_.object[begin_ + i] = hit[i] != 0 ? place(i) : -1;
             return;
         }
-        FoundTogether& found = Gathered<double>::of_thread(shape_rows.front().shape).found;
+        BatchFindings& found = Gathered<double>::of_thread(shape_rows.front().shape).found;
         ask(found.raw());
         for (std::size_t i = 0; i < count_; ++i)
             if (found.hit[i] != 0) keep_nearest(found, i, place(i));
     }
 
-    void keep_nearest(const FoundTogether& found, std::size_t i, std::int32_t place) {
+    void keep_nearest(const BatchFindings& found, std::size_t i, std::int32_t place) {
         // Lengths that differ by 2^-40 are ordered by their first words: the second words and both bounds are far
         // smaller.
         constexpr double nearer = 1 - 0x1p-40, farther = 1 + 0x1p-40;
@@ -158,9 +159,9 @@ private:
         out_.distance.bound[to] = found.distance_bound[i];
     }
 
-    struct RayAndSolid {
+    struct RayAndPrimitive {
         std::size_t ray;  ///< index, counted from `begin_`
-        std::uint32_t solid;
+        std::uint32_t primitive;
         Truth truth;
     };
 
@@ -181,7 +182,7 @@ private:
 
     void add_pairs(std::size_t i) {
         asked_.push_back(i);
-        const auto& solids = problems_.solids;
+        const auto& primitives = problems_.primitives;
         if (problems_.index) {
             std::array<double, 6> ray;
             for (std::size_t k = 0; k < 6; ++k) ray[k] = rays_.words[k][i];
@@ -190,36 +191,36 @@ private:
         } else if (problems_.paired) {
             add_pair(i, static_cast<std::uint32_t>(begin_ + i));
         } else {
-            for (std::size_t s = 0; s < solids.size(); ++s) add_pair(i, static_cast<std::uint32_t>(s));
+            for (std::size_t s = 0; s < primitives.size(); ++s) add_pair(i, static_cast<std::uint32_t>(s));
         }
     }
 
     void add_pair(std::size_t i, std::uint32_t s) {
-        const Solid<S> solid = problems_.solids[s];
-        Gathered<double>& to = gathered(solid.shape);
-        stages::UnderMatrix& matrix = matrices_[static_cast<std::size_t>(solid.shape)];
-        if (const auto its = under_matrix(solid); !(its == matrix)) {
-            settle(solid.shape);
+        const Primitive<S> primitive = problems_.primitives[s];
+        Gathered<double>& to = gathered(primitive.shape);
+        stages::UnderMatrix& matrix = matrices_[static_cast<std::size_t>(primitive.shape)];
+        if (const auto its = under_matrix(primitive); !(its == matrix)) {
+            settle(primitive.shape);
             matrix = its;
         }
         const auto words_of_ray = [&](std::size_t first, const Spans& from) {
             for (std::size_t k = 0; k < 6; ++k) to.numbers[first + k][to.size] = from[k][i];
         };
         words_of_ray(first_of_ray, rays_.words);
-        const auto put = [&](std::size_t first, const Solid<double>& words) {
+        const auto put = [&](std::size_t first, const Primitive<double>& words) {
             to.set(first, words.numbers);
             if (words.placed) to.set(first + most_numbers, words.placed->matrix);
         };
-        put(first_of_solid, transformed(solid, [](const S& x) { return word_of(x); }));
+        put(first_of_primitive, transformed(primitive, [](const S& x) { return word_of(x); }));
         to.numbers[place_of_tmin][to.size] = rays_.tmin.empty() ? 0 : rays_.tmin[i];
         to.numbers[place_of_tmax][to.size] = rays_.tmax.empty() ? HUGE_VAL : rays_.tmax[i];
         if constexpr (two_words) {
             words_of_ray(first_of_low, rays_.low);
-            put(first_of_low + 6, transformed(solid, [](const S& x) { return low_word_of(x); }));
+            put(first_of_low + 6, transformed(primitive, [](const S& x) { return low_word_of(x); }));
         }
-        places(solid.shape)[to.size++] = pairs_.size();
+        places(primitive.shape)[to.size++] = pairs_.size();
         pairs_.push_back({i, s, {}});
-        if (to.size == settled_together) settle(solid.shape);
+        if (to.size == settled_together) settle(primitive.shape);
     }
 
     static Gathered<double>& gathered(Shape shape) { return Gathered<double>::of_thread(shape); }
@@ -258,7 +259,7 @@ private:
     }
     /// Takes over the findings on the pairs of `left`, each at `place(k)`, and keeps in `left` those that are open.
     template <class Place>
-    void take(const FoundTogether& found, Shape shape, std::vector<std::size_t>& left, const Place& place) {
+    void take(const BatchFindings& found, Shape shape, std::vector<std::size_t>& left, const Place& place) {
         std::size_t still = 0;
         for (std::size_t k = 0; k < left.size(); ++k) {
             if (found.settled[place(k)] == 0) left[still++] = left[k];
@@ -266,7 +267,7 @@ private:
         }
         left.resize(still);
     }
-    void settle(const FoundTogether& found, std::size_t k, RayAndSolid& pair) {
+    void settle(const BatchFindings& found, std::size_t k, RayAndPrimitive& pair) {
         ++rest_.counts.double_double;
         pair.truth.bits = 106;
         if (found.hit[k] == 0) return;
@@ -278,10 +279,10 @@ private:
         pair.truth.distance = certified(found.distance_hi[k], found.distance_lo[k], found.distance_bound[k]);
     }
 
-    void settle_alone(RayAndSolid& pair) {
+    void settle_alone(RayAndPrimitive& pair) {
         const std::size_t ray = begin_ + pair.ray;
-        pair.truth =
-            find_truth(problems_.rays[ray], problems_.solids[pair.solid], limit_, {}, problems_.rays.range(ray));
+        pair.truth = find_truth(problems_.rays[ray], problems_.primitives[pair.primitive], limit_, {},
+                                problems_.rays.range(ray));
         rest_.counts.count_alone(pair.truth);
     }
 
@@ -291,14 +292,14 @@ private:
         for (const std::size_t i : asked_) {
             Truth best;
             for (; pair != pairs_.cend() && pair->ray == i; ++pair)
-                join(pair->truth, static_cast<int>(pair->solid), best);
+                join(pair->truth, static_cast<int>(pair->primitive), best);
             if (!out_.put(begin_ + i, best)) rest_.whole.emplace_back(begin_ + i, best);
         }
         pairs_.clear();
         asked_.clear();
     }
 
-    const RaysAndSolids<S>& problems_;
+    const RaysAndPrimitives<S>& problems_;
     TruthLimit limit_;
     std::size_t begin_, count_;
     WordColumns<S> rays_;
@@ -308,7 +309,7 @@ private:
     bool ranged_;
     std::vector<std::uint8_t> open_;  ///< 1: columns do not settle the ray
     std::vector<std::size_t> asked_;  ///< rays whose pairs are in `pairs_`
-    std::vector<RayAndSolid> pairs_;
+    std::vector<RayAndPrimitive> pairs_;
     std::array<std::array<std::size_t, settled_together>, shape_rows.size()>
         places_;  ///< indices into `pairs_` of those gathered of each shape
     std::array<stages::UnderMatrix, shape_rows.size()> matrices_;  ///< of those gathered of each shape
@@ -316,7 +317,7 @@ private:
 };
 
 template <class S>
-StageCounts find_all(const RaysAndSolids<S>& problems, TruthLimit limit, RayTruths& out) {
+StageCounts find_all(const RaysAndPrimitives<S>& problems, TruthLimit limit, RayTruths& out) {
     const std::size_t n = problems.rays.size();
     out.resize(n);
     tbb::combinable<Leftover> rests;
@@ -343,10 +344,10 @@ StageCounts find_all(const RaysAndSolids<S>& problems, TruthLimit limit, RayTrut
 
 }  // namespace
 
-StageCounts find_truths(const RaysAndSolids<double>& problems, TruthLimit limit, RayTruths& out) {
+StageCounts find_truths(const RaysAndPrimitives<double>& problems, TruthLimit limit, RayTruths& out) {
     return find_all(problems, limit, out);
 }
-StageCounts find_truths(const RaysAndSolids<Real>& problems, TruthLimit limit, RayTruths& out) {
+StageCounts find_truths(const RaysAndPrimitives<Real>& problems, TruthLimit limit, RayTruths& out) {
     return find_all(problems, limit, out);
 }
 

@@ -31,7 +31,7 @@ struct Bend {
           most(AllValues(s.a.value()).most()) {}
 };
 
-/// The ray begins at t here, so that all is of the size of the solid, however far away it is. With P' and s' of the
+/// The ray begins at t here, so that all is of the size of the primitive, however far away it is. With P' and s' of the
 /// problem with errors, P'(0) = c' and half of its slope there, h': t' − t is a root of a'δ² + 2s'δ + P'(0), which is
 /// −P'(0)/(s' ± √(s'² − a'P'(0))), and the same root where the sign is that of s. With |P'(0)| ≤ B, as P(0) = 0, and
 /// σ ≤ |s'| on the side of s,
@@ -103,7 +103,7 @@ double moved_root(const Perturbable& problem, const FlatSpan<Differentiated>& s)
 }
 
 double moved_root(const Perturbable& problem, const WallSpan<Differentiated>& s) {
-    return moved_root(problem, s.solid.side);
+    return moved_root(problem, s.primitive.side);
 }
 
 /// t is on one of the planes of the slabs and moves as far as any of them can come to where it is. A slab that the line
@@ -116,8 +116,8 @@ double moved_root(const Perturbable& problem, const WallSpan<Differentiated>& s)
     return most;
 }
 
-/// Two planes between which a solid lies, seen from where a ray begins: how far it is from each, n > 0 between them,
-/// and how fast it goes across.
+/// Two planes between which a primitive lies, seen from where a ray begins: how far it is from each, n > 0 between
+/// them, and how fast it goes across.
 struct Slab {
     Differentiated from_low, from_high, across;
 
@@ -138,8 +138,8 @@ Slab slab_of(const Vec<Differentiated>& from, const Vec<Differentiated>& to, con
             dot(axis, ray.direction)};
 }
 
-/// Of a solid between planes along the axes t is where one of them is met, the largest or the smallest: it moves as far
-/// as any that can come to where it is.
+/// Of a primitive between planes along the axes t is where one of them is met, the largest or the smallest: it moves as
+/// far as any that can come to where it is.
 template <class Shape>
 double moved_between_corners(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray,
                              MovedBy moved_by) {
@@ -237,13 +237,13 @@ double reach_of(const ProblemNumbers& numbers, const Certified& answer, MovedBy 
 
 }  // namespace
 
-double reach(const Ray<double>& ray, const Solid<double>& solid, const Certified& answer, Length length,
+double reach(const Ray<double>& ray, const Primitive<double>& primitive, const Certified& answer, Length length,
              const FloatFormat& format, Perturbed perturbed, MovedBy moved_by) {
-    return reach_of(ProblemNumbers(ray, solid, format, perturbed, length), answer, moved_by);
+    return reach_of(ProblemNumbers(ray, primitive, format, perturbed, length), answer, moved_by);
 }
-double reach(const Ray<Real>& ray, const Solid<Real>& solid, const Certified& answer, Length length,
+double reach(const Ray<Real>& ray, const Primitive<Real>& primitive, const Certified& answer, Length length,
              const FloatFormat& format, Perturbed perturbed, MovedBy moved_by) {
-    return reach_of(ProblemNumbers(ray, solid, format, perturbed, length), answer, moved_by);
+    return reach_of(ProblemNumbers(ray, primitive, format, perturbed, length), answer, moved_by);
 }
 
 }  // namespace lostbits::measure::truth

@@ -8,7 +8,7 @@
 #include "measure/truth/truth.hpp"
 #include "number/format.hpp"
 #include "number/real.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::measure::truth {
 
@@ -29,10 +29,10 @@ enum class MovedBy : std::uint8_t { every_face, entered_faces };
 /// is the t or the distance of the root, or of the start of the range; the bound is in units of its power of two
 /// (`exponent_of_unit`). A problem within the errors may also miss, or meet another root first, where its line may pass
 /// the rim, or its origin the surface. The inputs do not decide then, and the bound does not cover those answers.
-double reach(const Ray<double>& ray, const Solid<double>& solid, const Certified& answer, Length length,
+double reach(const Ray<double>& ray, const Primitive<double>& primitive, const Certified& answer, Length length,
              const FloatFormat& format, Perturbed perturbed = Perturbed::componentwise,
              MovedBy moved_by = MovedBy::every_face);
-double reach(const Ray<Real>& ray, const Solid<Real>& solid, const Certified& answer, Length length,
+double reach(const Ray<Real>& ray, const Primitive<Real>& primitive, const Certified& answer, Length length,
              const FloatFormat& format, Perturbed perturbed = Perturbed::componentwise,
              MovedBy moved_by = MovedBy::every_face);
 

@@ -113,14 +113,14 @@ std::optional<int> side_at(const FlatSpan<E>& s, Crossing, const E& m, Length le
 }
 template <class E>
 std::optional<int> side_at(const WallSpan<E>& s, Crossing at, const E& m, Length length) {
-    return side_of_root(s.solid.side, at, m, length);
+    return side_of_root(s.primitive.side, at, m, length);
 }
 
 /// For a ray that hits and m > 0.
 template <class E, class S>
-requires(ToldSpan<S, E> || SurfaceSpan<S, E>) std::optional<int> side_of(const S& s, const E& m, Length length,
-                                                                         const RangeOfSpan<E>* range,
-                                                                         intersect::Convention convention) {
+requires(ComparableSpan<S, E> || SurfaceSpan<S, E>) std::optional<int> side_of(const S& s, const E& m, Length length,
+                                                                               const RangeOfSpan<E>* range,
+                                                                               intersect::Convention convention) {
     const Enclosed<E> found = enclose<E>(s, range, convention);
     if (!found.hit.is_yes()) return std::nullopt;
     if (found.at == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
@@ -164,7 +164,7 @@ QuarticSpan<F> enclosing_part(const QuarticSpan<E>& s) {
 
 /// Root of a quartic that a ray meets: −1 for the start of the ray.
 template <class F>
-struct MetRoot {
+struct RootHit {
     Tri hit;
     int root = -1;
     bool touching = false, on_surface = false;
@@ -181,7 +181,7 @@ public:
     QuarticWalk(const QuarticSpan<F>& s, const RangeOfSpan<F>* range, intersect::Convention asked)
         : span_(s), range_(range), asked_(asked), begin_(range ? s.place(range->begin) : s.b) {}
 
-    [[nodiscard]] MetRoot<F> find() {
+    [[nodiscard]] RootHit<F> find() {
         auto roots = enclosed_roots(span_.f, span_.bound);
         if (!roots) return {Tri::unknown};
         met_.roots = *std::move(roots);
@@ -198,21 +198,21 @@ public:
     }
 
 private:
-    [[nodiscard]] MetRoot<F> end(Tri hit) {
+    [[nodiscard]] RootHit<F> end(Tri hit) {
         met_.hit = hit;
         return std::move(met_);
     }
-    [[nodiscard]] MetRoot<F> begun() {
+    [[nodiscard]] RootHit<F> begun() {
         met_.root = -1, met_.at = Crossing::begin;
         return end(Tri::yes);
     }
-    [[nodiscard]] MetRoot<F> from_inside(int next) {
+    [[nodiscard]] RootHit<F> from_inside(int next) {
         if (asked_.inside == intersect::Inside::miss) return end(Tri::no);
         if (asked_.inside == intersect::Inside::zero && !met_.on_surface) return begun();
         return on_from(next, Crossing::far);
     }
     /// Like `enclose_from_inside` for convex primitives; behind a surface that is left there may be another.
-    [[nodiscard]] MetRoot<F> from_surface(int root) {
+    [[nodiscard]] RootHit<F> from_surface(int root) {
         using intersect::AtOrigin, intersect::Inside, intersect::Touching;
         const bool leaving = met_.roots[root].behind > 0;
         const auto to_end = order_to_end(root);
@@ -237,7 +237,7 @@ private:
         return met_.roots.order(root, span_.place(range_->end.n));
     }
     /// Next root that counts, if it comes before the end of the range.
-    [[nodiscard]] MetRoot<F> on_from(int root, Crossing at = Crossing::near) {
+    [[nodiscard]] RootHit<F> on_from(int root, Crossing at = Crossing::near) {
         const auto counts = [this](int i) {
             return met_.roots[i].crosses || asked_.touching == intersect::Touching::hit;
         };
@@ -256,11 +256,11 @@ private:
     const RangeOfSpan<F>* range_;
     intersect::Convention asked_;
     F begin_;
-    MetRoot<F> met_{Tri::unknown};
+    RootHit<F> met_{Tri::unknown};
 };
 
 template <class E, class F = typename EnclosingPart<E>::type>
-MetRoot<F> met_root(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention asked) {
+RootHit<F> root_hit(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention asked) {
     const QuarticSpan<F> part = enclosing_part(s);
     const auto of = [](const E& x) { return EnclosingPart<E>::of(x); };
     std::optional<RangeOfSpan<F>> within;
@@ -272,7 +272,7 @@ MetRoot<F> met_root(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, inters
 /// gradient.
 template <class E>
 Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
-    const auto met = met_root(s, range, convention);
+    const auto met = root_hit(s, range, convention);
     if (!met.hit.is_yes()) return {met.hit};
     if (met.at == Crossing::begin) return enclosed_begin(s.d2, range, met.touching, met.on_surface);
     E x(met.roots[met.root].root);
@@ -309,7 +309,7 @@ struct WithRoot {
 template <class E>
 std::optional<int> side_of(const QuarticSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
                            intersect::Convention convention) {
-    const auto met = met_root(s, range, convention);
+    const auto met = root_hit(s, range, convention);
     if (!met.hit.is_yes()) return std::nullopt;
     if (met.at == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
     const EnclosedRoots<E>& roots = met.roots;
@@ -330,9 +330,9 @@ std::optional<int> side_of(const QuarticSpan<E>& s, const E& m, Length length, c
 }
 
 template <class E>
-std::optional<int> side_of(const Ray<E>& ray, const Solid<E>& solid, const E& m, Length length,
+std::optional<int> side_of(const Ray<E>& ray, const Primitive<E>& primitive, const E& m, Length length,
                            const RangeOfSpan<E>* range = nullptr, intersect::Convention convention = {}) {
-    return with_span(ray, solid, [&](const auto& span) { return side_of(span, m, length, range, convention); });
+    return with_span(ray, primitive, [&](const auto& span) { return side_of(span, m, length, range, convention); });
 }
 
 }  // namespace lostbits::measure::truth

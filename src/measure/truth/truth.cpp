@@ -83,9 +83,9 @@ bool is_ray(const Ray<S>& r) {
 }
 
 template <class S>
-bool is_proper_solid(const Solid<S>& solid) {
-    return std::ranges::all_of(solid.used(), is_finite<S>) && !broken_limit(solid) &&
-           (!solid.placed || solid.placed->is_proper());
+bool is_proper_primitive(const Primitive<S>& primitive) {
+    return std::ranges::all_of(primitive.used(), is_finite<S>) && !broken_limit(primitive) &&
+           (!primitive.placed || primitive.placed->is_proper());
 }
 
 /// Limit, convention and range of a question, for one primitive.
@@ -101,57 +101,57 @@ struct Terms {
 };
 
 template <class E>
-Enclosed<E> enclose_by(const Ray<E>& ray, const Solid<E>& solid, const Terms& terms) {
+Enclosed<E> enclose_by(const Ray<E>& ray, const Primitive<E>& primitive, const Terms& terms) {
     const auto range = range_over<E>(terms.range);
-    return enclose<E>(ray, solid, range ? &*range : nullptr, terms.convention);
+    return enclose<E>(ray, primitive, range ? &*range : nullptr, terms.convention);
 }
 
 template <class S>
-Truth escalate(const Ray<S>& ray, const Solid<S>& solid, const Terms& terms) {
+Truth escalate(const Ray<S>& ray, const Primitive<S>& primitive, const Terms& terms) {
     Truth truth;
     for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= terms.limit.bits; bits *= 2) {
         const Interval::Precision precision(bits);
         truth.bits = bits;
         const Ray<Interval> wide_ray = lift_ray<Interval>(ray);
-        const Solid<Interval> wide_solid = lift_solid<Interval>(solid);
+        const Primitive<Interval> wide_primitive = lift_primitive<Interval>(primitive);
         const auto place = [&](Certified& x, Length length) {
             const auto power = straddled_power(x);
             if (!power) return true;
             const auto range = range_over<Interval>(terms.range);
-            const auto side = side_of(wide_ray, wide_solid, interval_at_power(*power), length,
+            const auto side = side_of(wide_ray, wide_primitive, interval_at_power(*power), length,
                                       range ? &*range : nullptr, terms.convention);
             if (side) x = on_side(x, *side);
             return side.has_value();
         };
-        if (settle(enclose_by(wide_ray, wide_solid, terms), terms.convention, truth, place)) return truth;
+        if (settle(enclose_by(wide_ray, wide_primitive, terms), terms.convention, truth, place)) return truth;
     }
     truth.decision = Truth::Decision::unresolved;
     return truth;
 }
 
 template <class S>
-Truth find_all(const Ray<S>& ray, std::span<const Solid<S>> solids, TruthLimit limit, const Convention& asked,
+Truth find_all(const Ray<S>& ray, std::span<const Primitive<S>> primitives, TruthLimit limit, const Convention& asked,
                const Range<double>& range) {
     intersect::process::require_standard("the truth of a ray");
     Truth best;
     if (!is_ray(ray)) return best;
     const Ray<Ball> quick = lift_ray<Ball>(ray);
-    for (std::size_t at = 0; at < solids.size(); ++at) {
-        const Solid<S>& solid = solids[at];
-        const Terms terms(limit, asked.of(solid.shape), range);
-        if (!terms.range.holds_any() || !is_proper_solid(solid)) continue;
+    for (std::size_t at = 0; at < primitives.size(); ++at) {
+        const Primitive<S>& primitive = primitives[at];
+        const Terms terms(limit, asked.of(primitive.shape), range);
+        if (!terms.range.holds_any() || !is_proper_primitive(primitive)) continue;
         Truth one;
         one.bits = 106;
         const auto known = [](const Certified& x, Length) { return !straddled_power(x); };
-        if (!settle(enclose_by(quick, lift_solid<Ball>(solid), terms), terms.convention, one, known))
-            one = escalate(ray, solid, terms);
+        if (!settle(enclose_by(quick, lift_primitive<Ball>(primitive), terms), terms.convention, one, known))
+            one = escalate(ray, primitive, terms);
         join(one, static_cast<int>(at), best);
     }
     return best;
 }
 
 template <class S>
-double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& solid, const FloatFormat& format,
+double round_exactly(const Truth& truth, const Ray<S>& ray, const Primitive<S>& primitive, const FloatFormat& format,
                      Length length, const Terms& terms) {
     const auto [lower, upper] = round_ends(length == Length::parameter ? truth.t : truth.distance, format);
     if (lower == upper) return lower;
@@ -162,7 +162,7 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Solid<S>& soli
                                     ? Interval(lower) + Interval(std::ldexp(1.0, format.emax - format.precision))
                                     : (Interval(lower) + Interval(upper)) / Interval(2);
         const auto range = range_over<Interval>(terms.range);
-        const auto side = side_of(lift_ray<Interval>(ray), lift_solid<Interval>(solid), middle, length,
+        const auto side = side_of(lift_ray<Interval>(ray), lift_primitive<Interval>(primitive), middle, length,
                                   range ? &*range : nullptr, terms.convention);
         if (!side) continue;
         if (*side != 0) return *side < 0 ? lower : upper;
@@ -190,27 +190,27 @@ void join(const Truth& of_one, int i, Truth& best) {
     best.on_surface = on_surface;
 }
 
-Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit, Convention convention,
-                 const Range<double>& range) {
-    return find_all(ray, solids, limit, convention, range);
+Truth find_truth(const Ray<double>& ray, std::span<const Primitive<double>> primitives, TruthLimit limit,
+                 Convention convention, const Range<double>& range) {
+    return find_all(ray, primitives, limit, convention, range);
 }
-Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit, Convention convention,
-                 const Range<double>& range) {
-    return find_all(ray, solids, limit, convention, range);
+Truth find_truth(const Ray<Real>& ray, std::span<const Primitive<Real>> primitives, TruthLimit limit,
+                 Convention convention, const Range<double>& range) {
+    return find_all(ray, primitives, limit, convention, range);
 }
 
 bool is_proper(const Ray<double>& ray) { return is_ray(ray); }
 bool is_proper(const Ray<Real>& ray) { return is_ray(ray); }
-bool is_proper(const Solid<double>& solid) { return is_proper_solid(solid); }
-bool is_proper(const Solid<Real>& solid) { return is_proper_solid(solid); }
+bool is_proper(const Primitive<double>& primitive) { return is_proper_primitive(primitive); }
+bool is_proper(const Primitive<Real>& primitive) { return is_proper_primitive(primitive); }
 
-double round_truth(const Truth& truth, const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format,
-                   Length length, const Convention& convention, const Range<double>& range) {
-    return round_exactly(truth, ray, solid, format, length, {{}, convention, range});
+double round_truth(const Truth& truth, const Ray<double>& ray, const Primitive<double>& primitive,
+                   const FloatFormat& format, Length length, const Convention& convention, const Range<double>& range) {
+    return round_exactly(truth, ray, primitive, format, length, {{}, convention, range});
 }
-double round_truth(const Truth& truth, const Ray<Real>& ray, const Solid<Real>& solid, const FloatFormat& format,
-                   Length length, const Convention& convention, const Range<double>& range) {
-    return round_exactly(truth, ray, solid, format, length, {{}, convention, range});
+double round_truth(const Truth& truth, const Ray<Real>& ray, const Primitive<Real>& primitive,
+                   const FloatFormat& format, Length length, const Convention& convention, const Range<double>& range) {
+    return round_exactly(truth, ray, primitive, format, length, {{}, convention, range});
 }
 
 }  // namespace lostbits::measure::truth

@@ -10,7 +10,7 @@
 #include "intersect/process/stop_token.hpp"
 #include "measure/truth/certified.hpp"
 #include "number/real.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::measure::truth {
 
@@ -52,30 +52,30 @@ struct TruthLimit {
 };
 
 /// Finds the truth of a ray. Only t in `range` counts, and the ray begins at its tmin: what a convention says of a
-/// ray's origin applies to that point (see `convention_in`). A range that holds no t meets nothing. `ray` and `solids`
-/// may be in any exact storage: double (which holds every format up to binary64) or Real (own inputs). A ray with a
-/// number that is not finite, or with a direction of zero, meets nothing. Nothing meets a primitive with such a number,
-/// a sphere without a positive radius, a box with lo > hi, or a primitive under a singular matrix.
-Truth find_truth(const Ray<double>& ray, std::span<const Solid<double>> solids, TruthLimit limit = {},
+/// ray's origin applies to that point (see `convention_in`). A range that holds no t meets nothing. `ray` and
+/// `primitives` may be in any exact storage: double (which holds every format up to binary64) or Real (own inputs). A
+/// ray with a number that is not finite, or with a direction of zero, meets nothing. Nothing meets a primitive with
+/// such a number, a sphere without a positive radius, a box with lo > hi, or a primitive under a singular matrix.
+Truth find_truth(const Ray<double>& ray, std::span<const Primitive<double>> primitives, TruthLimit limit = {},
                  intersect::Convention convention = {}, const Range<double>& range = {});
-Truth find_truth(const Ray<Real>& ray, std::span<const Solid<Real>> solids, TruthLimit limit = {},
+Truth find_truth(const Ray<Real>& ray, std::span<const Primitive<Real>> primitives, TruthLimit limit = {},
                  intersect::Convention convention = {}, const Range<double>& range = {});
 
-/// Merges the truth about solid `i` into `best`, the truth about the solids before it.
+/// Merges the truth about primitive `i` into `best`, the truth about the primitives before it.
 void join(const Truth& of_one, int i, Truth& best);
 
 bool is_proper(const Ray<double>& ray);
 bool is_proper(const Ray<Real>& ray);
-bool is_proper(const Solid<double>& solid);
-bool is_proper(const Solid<Real>& solid);
+bool is_proper(const Primitive<double>& primitive);
+bool is_proper(const Primitive<Real>& primitive);
 
-inline Truth find_truth(const Ray<double>& ray, const Solid<double>& solid, TruthLimit limit = {},
+inline Truth find_truth(const Ray<double>& ray, const Primitive<double>& primitive, TruthLimit limit = {},
                         intersect::Convention convention = {}, const Range<double>& range = {}) {
-    return find_truth(ray, std::span(&solid, 1), limit, convention, range);
+    return find_truth(ray, std::span(&primitive, 1), limit, convention, range);
 }
-inline Truth find_truth(const Ray<Real>& ray, const Solid<Real>& solid, TruthLimit limit = {},
+inline Truth find_truth(const Ray<Real>& ray, const Primitive<Real>& primitive, TruthLimit limit = {},
                         intersect::Convention convention = {}, const Range<double>& range = {}) {
-    return find_truth(ray, std::span(&solid, 1), limit, convention, range);
+    return find_truth(ray, std::span(&primitive, 1), limit, convention, range);
 }
 
 /// Length in question: t*, in lengths of the direction as stored, or the distance t*·|d|.
@@ -87,11 +87,11 @@ inline Length length_of(intersect::Direction unit_of) {
 /// t* (or the distance) correctly rounded to a format, ties decided exactly: where the certified bound straddles a
 /// rounding boundary, the sign of a polynomial at the boundary tells the side. For a hit only, found by that convention
 /// in that range.
-double round_truth(const Truth& truth, const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format,
-                   Length length = Length::parameter, const intersect::Convention& convention = {},
-                   const Range<double>& range = {});
-double round_truth(const Truth& truth, const Ray<Real>& ray, const Solid<Real>& solid, const FloatFormat& format,
-                   Length length = Length::parameter, const intersect::Convention& convention = {},
-                   const Range<double>& range = {});
+double round_truth(const Truth& truth, const Ray<double>& ray, const Primitive<double>& primitive,
+                   const FloatFormat& format, Length length = Length::parameter,
+                   const intersect::Convention& convention = {}, const Range<double>& range = {});
+double round_truth(const Truth& truth, const Ray<Real>& ray, const Primitive<Real>& primitive,
+                   const FloatFormat& format, Length length = Length::parameter,
+                   const intersect::Convention& convention = {}, const Range<double>& range = {});
 
 }  // namespace lostbits::measure::truth

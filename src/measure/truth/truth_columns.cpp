@@ -20,15 +20,15 @@ template <class S>
 Truth find_by_itself(const ProblemColumns<S>& p, const ColumnTerms& terms, std::size_t i) {
     const auto at = [i](std::span<const S> column) { return static_cast<double>(column[column.size() == 1 ? 0 : i]); };
     const auto& r = p.ray;
-    Solid<double> solid;
-    solid.shape = p.shape;
-    for (std::size_t k = 0; k < solid.used().size(); ++k) solid.numbers[k] = at(p.solid[k]);
+    Primitive<double> primitive;
+    primitive.shape = p.shape;
+    for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = at(p.primitive[k]);
     if (p.matrix.placed) {
-        solid.placed = Placement<double>{{}, p.matrix.is_inverse, p.matrix.orientation};
+        primitive.placed = Placement<double>{{}, p.matrix.is_inverse, p.matrix.orientation};
         for (std::size_t k = most_numbers; k < most_stored; ++k)
-            solid.placed->matrix[k - most_numbers] = at(p.solid[k]);
+            primitive.placed->matrix[k - most_numbers] = at(p.primitive[k]);
     }
-    return find_truth({{at(r[0]), at(r[1]), at(r[2])}, {at(r[3]), at(r[4]), at(r[5])}}, solid, terms.limit,
+    return find_truth({{at(r[0]), at(r[1]), at(r[2])}, {at(r[3]), at(r[4]), at(r[5])}}, primitive, terms.limit,
                       terms.convention,
                       {p.tmin.empty() ? 0 : at(p.tmin), p.tmax.empty() ? HUGE_VAL : at(p.tmax), p.open});
 }

@@ -23,16 +23,16 @@ struct ProblemColumns {
     std::size_t size = 0;
     std::array<std::span<const S>, 6> ray;  ///< o.x o.y o.z d.x d.y d.z
     Shape shape{};                          ///< the shape of every primitive
-    /// Numbers as in `Solid::numbers`, empty beyond those of the shape; then the numbers of the matrix, where `matrix`
-    /// says so.
-    std::array<std::span<const S>, most_stored> solid;
+    /// Numbers as in `Primitive::numbers`, empty beyond those of the shape; then the numbers of the matrix, where
+    /// `matrix` says so.
+    std::array<std::span<const S>, most_stored> primitive;
     std::span<const S> tmin = {}, tmax = {};  ///< the ranges of the rays; empty: from 0, without end
     OpenEnds open = {};
     stages::UnderMatrix matrix = {};
     /// Second words: the exact numbers minus those above, to 2^-104 of these; all empty where the numbers above are
     /// exact.
     std::array<std::span<const S>, 6> ray_low = {};
-    std::array<std::span<const S>, most_stored> solid_low = {};
+    std::array<std::span<const S>, most_stored> primitive_low = {};
 };
 
 /// True where the truth by a convention may differ from that of the closed primitive, which the ray touches or starts
@@ -88,7 +88,8 @@ struct TruthColumns {
 void find_truth_columns(const ProblemColumns<float>& problems, const ColumnTerms& terms, TruthColumns& out);
 void find_truth_columns(const ProblemColumns<double>& problems, const ColumnTerms& terms, TruthColumns& out);
 
-/// The truth of every ray among the solids that it can meet, by the closed solid's convention: structure of arrays.
+/// The truth of every ray among the primitives that it can meet, by the closed primitive's convention: structure of
+/// arrays.
 class RayTruths {
 public:
     /// As in `TruthColumns`; zeros for a miss.
@@ -114,17 +115,17 @@ public:
 
 /// Rays, and the primitives that each can meet.
 template <class S>
-struct RaysAndSolids {
+struct RaysAndPrimitives {
     const scene::rays::BasicRayBlock<S>& rays;
-    const scene::rays::SolidList<S>& solids;
-    const culling::SolidIndex* index = nullptr;  ///< every ray can meet its candidates; null: every primitive
-    bool paired = false;                         ///< ray i can meet primitive i alone; all are of one shape
+    const scene::rays::PrimitiveList<S>& primitives;
+    const culling::PrimitiveIndex* index = nullptr;  ///< every ray can meet its candidates; null: every primitive
+    bool paired = false;                             ///< ray i can meet primitive i alone; all are of one shape
 };
 
 /// Finds the truth of every ray among its primitives, in parallel: the same decisions, hi and lo as `find_truth`.
 /// Returns how many pairs of a ray and a primitive each stage settled.
-StageCounts find_truths(const RaysAndSolids<double>& problems, TruthLimit limit, RayTruths& out);
+StageCounts find_truths(const RaysAndPrimitives<double>& problems, TruthLimit limit, RayTruths& out);
 /// Uses two words a number; what those do not enclose goes to the later stages.
-StageCounts find_truths(const RaysAndSolids<Real>& problems, TruthLimit limit, RayTruths& out);
+StageCounts find_truths(const RaysAndPrimitives<Real>& problems, TruthLimit limit, RayTruths& out);
 
 }  // namespace lostbits::measure::truth

@@ -52,7 +52,7 @@ Vec<double> unit_direction(const Vec<double>& d, const FloatFormat& format) {
 
 void make_unit(const std::array<std::span<double>, 3>& directions, const FloatFormat& format) {
     constexpr std::size_t together = 512;
-    double room[3][together];
+    double buffers[3][together];
     std::uint8_t settled[together];
     const stages::Stages stages = stages::stages_of(shape_rows.front().shape, intersect::simd::current_isa());
     const bool native = format == binary32 || format == binary64;
@@ -63,10 +63,10 @@ void make_unit(const std::array<std::span<double>, 3>& directions, const FloatFo
                                directions[2].data() + begin};
         if (whole > 0)
             stages.unit_directions(
-                {{at[0], at[1], at[2]}, {room[0], room[1], room[2]}, settled, format == binary32, 1, whole});
+                {{at[0], at[1], at[2]}, {buffers[0], buffers[1], buffers[2]}, settled, format == binary32, 1, whole});
         for (std::size_t i = 0; i < count; ++i) {
             if (i < whole && settled[i] != 0) {
-                for (int k = 0; k < 3; ++k) at[k][i] = room[k][i];
+                for (int k = 0; k < 3; ++k) at[k][i] = buffers[k][i];
             } else {
                 const Vec<double> u = unit_direction({at[0][i], at[1][i], at[2][i]}, format);
                 for (int k = 0; k < 3; ++k) at[k][i] = u[k];

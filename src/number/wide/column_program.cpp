@@ -24,35 +24,35 @@ ColumnRecorder& ColumnRecorder::current() {
     return *recorder;
 }
 
-ColumnPlace ColumnRecorder::constant(double x) {
-    const auto [known, is_new] = constants_.try_emplace(std::bit_cast<std::uint64_t>(x), ColumnPlace{0});
+ColumnIndex ColumnRecorder::constant(double x) {
+    const auto [known, is_new] = constants_.try_emplace(std::bit_cast<std::uint64_t>(x), ColumnIndex{0});
     if (is_new) {
         program_.constants.push_back(x);
-        known->second = static_cast<ColumnPlace>(-static_cast<int>(program_.constants.size()));
+        known->second = static_cast<ColumnIndex>(-static_cast<int>(program_.constants.size()));
     }
     return known->second;
 }
 
-std::array<ColumnPlace, ColumnInstruction::most_out> ColumnRecorder::record(ColumnInstruction step) {
+std::array<ColumnIndex, ColumnInstruction::most_out> ColumnRecorder::record(ColumnInstruction step) {
     Key key{static_cast<std::int32_t>(step.operation), step.exact};
     for (std::size_t k = 0; k < step.ins; ++k) key[2 + k] = step.in[k];
     const auto [known, is_new] = known_.try_emplace(key);
     if (!is_new) return known->second;
     for (std::size_t k = 0; k < step.outs; ++k) {
-        if (program_.columns > static_cast<std::size_t>(std::numeric_limits<ColumnPlace>::max()))
+        if (program_.columns > static_cast<std::size_t>(std::numeric_limits<ColumnIndex>::max()))
             throw std::logic_error("a program has more columns than places");
-        step.out[k] = static_cast<ColumnPlace>(program_.columns++);
+        step.out[k] = static_cast<ColumnIndex>(program_.columns++);
     }
     program_.instructions.push_back(step);
     return known->second = step.out;
 }
 
-ColumnProgram ColumnRecorder::finish(std::vector<ColumnPlace> outputs) {
+ColumnProgram ColumnRecorder::finish(std::vector<ColumnIndex> outputs) {
     std::vector<bool> wanted(program_.columns, false);
-    const auto want = [&wanted](ColumnPlace place) {
+    const auto want = [&wanted](ColumnIndex place) {
         if (place >= 0) wanted[static_cast<std::size_t>(place)] = true;
     };
-    for (const ColumnPlace place : outputs) want(place);
+    for (const ColumnIndex place : outputs) want(place);
     std::vector<ColumnInstruction> kept;
     for (std::size_t i = program_.instructions.size(); i-- > 0;) {
         const ColumnInstruction& step = program_.instructions[i];

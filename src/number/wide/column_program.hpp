@@ -98,7 +98,7 @@ inline constexpr unsigned known_exact(unsigned exact, std::size_t operands) {
 }
 
 /// A column of a program. Those below 0 are constants: `constant_at`.
-using ColumnPlace = std::int16_t;
+using ColumnIndex = std::int16_t;
 
 /// One step of a program: the columns that it takes and gives. For bounded numbers, bit k of `exact` says that operand
 /// k is one word without a bound, so only one column of it is read; otherwise all its words and its bound are read.
@@ -107,8 +107,8 @@ struct ColumnInstruction {
 
     ColumnOperation operation{};
     std::uint8_t exact = 0, ins = 0, outs = 0;
-    std::array<ColumnPlace, most_in> in{};
-    std::array<ColumnPlace, most_out> out{};
+    std::array<ColumnIndex, most_in> in{};
+    std::array<ColumnIndex, most_out> out{};
 };
 
 /// Instructions over columns of inputs and of constants, which compute all requested numbers.
@@ -118,9 +118,9 @@ struct ColumnProgram {
     std::size_t columns = 0;
     std::vector<double> constants;  ///< constants of the columns −1, −2, …
     std::vector<ColumnInstruction> instructions;
-    std::vector<ColumnPlace> outputs;
+    std::vector<ColumnIndex> outputs;
 
-    [[nodiscard]] double constant_at(ColumnPlace place) const {
+    [[nodiscard]] double constant_at(ColumnIndex place) const {
         return constants[static_cast<std::size_t>(-1 - place)];
     }
 };
@@ -136,19 +136,19 @@ public:
 
     static ColumnRecorder& current();
 
-    ColumnPlace constant(double x);
-    [[nodiscard]] double constant_at(ColumnPlace place) const { return program_.constant_at(place); }
+    ColumnIndex constant(double x);
+    [[nodiscard]] double constant_at(ColumnIndex place) const { return program_.constant_at(place); }
     /// Columns of the results of the operation.
-    std::array<ColumnPlace, ColumnInstruction::most_out> record(ColumnInstruction step);
+    std::array<ColumnIndex, ColumnInstruction::most_out> record(ColumnInstruction step);
     /// The finished program with these outputs; the recorder is empty afterwards.
-    ColumnProgram finish(std::vector<ColumnPlace> outputs);
+    ColumnProgram finish(std::vector<ColumnIndex> outputs);
 
 private:
     using Key = std::array<std::int32_t, 2 + ColumnInstruction::most_in>;
 
     ColumnProgram program_;
-    std::map<std::uint64_t, ColumnPlace> constants_;  ///< by their bits
-    std::map<Key, std::array<ColumnPlace, ColumnInstruction::most_out>> known_;
+    std::map<std::uint64_t, ColumnIndex> constants_;  ///< by their bits
+    std::map<Key, std::array<ColumnIndex, ColumnInstruction::most_out>> known_;
     ColumnRecorder* before_;
 };
 

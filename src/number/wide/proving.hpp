@@ -2,7 +2,7 @@
 #pragma once
 
 #include "number/tri.hpp"
-#include "number/wide/ladder.hpp"
+#include "number/wide/widening.hpp"
 
 namespace lostbits::number::wide {
 
@@ -39,7 +39,7 @@ P outward_of() {
 template <class T>
 class Proving {
 public:
-    using P = decltype(untold(std::declval<const T&>()));
+    using P = decltype(value_of(std::declval<const T&>()));
     using Lanes = mask_t<P>;
     using Mask = Tris<Lanes>;
 
@@ -53,7 +53,7 @@ public:
     [[nodiscard]] P radius() const { return e_ * outward_of<P>(); }
     /// True if the word is positive, whatever x is.
     [[nodiscard]] Mask leans_up() const {
-        const Lanes up = untold(w_) > P(0);
+        const Lanes up = value_of(w_) > P(0);
         return {up, !up};
     }
 
@@ -75,7 +75,7 @@ public:
     Proving& operator*=(const Proving& b) { return *this = *this * b; }
 
     friend Mask operator<(const Proving& a, const Proving& b) {
-        const P d = untold(a.w_) - untold(b.w_), e = (a.e_ + b.e_) * outward_of<P>();
+        const P d = value_of(a.w_) - value_of(b.w_), e = (a.e_ + b.e_) * outward_of<P>();
         return {d<-e, d> e};
     }
     friend Mask operator<=(const Proving& a, const Proving& b) { return a < b; }
@@ -85,8 +85,8 @@ public:
     friend Proving sqrt(const Proving& a) {
         using lostbits::sqrt, lostbits::select;
         const Proving root = rounded(sqrt(a.w_), P(0));
-        const P spread = (a.e_ + least_normal<P>()) / untold(root.w_);
-        return {root.w_, select(untold(a.w_) > a.radius(), root.e_ + spread, P(1) / P(0))};
+        const P spread = (a.e_ + least_normal<P>()) / value_of(root.w_);
+        return {root.w_, select(value_of(a.w_) > a.radius(), root.e_ + spread, P(1) / P(0))};
     }
     friend Proving fma(const Proving& a, const Proving& b, const Proving& c) { return a * b + c; }
     /// Represents exact numbers, which have no neighbours.
@@ -103,18 +103,18 @@ public:
     /// The result is unknown if the mask is undecided.
     friend Proving select(const Mask& mask, const Proving& a, const Proving& b) {
         using lostbits::select;
-        return {select(taken_for_granted<T>(mask.yes()), a.w_, b.w_),
+        return {select(constant_mask<T>(mask.yes()), a.w_, b.w_),
                 select(mask.yes(), a.e_, select(mask.no(), b.e_, P(1) / P(0)))};
     }
 
 private:
     [[nodiscard]] P size() const {
         using lostbits::abs;
-        return abs(untold(w_));
+        return abs(value_of(w_));
     }
     static Proving rounded(const T& w, const P& spread) {
         using lostbits::abs;
-        return {w, spread + roundoff_of<P>() * abs(untold(w))};
+        return {w, spread + roundoff_of<P>() * abs(value_of(w))};
     }
 
     T w_;

@@ -10,7 +10,7 @@ namespace lostbits::number::wide {
 
 /// An instruction of words or of masks, with one result.
 template <class... Places>
-ColumnPlace recorded(ColumnOperation operation, Places... places) {
+ColumnIndex recorded(ColumnOperation operation, Places... places) {
     ColumnInstruction step{.operation = operation, .ins = sizeof...(places), .outs = 1, .in = {places...}};
     return ColumnRecorder::current().record(step)[0];
 }
@@ -19,9 +19,9 @@ ColumnPlace recorded(ColumnOperation operation, Places... places) {
 class ColumnMask : public NotABool {
 public:
     ColumnMask() = default;
-    explicit ColumnMask(ColumnPlace place) : place_(place) {}
+    explicit ColumnMask(ColumnIndex place) : place_(place) {}
 
-    [[nodiscard]] ColumnPlace place() const { return place_; }
+    [[nodiscard]] ColumnIndex place() const { return place_; }
 
     friend ColumnMask operator&&(const ColumnMask& a, const ColumnMask& b) {
         return ColumnMask(recorded(ColumnOperation::both, a.place_, b.place_));
@@ -41,7 +41,7 @@ public:
     }
 
 private:
-    ColumnPlace place_ = 0;
+    ColumnIndex place_ = 0;
 };
 
 /// A double of every ray of a column.
@@ -52,12 +52,12 @@ public:
     explicit ColumnWord(std::floating_point auto x)
         : place_(ColumnRecorder::current().constant(static_cast<double>(x))), is_zero_(!(x < 0) && !(x > 0)) {}
 
-    static ColumnWord at(ColumnPlace place) {
+    static ColumnWord at(ColumnIndex place) {
         ColumnWord x;
         x.place_ = place;
         return x;
     }
-    [[nodiscard]] ColumnPlace place() const { return place_; }
+    [[nodiscard]] ColumnIndex place() const { return place_; }
     /// True if x is known to be 0 from the recording, whatever the inputs.
     friend bool is_known_zero(const ColumnWord& x) { return x.is_zero_; }
 
@@ -95,11 +95,11 @@ private:
         return at(recorded(operation, words.place_...));
     }
 
-    ColumnPlace place_ = 0;
+    ColumnIndex place_ = 0;
     bool is_zero_ = false;
 };
 
-/// The operation of three words and four masks: see `stages::told_apart`.
+/// The operation of three words and four masks: see `stages::certain_order`.
 inline Order<Tris<ColumnMask>> order_of_first_words(const ColumnWord& x, const ColumnWord& y, const ColumnWord& least) {
     const auto out = ColumnRecorder::current().record({.operation = ColumnOperation::order_of_first_words,
                                                        .ins = 3,

@@ -11,20 +11,20 @@ namespace lostbits::output::choice {
 
 using file::number_or_missing;
 using measure::choice::Candidate;
+using measure::choice::GrowthMargin;
 using measure::choice::Input;
-using measure::choice::Room;
-using measure::choice::Worth;
+using measure::choice::RowQuality;
 using table::Table;
 using table::when;
 
-Table<Worth> worth_columns() {
+Table<RowQuality> quality_columns() {
     return {
-        {"rays", "integer", "", "rays whose truth is known", &Worth::rays},
-        {"true_hits", "integer", "", "rays that truly hit", &Worth::hits},
-        {"wrong", "integer", "", "false hits, false misses, NaNs and hits of another primitive", &Worth::wrong},
-        {"wrong_fraction", "number", "1", "wrong/rays", &Worth::wrong_fraction},
+        {"rays", "integer", "", "rays whose truth is known", &RowQuality::rays},
+        {"true_hits", "integer", "", "rays that truly hit", &RowQuality::hits},
+        {"wrong", "integer", "", "false hits, false misses, NaNs and hits of another primitive", &RowQuality::wrong},
+        {"wrong_fraction", "number", "1", "wrong/rays", &RowQuality::wrong_fraction},
         {"kept_bits", "number", "bits", "significand bits less the lost bits, at the required share of the agreed hits",
-         [](const Worth& w) { return number_or_missing(w.kept_bits); }}};
+         [](const RowQuality& w) { return number_or_missing(w.kept_bits); }}};
 }
 
 Table<CandidateRow> candidate_table() {
@@ -34,11 +34,11 @@ Table<CandidateRow> candidate_table() {
     table.add(speed::time_columns("per ray and primitive; median of the repetitions; missing: not known",
                                   "per ray and primitive; "),
               &R::time);
-    table.add(worth_columns(), &R::worth);
+    table.add(quality_columns(), &R::quality);
     table.add({{"distance_error", "number", "length",
                 "distance of the hit point from the true one along the ray, at the same share; missing: the "
                 "requirement has no tolerance",
-                [](const R& r) { return number_or_missing(r.worth->off); }},
+                [](const R& r) { return number_or_missing(r.quality->off); }},
                {"meets", "boolean", "", "true if it meets the requirement", &R::meets},
                {"chosen", "boolean", "", "true for the cheapest that meets the requirement", &R::chosen},
                {"mended", "string", "", "the form that was repaired, and how; missing for a form as it is",
@@ -46,32 +46,34 @@ Table<CandidateRow> candidate_table() {
     return table;
 }
 
-Table<Room> room_table() {
+Table<GrowthMargin> margin_table() {
     using measure::choice::End;
-    Table<Room> table{
+    Table<GrowthMargin> table{
         {"way", "string", "", "the quantity that grows: distance, radius, offset or view",
-         [](const Room& r) { return measure::choice::growth_names[static_cast<std::size_t>(r.way)]; }},
+         [](const GrowthMargin& r) { return measure::choice::growth_names[static_cast<std::size_t>(r.way)]; }},
         {"holds", "number", "1",
-         "the largest factor at which the requirement was met; 0: not even by the scene as it is", &Room::holds},
+         "the largest factor at which the requirement was met; 0: not even by the scene as it is",
+         &GrowthMargin::holds},
         {"value", "number", "",
          "the quantity at that factor, in world units or, for view, degrees; missing if holds is 0",
-         [](const Room& r) { return when(r.holds != 0, r.value); }},
+         [](const GrowthMargin& r) { return when(r.holds != 0, r.value); }},
         {"beyond", "number", "1", "the smallest larger factor that was tried; missing: none",
-         [](const Room& r) { return when(r.beyond != 0, r.beyond); }},
+         [](const GrowthMargin& r) { return when(r.beyond != 0, r.beyond); }},
         {"end", "string", "",
          "state at that factor: fails (the requirement), nothing_hit, other_scene (rounding stores another scene), "
          "none (as far "
          "as was "
          "tried)",
-         [](const Room& r) { return measure::choice::end_names[static_cast<std::size_t>(r.end)]; }}};
-    return table.add<Worth>({{"wrong", "integer", "", "rays decided wrongly at the failing factor", &Worth::wrong},
-                             {"rays", "integer", "", "number of rays at the failing factor", &Worth::rays},
-                             {"kept_bits", "number", "bits", "bits kept at the failing factor",
-                              [](const Worth& w) { return number_or_missing(w.kept_bits); }},
-                             {"distance_error", "number", "length",
-                              "distance error at the failing factor; missing: the requirement has no tolerance",
-                              [](const Worth& w) { return number_or_missing(w.off); }}},
-                            [](const Room& r) { return r.end == End::fails ? &r.broken : nullptr; });
+         [](const GrowthMargin& r) { return measure::choice::end_names[static_cast<std::size_t>(r.end)]; }}};
+    return table.add<RowQuality>(
+        {{"wrong", "integer", "", "rays decided wrongly at the failing factor", &RowQuality::wrong},
+         {"rays", "integer", "", "number of rays at the failing factor", &RowQuality::rays},
+         {"kept_bits", "number", "bits", "bits kept at the failing factor",
+          [](const RowQuality& w) { return number_or_missing(w.kept_bits); }},
+         {"distance_error", "number", "length",
+          "distance error at the failing factor; missing: the requirement has no tolerance",
+          [](const RowQuality& w) { return number_or_missing(w.off); }}},
+        [](const GrowthMargin& r) { return r.end == End::fails ? &r.broken : nullptr; });
 }
 
 namespace {
@@ -105,45 +107,46 @@ Table<InputRow> input_table() {
             return r.obstacle->wider_than_f64 ? std::string("exact") : name_of_inputs(binary64);
         };
     };
-    const auto exact = [](const R& r) -> const Worth& { return r.trial->exact; };
-    const auto form = [](const R& r) -> const std::optional<Worth>& { return r.trial->form; };
-    const auto kept_bits = [](const Worth& w) { return number_or_missing(w.kept_bits); };
+    const auto exact = [](const R& r) -> const RowQuality& { return r.trial->exact; };
+    const auto form = [](const R& r) -> const std::optional<RowQuality>& { return r.trial->form; };
+    const auto kept_bits = [](const RowQuality& w) { return number_or_missing(w.kept_bits); };
     Table<R> table{
         {"origin", "string", "", "format of the ray origins; exact: not rounded", format_of(Input::origin)},
         {"direction", "string", "", "format of the ray directions", format_of(Input::direction)},
         {"place", "string", "", "format of the centres of spheres and the corners of boxes", format_of(Input::place)},
         {"radius", "string", "", "format of the radii of spheres", format_of(Input::radius)}};
     return table
-        .add<Worth>(
-            {{"rays", "integer", "", "rays whose truth is known", &Worth::rays},
+        .add<RowQuality>(
+            {{"rays", "integer", "", "rays whose truth is known", &RowQuality::rays},
              {"exact_wrong", "integer", "",
-              "rays on which the truth of these inputs decides differently from that of the ideal ones", &Worth::wrong},
+              "rays on which the truth of these inputs decides differently from that of the ideal ones",
+              &RowQuality::wrong},
              {"exact_kept_bits", "number", "bits",
               "bits, of 53, that exact arithmetic on these inputs keeps of the ideal truth, at the required share of "
               "the hits",
               kept_bits}},
             exact)
-        .add<Worth>(
-            {{"f64_wrong", "integer", "",
-              "rays that the form nearest to the requirement decides wrongly, in f64 on these inputs", &Worth::wrong},
-             {"f64_kept_bits", "number", "bits", "bits that this form keeps on them; missing: not measured",
-              kept_bits}},
-            form);
+        .add<RowQuality>({{"f64_wrong", "integer", "",
+                           "rays that the form nearest to the requirement decides wrongly, in f64 on these inputs",
+                           &RowQuality::wrong},
+                          {"f64_kept_bits", "number", "bits",
+                           "bits that this form keeps on them; missing: not measured", kept_bits}},
+                         form);
 }
 
-plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
-    const auto& wish = chosen.request.wish;
+plot::ScatterPlotSpec front_plot(const ChoiceResult& chosen) {
+    const auto& requirement = chosen.request.requirement;
     plot::ScatterPlotSpec spec;
     spec.title = fmt::format("Time against kept bits on {}", chosen.request.id());
     spec.subtitle = {
-        fmt::format("Required: {}. {}.", in_words(wish),
+        fmt::format("Required: {}. {}.", in_words(requirement),
                     chosen.meets ? fmt::format("Chosen: {} in {}", chosen.all[*chosen.meets].row.form->info->name,
                                                chosen.all[*chosen.meets].row.format.name)
                                  : "Nothing meets the requirement"),
         fmt::format("Time: {} of the rays against {} of the primitives, median of {} of "
                     "this run, bars from quartile to quartile. Named: the Pareto front, on which fewer wrong "
                     "decisions count before more bits, and the chosen form.",
-                    chosen.timed.rays, chosen.timed.solids,
+                    chosen.timed.rays, chosen.timed.primitives,
                     scene::toml::counted(chosen.request.plan.repetitions, "repetition"))};
     spec.x = {"time per ray and primitive, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, 0.0, {}};
@@ -151,11 +154,11 @@ plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
     for (std::size_t k = 0; k < chosen.all.size(); ++k) {
         const Candidate& c = chosen.all[k];
         points.push_back({.row = c.row,
-                          .worth = {c.time.median * 1e9, c.worth.wrong_fraction(), c.worth.kept_bits},
+                          .quality = {c.time.median * 1e9, c.quality.wrong_fraction(), c.quality.kept_bits},
                           .time = c.time,
                           .marker = chosen.meets == k ? 3 : 0,
                           .named = chosen.meets == k,
-                          .hollow = !c.worth.decides(wish)});
+                          .hollow = !c.quality.decides(requirement)});
     }
     speed::add_front(spec, points);
     spec.keys = {{"f32", 0, 0},
@@ -168,7 +171,7 @@ plot::ScatterPlotSpec front_plot(const Chosen& chosen) {
 
 }  // namespace
 
-void write_front_plot(const std::filesystem::path& path, const Chosen& chosen) {
+void write_front_plot(const std::filesystem::path& path, const ChoiceResult& chosen) {
     plot::write_scatter_plot(path, front_plot(chosen));
 }
 
@@ -176,7 +179,7 @@ ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
     : folder_(folder),
       candidates_(folder, "choose.csv", "One row per form and format, cheapest first; times vary from run to run",
                   candidate_table()),
-      rooms_(folder, "room.csv", "One row per way of stretching the scene, for the chosen form", room_table()),
+      margins_(folder, "room.csv", "One row per way of stretching the scene, for the chosen form", margin_table()),
       offsets_(folder, "offset.csv", "One row per offset strategy that is safe for the chosen form, cheapest first",
                offset_table()),
       inputs_(folder, "inputs.csv",
@@ -187,31 +190,31 @@ ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
           "the same for formats under any form, and for none",
           requirement_table()) {}
 
-std::vector<CandidateRow> candidate_rows(const Chosen& chosen) {
-    const auto& wish = chosen.request.wish;
+std::vector<CandidateRow> candidate_rows(const ChoiceResult& chosen) {
+    const auto& requirement = chosen.request.requirement;
     std::vector<CandidateRow> rows;
     for (const std::size_t k : by_price(chosen.all)) {
         const Candidate& c = chosen.all[k];
         const std::string_view form = c.row.form->info->name;
         rows.push_back({{form, c.row.format.name, c.isa},
                         &c.time,
-                        &c.worth,
-                        c.worth.meets(wish),
+                        &c.quality,
+                        c.quality.meets(requirement),
                         chosen.meets == k,
                         chosen.mended_as(form)});
     }
     if (!chosen.request.rays || !chosen.request.rays->answers) return rows;
-    const auto& [name, format, worth] = *chosen.request.rays->answers;
-    rows.push_back({{name, format.name, ""}, nullptr, &worth, worth.meets(wish), false, nullptr});
+    const auto& [name, format, quality] = *chosen.request.rays->answers;
+    rows.push_back({{name, format.name, ""}, nullptr, &quality, quality.meets(requirement), false, nullptr});
     return rows;
 }
 
-void ChoiceFiles::finish(const Chosen& chosen) {
+void ChoiceFiles::finish(const ChoiceResult& chosen) {
     candidates_.add_all(candidate_rows(chosen));
-    rooms_.add_all(chosen.rooms);
-    if (chosen.requirement) {
-        requirement_.add_all(requirement_rows(chosen, *chosen.requirement));
-        draw_requirement(folder_ / "requirement.png", chosen, *chosen.requirement);
+    margins_.add_all(chosen.margins);
+    if (chosen.requirement_map) {
+        requirement_.add_all(requirement_rows(chosen, *chosen.requirement_map));
+        draw_requirement_map(folder_ / "requirement.png", chosen, *chosen.requirement_map);
     }
     if (chosen.offsets) offsets_.add_all(offset_rows(*chosen.offsets));
     if (chosen.obstacle)
@@ -219,8 +222,9 @@ void ChoiceFiles::finish(const Chosen& chosen) {
     write_front_plot(folder_ / "front.png", chosen);
     file::write_file(folder_ / "choose.txt", in_words(chosen));
     table::close_tables(
-        folder_, fmt::format("What meets a requirement on {}: {}", chosen.request.id(), in_words(chosen.request.wish)),
-        candidates_, rooms_, offsets_, inputs_, requirement_);
+        folder_,
+        fmt::format("What meets a requirement on {}: {}", chosen.request.id(), in_words(chosen.request.requirement)),
+        candidates_, margins_, offsets_, inputs_, requirement_);
 }
 
 }  // namespace lostbits::output::choice

@@ -16,9 +16,9 @@ using intersect::Info;
 using measure::choice::Candidate;
 using measure::choice::End;
 using measure::choice::Growth;
-using measure::choice::Room;
-using measure::choice::Wish;
-using measure::choice::Worth;
+using measure::choice::GrowthMargin;
+using measure::choice::Requirement;
+using measure::choice::RowQuality;
 
 namespace {
 
@@ -67,16 +67,16 @@ std::string unequal_widths(const std::vector<Candidate>& all) {
         names, wide);
 }
 
-std::string kept(const Worth& worth, int precision, const Wish& wish) {
-    return std::isnan(worth.kept_bits) ? "no hit to keep bits of"
-                                       : fmt::format("{} of {} bits{}", bits_beside(worth.kept_bits, wish), precision,
-                                                     off_beside(worth.off, wish));
+std::string kept(const RowQuality& quality, int precision, const Requirement& requirement) {
+    return std::isnan(quality.kept_bits) ? "no hit to keep bits of"
+                                         : fmt::format("{} of {} bits{}", bits_beside(quality.kept_bits, requirement),
+                                                       precision, off_beside(quality.off, requirement));
 }
 
-std::string decisions(const Worth& worth) {
-    if (worth.wrong == 0) return fmt::format("no wrong decision in {}", scene::toml::counted(worth.rays, "ray"));
-    const auto share = worth.wrong_fraction();
-    return fmt::format("{} of {} decided wrongly ({}%)", worth.wrong, scene::toml::counted(worth.rays, "ray"),
+std::string decisions(const RowQuality& quality) {
+    if (quality.wrong == 0) return fmt::format("no wrong decision in {}", scene::toml::counted(quality.rays, "ray"));
+    const auto share = quality.wrong_fraction();
+    return fmt::format("{} of {} decided wrongly ({}%)", quality.wrong, scene::toml::counted(quality.rays, "ray"),
                        share < 0.001 ? fmt::format("{:.2g}", share * 100) : fmt::format("{:.3g}", share * 100));
 }
 
@@ -93,17 +93,17 @@ std::string assumptions(const Info& info) {
 
 std::string times(double factor) { return fmt::format("{:.2f} times", factor); }
 
-std::string broken_by(const Room& room, const Wish& wish, int precision) {
-    if (!room.broken.decides(wish)) {
-        const std::string_view first = measure::answer::wrong_words(room.broken.first.value());
-        const std::string rays = scene::toml::counted(room.broken.rays, "ray");
-        if (room.broken.of_first == room.broken.wrong)
-            return fmt::format("{} ({} of {})", first, room.broken.wrong, rays);
-        return fmt::format("wrong decisions ({} of {}; most often, {} times, {})", room.broken.wrong, rays,
-                           room.broken.of_first, first);
+std::string broken_by(const GrowthMargin& margin, const Requirement& requirement, int precision) {
+    if (!margin.broken.decides(requirement)) {
+        const std::string_view first = measure::answer::wrong_words(margin.broken.first.value());
+        const std::string rays = scene::toml::counted(margin.broken.rays, "ray");
+        if (margin.broken.of_first == margin.broken.wrong)
+            return fmt::format("{} ({} of {})", first, margin.broken.wrong, rays);
+        return fmt::format("wrong decisions ({} of {}; most often, {} times, {})", margin.broken.wrong, rays,
+                           margin.broken.of_first, first);
     }
-    return std::isnan(room.broken.kept_bits) ? "no hit on which form and truth agree"
-                                             : "keeping " + kept(room.broken, precision, wish);
+    return std::isnan(margin.broken.kept_bits) ? "no hit on which form and truth agree"
+                                               : "keeping " + kept(margin.broken, precision, requirement);
 }
 
 /// `rays`: they come from files, so there is no camera.
@@ -117,33 +117,33 @@ const char* of_the_way(Growth way, bool rays) {
     return "";
 }
 
-std::string so_far(const Room& room, bool rays) {
-    switch (room.way) {
+std::string so_far(const GrowthMargin& margin, bool rays) {
+    switch (margin.way) {
         case Growth::distance:
-            return fmt::format("{:.3g} times farther ({:.4g} units{})", room.holds, room.value,
+            return fmt::format("{:.3g} times farther ({:.4g} units{})", margin.holds, margin.value,
                                rays ? ", the median" : "");
-        case Growth::radius: return fmt::format("{:.3g} times larger (radius {:.4g})", room.holds, room.value);
-        case Growth::offset: return fmt::format("{:.4g} units away from where it is", room.value);
-        case Growth::view: return fmt::format("{:.3g} degrees wide", room.value);
+        case Growth::radius: return fmt::format("{:.3g} times larger (radius {:.4g})", margin.holds, margin.value);
+        case Growth::offset: return fmt::format("{:.4g} units away from where it is", margin.value);
+        case Growth::view: return fmt::format("{:.3g} degrees wide", margin.value);
     }
     return "";
 }
 
-std::string room_in_words(const Room& room, const Chosen& chosen, int precision) {
-    const Wish& wish = chosen.request.wish;
+std::string margin_in_words(const GrowthMargin& margin, const ChoiceResult& chosen, int precision) {
+    const Requirement& requirement = chosen.request.requirement;
     const bool rays = chosen.request.rays != nullptr;
-    if (room.holds == 0) {
+    if (margin.holds == 0) {
         return fmt::format("has an unknown margin in {}: it already fails on the {} on which that is tried, by {}",
-                           measure::choice::growth_names[static_cast<std::size_t>(room.way)],
-                           rays ? "sample of the rays" : "smaller picture", broken_by(room, wish, precision));
+                           measure::choice::growth_names[static_cast<std::size_t>(margin.way)],
+                           rays ? "sample of the rays" : "smaller picture", broken_by(margin, requirement, precision));
     }
-    const std::string until = fmt::format("until {} {}", of_the_way(room.way, rays), so_far(room, rays));
+    const std::string until = fmt::format("until {} {}", of_the_way(margin.way, rays), so_far(margin, rays));
     return "holds " + until +
-           end_in_words(room, chosen.request.rays, "; first broken by " + broken_by(room, wish, precision));
+           end_in_words(margin, chosen.request.rays, "; first broken by " + broken_by(margin, requirement, precision));
 }
 
 /// The cheapest safe start of the next ray.
-std::string next_ray(const Chosen& chosen) {
+std::string next_ray(const ChoiceResult& chosen) {
     if (!chosen.offsets || chosen.offsets->points == 0) return "";
     const auto& [outside, both, points, rays] = *chosen.offsets;
     const auto cheapest_of = [](const std::vector<measure::offset::SafeStrategy>& safe) {
@@ -159,23 +159,25 @@ std::string next_ray(const Chosen& chosen) {
 }
 
 /// Accuracy of the answers in the files.
-std::string own_answers(const Chosen& chosen) {
+std::string own_answers(const ChoiceResult& chosen) {
     if (!chosen.request.rays || !chosen.request.rays->answers) return "";
-    const auto& [name, format, worth] = *chosen.request.rays->answers;
+    const auto& [name, format, quality] = *chosen.request.rays->answers;
     return fmt::format("The answers in the file, {} in {}: {}, {}; {} the requirement. Their time is not known.\n",
-                       name, format.name, kept(worth, format.parameters.precision, chosen.request.wish),
-                       decisions(worth), worth.meets(chosen.request.wish) ? "they meet" : "they do not meet");
+                       name, format.name, kept(quality, format.parameters.precision, chosen.request.requirement),
+                       decisions(quality),
+                       quality.meets(chosen.request.requirement) ? "they meet" : "they do not meet");
 }
 
-std::string costs(const Chosen& chosen, const Candidate& c) {
+std::string costs(const ChoiceResult& chosen, const Candidate& c) {
     const auto& all = chosen.all;
-    const Wish& wish = chosen.request.wish;
+    const Requirement& requirement = chosen.request.requirement;
     std::string text;
     const auto fast = *measure::choice::fastest(all), accurate = *measure::choice::most_accurate(all);
     const auto of_other = [&](const Candidate& other) {
         return fmt::format("{} ({:.2f} ns{}; {}, {})", name_of_row(other), nanoseconds(other),
                            other.isa == c.isa ? "" : " " + width_of(other),
-                           kept(other.worth, other.row.format.parameters.precision, wish), decisions(other.worth));
+                           kept(other.quality, other.row.format.parameters.precision, requirement),
+                           decisions(other.quality));
     };
     const Candidate* const rival = &all[fast] == &c           ? rival_of(c, all)
                                    : is_as_fast(c, all[fast]) ? &all[fast]
@@ -191,44 +193,45 @@ std::string costs(const Chosen& chosen, const Candidate& c) {
         text += fmt::format("  {} the time of the most accurate, {} ({:.2f} ns; {}).\n",
                             times(nanoseconds(c) / nanoseconds(all[accurate])), name_of_row(all[accurate]),
                             nanoseconds(all[accurate]),
-                            kept(all[accurate].worth, all[accurate].row.format.parameters.precision, wish));
+                            kept(all[accurate].quality, all[accurate].row.format.parameters.precision, requirement));
     return text;
 }
 
-std::string nothing_meets(const Chosen& chosen) {
-    const Candidate& near = chosen.all[*measure::choice::nearest(chosen.all, chosen.request.wish)];
+std::string nothing_meets(const ChoiceResult& chosen) {
+    const Candidate& near = chosen.all[*measure::choice::nearest(chosen.all, chosen.request.requirement)];
     const int precision = near.row.format.parameters.precision;
-    std::string text =
-        fmt::format("Nothing meets the requirement. The nearest is {}: {}, {}; {:.2f} ns.\n", name_of_row(near),
-                    kept(near.worth, precision, chosen.request.wish), decisions(near.worth), nanoseconds(near));
+    std::string text = fmt::format("Nothing meets the requirement. The nearest is {}: {}, {}; {:.2f} ns.\n",
+                                   name_of_row(near), kept(near.quality, precision, chosen.request.requirement),
+                                   decisions(near.quality), nanoseconds(near));
     return chosen.obstacle ? text + obstacle_in_words(chosen, near) : text;
 }
 
 /// Results of repairing the forms that do not meet the requirement.
-std::string mended_in_words(const Chosen& chosen) {
+std::string mended_in_words(const ChoiceResult& chosen) {
     if (!chosen.mended) return "";
     if (chosen.mended->empty())
         return "The repair gave no new form: each one here already meets the requirement, or cannot be repaired to "
                "meet it.\n";
-    const Wish& wish = chosen.request.wish;
+    const Requirement& requirement = chosen.request.requirement;
     std::string text;
     for (const MendedCandidate& one : *chosen.mended) {
         const auto found =
             std::ranges::find(chosen.all, one.name, [](const Candidate& c) { return c.row.form->info->name; });
         const int precision = found->row.format.parameters.precision;
-        text += fmt::format("{} is {}: {}, {}; {:.2f} ns.\n", one.name, one.how, kept(found->worth, precision, wish),
-                            decisions(found->worth), nanoseconds(*found));
+        text +=
+            fmt::format("{} is {}: {}, {}; {:.2f} ns.\n", one.name, one.how,
+                        kept(found->quality, precision, requirement), decisions(found->quality), nanoseconds(*found));
         text += fmt::format("  On rays that the search did not use: {}, {}{}. Its file: {}\n",
-                            kept(one.apart, precision, wish), decisions(one.apart),
-                            one.apart.meets(wish) ? "" : ", which does not meet the requirement", one.file);
+                            kept(one.apart, precision, requirement), decisions(one.apart),
+                            one.apart.meets(requirement) ? "" : ", which does not meet the requirement", one.file);
     }
     return text;
 }
 
 }  // namespace
 
-std::string end_in_words(const Room& room, const measure::choice::FileRays* rays, const std::string& broken) {
-    switch (room.end) {
+std::string end_in_words(const GrowthMargin& margin, const measure::choice::FileRays* rays, const std::string& broken) {
+    switch (margin.end) {
         case End::fails: return broken;
         case End::nothing_hit: return "; beyond that no ray hits anything";
         case End::other_scene:
@@ -239,58 +242,60 @@ std::string end_in_words(const Room& room, const measure::choice::FileRays* rays
     return ", the largest change that was tried";
 }
 
-std::string bits_beside(double kept, const Wish& wish) {
+std::string bits_beside(double kept, const Requirement& requirement) {
     std::string text;
     for (int digits = 1; digits <= 9; ++digits) {
         text = fmt::format("{:.{}f}", kept, digits);
-        if ((file::number_in(text).value_or(kept) < wish.bits) == (kept < wish.bits)) break;
+        if ((file::number_in(text).value_or(kept) < requirement.bits) == (kept < requirement.bits)) break;
     }
     return text;
 }
 
-std::string off_beside(double off, const Wish& wish) {
-    if (!wish.has_tolerance() || std::isnan(off)) return "";
+std::string off_beside(double off, const Requirement& requirement) {
+    if (!requirement.has_tolerance() || std::isnan(off)) return "";
     std::string text;
     for (int digits = 2; digits <= 17; ++digits) {
         text = fmt::format("{:.{}g}", off, digits);
-        if ((file::number_in(text).value_or(off) <= wish.tolerance) == (off <= wish.tolerance)) break;
+        if ((file::number_in(text).value_or(off) <= requirement.tolerance) == (off <= requirement.tolerance)) break;
     }
     return ", " + text + " off";
 }
 
-std::string in_words(const Wish& wish) {
+std::string in_words(const Requirement& requirement) {
     // All typed digits are shown, because p99.99999 is not every hit.
-    const std::string hits = wish.quantile == 1 ? "every hit" : fmt::format("{:.12g} of 100 hits", wish.quantile * 100);
-    const std::string wrong = wish.wrong == 0
-                                  ? "no wrong decision"
-                                  : fmt::format("at most {:.12g}% of the rays decided wrongly", wish.wrong * 100);
-    if (!wish.has_tolerance()) return fmt::format("{:g} correct bits of {}, {}", wish.bits, hits, wrong);
-    const std::string off = fmt::format("at most {} off", wish.tolerance);
-    if (wish.bits == 0) return fmt::format("{} {}, {}", hits, off, wrong);
-    return fmt::format("{:g} correct bits of {} and {}, {}", wish.bits, hits, off, wrong);
+    const std::string hits =
+        requirement.quantile == 1 ? "every hit" : fmt::format("{:.12g} of 100 hits", requirement.quantile * 100);
+    const std::string wrong =
+        requirement.wrong == 0 ? "no wrong decision"
+                               : fmt::format("at most {:.12g}% of the rays decided wrongly", requirement.wrong * 100);
+    if (!requirement.has_tolerance()) return fmt::format("{:g} correct bits of {}, {}", requirement.bits, hits, wrong);
+    const std::string off = fmt::format("at most {} off", requirement.tolerance);
+    if (requirement.bits == 0) return fmt::format("{} {}, {}", hits, off, wrong);
+    return fmt::format("{:g} correct bits of {} and {}, {}", requirement.bits, hits, off, wrong);
 }
 
-std::string in_words(const Chosen& chosen) {
-    std::string text = fmt::format("{}: {}\n", chosen.request.id(), in_words(chosen.request.wish));
+std::string in_words(const ChoiceResult& chosen) {
+    std::string text = fmt::format("{}: {}\n", chosen.request.id(), in_words(chosen.request.requirement));
     if (!chosen.meets) {
         text += nothing_meets(chosen);
     } else {
         const Candidate& c = chosen.all[*chosen.meets];
         const int precision = c.row.format.parameters.precision;
         text += fmt::format("The cheapest is {}: {}, {}.\n", name_of_row(c),
-                            kept(c.worth, precision, chosen.request.wish), decisions(c.worth));
+                            kept(c.quality, precision, chosen.request.requirement), decisions(c.quality));
         text += fmt::format("  It takes {:.2f} ns per ray and primitive, {}.\n", nanoseconds(c), width_of(c));
         const std::string assumed = assumptions(*c.row.form->info);
         text += assumed.empty() ? "  It assumes nothing about the ray.\n" : fmt::format("  It assumes: {}.\n", assumed);
         text += costs(chosen, c);
-        for (const Room& room : chosen.rooms) text += fmt::format("  It {}.\n", room_in_words(room, chosen, precision));
+        for (const GrowthMargin& margin : chosen.margins)
+            text += fmt::format("  It {}.\n", margin_in_words(margin, chosen, precision));
         text += next_ray(chosen);
     }
-    if (chosen.requirement) text += in_words(chosen, *chosen.requirement);
+    if (chosen.requirement_map) text += in_words(chosen, *chosen.requirement_map);
     text += mended_in_words(chosen) + own_answers(chosen) + unequal_widths(chosen.all);
     return text + fmt::format("Times are of this run: {} of the {} against {} of its primitives.\n",
                               scene::toml::counted(chosen.timed.rays, "ray"), chosen.request.rays ? "file" : "scene",
-                              chosen.timed.solids);
+                              chosen.timed.primitives);
 }
 
 }  // namespace lostbits::output::choice

@@ -13,20 +13,21 @@ using measure::choice::Candidate;
 using measure::choice::Input;
 using measure::choice::InputTrial;
 using measure::choice::Obstacle;
-using measure::choice::Wish;
-using measure::choice::Worth;
+using measure::choice::Requirement;
+using measure::choice::RowQuality;
 
 namespace {
 
-std::string bits(double kept, const Wish& wish, double off = measure::truth::missing) {
-    return std::isnan(kept) ? "no hit" : bits_beside(kept, wish) + " bits" + off_beside(off, wish);
+std::string bits(double kept, const Requirement& requirement, double off = measure::truth::missing) {
+    return std::isnan(kept) ? "no hit" : bits_beside(kept, requirement) + " bits" + off_beside(off, requirement);
 }
 
 /// Bits kept, and the wrong decisions if the requirement does not allow them.
-std::string kept_and_wrong(const Worth& worth, const Wish& wish) {
-    const std::string kept = bits(worth.kept_bits, wish, worth.off);
-    if (worth.decides(wish)) return kept;
-    return fmt::format("{} and decides {} of {} wrongly", kept, worth.wrong, scene::toml::counted(worth.rays, "ray"));
+std::string kept_and_wrong(const RowQuality& quality, const Requirement& requirement) {
+    const std::string kept = bits(quality.kept_bits, requirement, quality.off);
+    if (quality.decides(requirement)) return kept;
+    return fmt::format("{} and decides {} of {} wrongly", kept, quality.wrong,
+                       scene::toml::counted(quality.rays, "ray"));
 }
 
 /// `the centres and the radii`.
@@ -41,21 +42,21 @@ std::string inputs_in_words(const InputTrial& trial, std::string_view places) {
 }
 
 /// The inputs that would have to be wider, and their format.
-std::string what_it_takes(const Chosen& chosen, const Candidate& near) {
+std::string what_it_takes(const ChoiceResult& chosen, const Candidate& near) {
     const Obstacle& found = *chosen.obstacle;
-    const Wish& wish = chosen.request.wish;
+    const Requirement& requirement = chosen.request.requirement;
     const Shape shape = near.row.form->shape;
-    const std::string_view places = is_solid(shape) ? row_of(shape).words.places : "centres";
-    const auto form_in_f64 = [&near, &wish](const InputTrial& trial) {
-        return trial.form
-                   ? fmt::format("; {} in f64 keeps {}", near.row.form->info->name, kept_and_wrong(*trial.form, wish))
-                   : std::string();
+    const std::string_view places = is_primitive(shape) ? row_of(shape).words.places : "centres";
+    const auto form_in_f64 = [&near, &requirement](const InputTrial& trial) {
+        return trial.form ? fmt::format("; {} in f64 keeps {}", near.row.form->info->name,
+                                        kept_and_wrong(*trial.form, requirement))
+                          : std::string();
     };
     const char* const wider = found.wider_than_f64 ? "more than binary64" : "binary64";
     if (!found.enough) {
         const InputTrial& all = found.trials.back();
         return fmt::format("  Even with all of them in {} exact arithmetic keeps {}{}.\n", wider,
-                           kept_and_wrong(all.exact, wish), form_in_f64(all));
+                           kept_and_wrong(all.exact, requirement), form_in_f64(all));
     }
     const InputTrial& trial = found.trials[*found.enough];
     const bool all = &trial == &found.trials.back();
@@ -63,22 +64,22 @@ std::string what_it_takes(const Chosen& chosen, const Candidate& near) {
         "  What costs it is the rounding of {}: with {} in {} (of {} bits at least){}, exact "
         "arithmetic keeps {}{}.\n",
         all ? "all inputs" : inputs_in_words(trial, places), all ? "all of them" : "these", wider,
-        found.least_precision, all ? "" : " and the others as they are", kept_and_wrong(trial.exact, wish),
+        found.least_precision, all ? "" : " and the others as they are", kept_and_wrong(trial.exact, requirement),
         form_in_f64(trial));
 }
 
 /// Compares the scene stored in binary32 with the one that is written.
-std::string of_the_rounded_scene(const Chosen& chosen, const Candidate& near) {
+std::string of_the_rounded_scene(const ChoiceResult& chosen, const Candidate& near) {
     const Obstacle& found = *chosen.obstacle;
-    const Wish& wish = chosen.request.wish;
+    const Requirement& requirement = chosen.request.requirement;
     if (!found.rounded_before || found.trials.empty()) return "";
-    const Worth& exact = found.trials.front().exact;
-    if (exact.meets(wish)) return "";
+    const RowQuality& exact = found.trials.front().exact;
+    if (exact.meets(requirement)) return "";
     return fmt::format(
                "  Apart from that, all formats get the scene rounded to binary32, and the requirement refers to this "
                "scene. "
                "Compared with the scene as written, even exact arithmetic on the rounded scene keeps {}.\n",
-               kept_and_wrong(exact, wish)) +
+               kept_and_wrong(exact, requirement)) +
            what_it_takes(chosen, near);
 }
 
@@ -90,18 +91,19 @@ std::string name_of_inputs(const FloatFormat& format) {
     return fmt::format("p{}", format.precision);
 }
 
-std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
+std::string obstacle_in_words(const ChoiceResult& chosen, const Candidate& near) {
     const Obstacle& found = *chosen.obstacle;
-    const Wish& wish = chosen.request.wish;
+    const Requirement& requirement = chosen.request.requirement;
     const std::string& format = near.row.format.name;
     const int precision = near.row.format.parameters.precision;
-    const std::string exact = kept_and_wrong(found.exact, wish);
-    const std::string left = bits(found.inherent_kept, wish, found.inherent_off);
-    const std::string in_f64 =
-        format == "f64" ? "" : fmt::format(" Half an ulp of f64 would leave {}.", bits(found.inherent_kept_f64, wish));
+    const std::string exact = kept_and_wrong(found.exact, requirement);
+    const std::string left = bits(found.inherent_kept, requirement, found.inherent_off);
+    const std::string in_f64 = format == "f64" ? ""
+                                               : fmt::format(" Half an ulp of f64 would leave {}.",
+                                                             bits(found.inherent_kept_f64, requirement));
     switch (found.cause) {
         case Obstacle::Cause::no_hit:
-            return near.worth.hits == 0
+            return near.quality.hits == 0
                        ? fmt::format(
                              "  What limits it: the {}. None of the rays truly hits anything, so there is no t to "
                              "keep bits of.\n",
@@ -125,7 +127,7 @@ std::string obstacle_in_words(const Chosen& chosen, const Candidate& near) {
                    of_the_rounded_scene(chosen, near);
         case Obstacle::Cause::formula: break;
     }
-    const char* const what = near.worth.decides(wish) ? "the formula" : "its decisions, due to the formula";
+    const char* const what = near.quality.decides(requirement) ? "the formula" : "its decisions, due to the formula";
     const std::string inputs =
         found.trials.empty() && !found.rounded_before
             ? "The effect of rounding the inputs was not measured, because there are too many primitives"

@@ -55,14 +55,14 @@ std::string witness_text(const measure::claim::ClaimResult& result);
 std::string explain_witness(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
 
 /// Names of the thing that a claim is measured on, for texts.
-struct SubjectWords {
+struct SubjectTexts {
     std::string heading;  ///< heading of all claims about it: `near-benign, rendered`
     std::string where;    ///< scene, sweep or table with the position in it: `near-benign, rendered to stage phong`
     std::string place;    ///< that position alone, for texts below the heading: `stage phong`
     std::string command;  ///< command that measures it again with all files
 };
 
-[[nodiscard]] SubjectWords words_of(const scene::claim::Claim& claim);
+[[nodiscard]] SubjectTexts words_of(const scene::claim::Claim& claim);
 
 /// Counts of the verdicts.
 struct VerdictCounts {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "measure/claim/claim_columns.hpp"
-#include "output/blame/explain_text.hpp"
+#include "output/attribution/explain_text.hpp"
 #include "output/consistency/consistency_files.hpp"
 #include "output/file/escape.hpp"
 #include "output/map/map_files.hpp"
@@ -82,7 +82,7 @@ std::string picture_of(const SceneSubject& on, const ShownSubject& shown) {
         const measure::answer::OneRay ray(scene, 0, 0, {.stop = shown.run.stop});
         std::string text;
         for (const TestedForm& row : rows)
-            text += fmt::format("```\n{}```\n", blame::march_table(*row.form, row.format, ray));
+            text += fmt::format("```\n{}```\n", attribution::march_table(*row.form, row.format, ray));
         return text;
     }
     const measure::evaluate::EvaluationRequest request{.scene = &scene,

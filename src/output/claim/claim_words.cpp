@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/claim/claim_files.hpp"
 #include "output/file/number_text.hpp"
 #include "scene/toml/counted.hpp"
@@ -12,7 +12,7 @@
 
 namespace lostbits::output::claim {
 
-using blame::shell_word;
+using attribution::shell_word;
 using measure::claim::ClaimResult;
 using measure::metric::Metric;
 using scene::claim::Claim;
@@ -23,22 +23,22 @@ std::string witness_text(const ClaimResult& r) {
     std::string text = fmt::format("origin {} {} {} direction {} {} {}", file::hex(w.ray.origin.x),
                                    file::hex(w.ray.origin.y), file::hex(w.ray.origin.z), file::hex(w.ray.direction.x),
                                    file::hex(w.ray.direction.y), file::hex(w.ray.direction.z));
-    for (std::size_t i = 0; i < w.solid.used().size(); ++i)
-        text += fmt::format(" {} {}", number_names(w.solid.shape)[i], file::hex(w.solid.numbers[i]));
+    for (std::size_t i = 0; i < w.primitive.used().size(); ++i)
+        text += fmt::format(" {} {}", number_names(w.primitive.shape)[i], file::hex(w.primitive.numbers[i]));
     return text + " t " + file::hex(w.t);
 }
 
 std::string explain_witness(const Claim& c, const ClaimResult& r) {
     if (r.witness.x < 0) return "";
     const std::string name =
-        r.witness.given ? blame::name_of_ray(r.witness.given.get())
+        r.witness.given ? attribution::name_of_ray(r.witness.given.get())
         : c.on<scene::claim::SceneSubject>()
-            ? blame::name_of_pixel(shell_word(c.subject_name()), static_cast<int>(r.witness.x), r.witness.y)
+            ? attribution::name_of_pixel(shell_word(c.subject_name()), static_cast<int>(r.witness.x), r.witness.y)
             : "";
     if (name.empty()) return "";
     measure::evaluate::TestedForm row = measure::claim::claim_row(c);
     row.judged = r.witness.judged;
-    return blame::explain_command(name, row);
+    return attribution::explain_command(name, row);
 }
 
 std::string quantity(const Claim& c) {
@@ -84,7 +84,7 @@ std::optional<bool> stands(const Claim& c, const ClaimResult& r) {
                                                  : c.criterion->is_failed_by(s.low, s.high);
 }
 
-std::string fate_of_verdict(const Claim& c, const ClaimResult& r) {
+std::string mark_of_verdict(const Claim& c, const ClaimResult& r) {
     const auto still = stands(c, r);
     if (!still) return "";
     return fmt::format("; {}: {}", says_text(c),
@@ -121,7 +121,7 @@ std::string expected_and_measured(const Claim& c, const ClaimResult& r) {
 }  // namespace
 
 std::string explain(const Claim& c, const ClaimResult& r) {
-    return expected_and_measured(c, r) + fate_of_verdict(c, r);
+    return expected_and_measured(c, r) + mark_of_verdict(c, r);
 }
 
 const Metric* metric_of_column(const std::string& column) {

@@ -4,20 +4,20 @@
 
 #include <cmath>
 
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::consistency {
 
 using measure::answer::Outcome;
-using measure::consistency::Accord;
-using measure::consistency::accord_names;
-using measure::consistency::AccordOfPixels;
 using measure::consistency::Check;
+using measure::consistency::check_result_names;
+using measure::consistency::CheckResult;
 using measure::consistency::CheckSummary;
 using measure::consistency::ConsistencyBand;
 using measure::consistency::ConsistencyStudy;
+using measure::consistency::PixelCheckResults;
 using measure::consistency::RowChecks;
 using pixel::colour_of;
 using pixel::PixelColumn;
@@ -29,7 +29,7 @@ namespace {
 
 constexpr const char* excess_unit = "ulps of the length";
 /// Category of pixels where numbers are compared and both rays hit.
-constexpr std::size_t on_ramp = accord_names.size();
+constexpr std::size_t on_ramp = check_result_names.size();
 
 /// Scale of the excess: by how many ulps the two ends of a chord are further apart than the exact ones.
 image::ColourScale excess_scale() { return pixel::magnitude_scale(0x1p-2, 0x1p14); }
@@ -42,7 +42,7 @@ pixel::Look look_of(const Check& check) {
           "only the first question is answered with yes"},
          {fmt::format("yes only for: {}", check.second), colour_of(Outcome::false_miss), "only the second question is"},
          {"alike, but other numbers", colour_of(Outcome::not_a_number)},
-         {"the inputs differ, not the form", colour_of(Outcome::wrong_object)},
+         {"the inputs differ, not the form", colour_of(Outcome::wrong_primitive)},
          {"not proved", colour_of(Outcome::unresolved)},
          {""}},
         check.numbers ? std::optional(excess_scale()) : std::nullopt,
@@ -53,17 +53,17 @@ std::string note_of(const Check& check, const CheckSummary& s) {
     if (s.asked() == 0) return "not asked";
     // An end at the hit may count or not, by convention: an answer of yes everywhere is not a difference.
     if (check.measure == measure::consistency::check_end) {
-        const auto yes = s.of(Accord::second_alone);
+        const auto yes = s.of(CheckResult::second_alone);
         return yes == 0 ? "always no" : yes == s.asked() ? "always yes" : share_text(yes, s.asked()) + " yes";
     }
     const char* const alike = s.excess.count() > 0 ? "decisions alike" : "all alike";
     std::string note = s.decisions() == 0 ? alike : share_text(s.decisions(), s.asked()) + " differ";
-    if (const auto inputs = s.of(Accord::by_inputs); inputs > 0 && !check.numbers)
+    if (const auto inputs = s.of(CheckResult::by_inputs); inputs > 0 && !check.numbers)
         note += fmt::format("\n{} by inputs", share_text(inputs, s.asked()));
     if (s.excess.count() > 0)
         note += fmt::format("\np99 {:.3g}, max {:.3g} ulps", s.excess.quantile(0.99), s.excess.quantile(1));
-    else if (s.of(Accord::other_number) > 0)
-        note += fmt::format("\n{} other bits", share_text(s.of(Accord::other_number), s.asked()));
+    else if (s.of(CheckResult::other_number) > 0)
+        note += fmt::format("\n{} other bits", share_text(s.of(CheckResult::other_number), s.asked()));
     return note;
 }
 
@@ -91,9 +91,9 @@ std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const Consist
             columns.push_back(
                 {std::move(spec), r, pixel::drawn_by<ConsistencyBand>([c](const ConsistencyBand& band, std::size_t i) {
                      const auto& pixels = band.checks[c];
-                     const auto accord = static_cast<std::size_t>(pixels.accord[i]);
+                     const auto result = static_cast<std::size_t>(pixels.results[i]);
                      return pixels.excess.empty() || std::isnan(pixels.excess[i])
-                                ? PixelValue{accord}
+                                ? PixelValue{result}
                                 : PixelValue{on_ramp, pixels.excess[i]};
                  })});
         }
@@ -133,25 +133,27 @@ std::vector<study::Note> ConsistencyView::notes(const ConsistencyStudy& study, c
 Table<study::PixelInBand<ConsistencyBand>> ConsistencyView::pixel_table(const ConsistencyStudy& study) {
     using R = study::PixelInBand<ConsistencyBand>;
     std::string known;
-    for (const std::string_view name : accord_names) known += fmt::format("{}{}", known.empty() ? "" : ", ", name);
+    for (const std::string_view name : check_result_names)
+        known += fmt::format("{}{}", known.empty() ? "" : ", ", name);
     Table<R> table = study::place_columns<ConsistencyBand>();
     for (std::size_t c = 0; c < study.checks.size(); ++c) {
         const Check& check = *study.checks[c];
-        table.add({std::string(check.name), "string", "", fmt::format("{}: {}", check.title, known),
-                   [c](const R& r) { return accord_names[static_cast<std::size_t>(r.band->checks[c].accord[r.i])]; }});
+        table.add({std::string(check.name), "string", "", fmt::format("{}: {}", check.title, known), [c](const R& r) {
+                       return check_result_names[static_cast<std::size_t>(r.band->checks[c].results[r.i])];
+                   }});
         if (!check.numbers) continue;
-        const auto number = [c](std::vector<double> AccordOfPixels::*numbers) {
+        const auto number = [c](std::vector<double> PixelCheckResults::*numbers) {
             return [c, numbers](const R& r) {
-                const AccordOfPixels& pixels = r.band->checks[c];
+                const PixelCheckResults& pixels = r.band->checks[c];
                 return pixels.excess.empty() ? file::Cell() : file::number_or_missing((pixels.*numbers)[r.i]);
             };
         };
         table.add({{fmt::format("{}_apart", check.name), "number", "ulp",
                     "|near + far from the other end - length| in ulps of the length; for placed |t - the other t| in "
                     "ulps of t",
-                    number(&AccordOfPixels::apart)},
+                    number(&PixelCheckResults::apart)},
                    {fmt::format("{}_excess", check.name), "number", "ulp",
-                    "difference between that and the same for the exact answers", number(&AccordOfPixels::excess)}});
+                    "difference between that and the same for the exact answers", number(&PixelCheckResults::excess)}});
     }
     return table;
 }
@@ -166,8 +168,8 @@ Table<CheckRow> ConsistencyView::summary_table() {
     const auto explain = [](auto ray) {
         return [ray](const R& r) {
             const auto& shown = r.summary->shown;
-            return shown && !(shown->rays.*ray).solids.empty()
-                       ? blame::explain_command(blame::name_of_ray(&(shown->rays.*ray)), *r.row)
+            return shown && !(shown->rays.*ray).primitives.empty()
+                       ? attribution::explain_command(attribution::name_of_ray(&(shown->rays.*ray)), *r.row)
                        : std::string();
         };
     };

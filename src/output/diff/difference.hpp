@@ -123,13 +123,13 @@ inline constexpr std::array<image::Rgb8, 4> pixel_class_colours{{
     {240, 228, 66},   // right_now: yellow
 }};
 
-struct DifferenceWords {
+struct DifferenceTexts {
     std::string title, first, second;  ///< title of the picture, and names of the two sides
 };
 
 /// Writes the picture. The ends of the ramp are the largest difference, at least one bit. Throws InputError if the
 /// sizes differ.
 void draw_difference(const std::filesystem::path& path, const PixelField& a, const PixelField& b,
-                     const DifferenceWords& words);
+                     const DifferenceTexts& words);
 
 }  // namespace lostbits::output::diff

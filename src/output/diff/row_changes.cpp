@@ -55,7 +55,7 @@ KeyedRows keyed(const CsvTable& table, const RowChoice& choice) {
 
 bool is_outcome(const std::string& name) {
     return std::ranges::find(measure::answer::outcome_names, name) != measure::answer::outcome_names.end() ||
-           name == "wrong_object";
+           name == "wrong_primitive";
 }
 
 /// True for columns that name a ray, a position or a command; the distance between two of them has no meaning.
@@ -90,7 +90,7 @@ std::pair<double, double> true_hits(const CsvTable& table, std::size_t row) {
         return table.find(name) == nullptr ? without : number_of(table, row, name);
     };
     const double least = number_of(table, row, "agree_hit") + number_of(table, row, "false_miss") +
-                         count("wrong_object", 0) + count("double_hit", 0) + count("wrong_neighbour", 0) +
+                         count("wrong_primitive", 0) + count("double_hit", 0) + count("wrong_neighbour", 0) +
                          count("out_of_order", 0);
     return {least, least + count("crack", 0) + count("not_a_number", 0) + count("unresolved", 0)};
 }

@@ -57,9 +57,9 @@ void write_datapackage(const std::filesystem::path& path, const std::string& tit
     Json list = Json::array();
     for (const auto& data : resources) list.push_back(resource(data));
     Json package{{"profile", "tabular-data-package"}, {"name", slug(title)}, {"title", valid_utf8(title)}};
-    if (const auto maker = maker_of(path)) {
-        package["lostbits"] = {{"command", valid_utf8(maker->command)}, {"program", maker->program}};
-        for (const auto& [name, what] : maker->forms) package["lostbits"]["forms"][name] = valid_utf8(what);
+    if (const auto provenance = provenance_of(path)) {
+        package["lostbits"] = {{"command", valid_utf8(provenance->command)}, {"program", provenance->program}};
+        for (const auto& [name, what] : provenance->forms) package["lostbits"]["forms"][name] = valid_utf8(what);
     }
     package["resources"] = std::move(list);
     write_file(path, json_text(package));

@@ -1,6 +1,6 @@
 // Escapes text that users wrote: one function per kind of output. Others are `csv_field` (csv.hpp), `html`
-// (page/text.hpp), `shell_word` (intersect/process/child.hpp), the names in `\mathit` (measure/blame/tape_text.hpp) and
-// nlohmann's JSON.
+// (page/text.hpp), `shell_word` (intersect/process/child.hpp), the names in `\mathit`
+// (measure/attribution/tape_text.hpp) and nlohmann's JSON.
 #pragma once
 
 #include <string>

@@ -47,10 +47,10 @@ std::string progress_line(std::string_view label, std::uint64_t done, std::uint6
     const std::string remaining = part > 0 ? duration_text(elapsed_s / part - elapsed_s) : "?";
     const std::string tail =
         fmt::format(" {:3}%  {} elapsed, {} left", static_cast<int>(part * 100), duration_text(elapsed_s), remaining);
-    const int room = columns - 1 - static_cast<int>(label.size() + tail.size()) - 3;  // the last column wraps
+    const int space = columns - 1 - static_cast<int>(label.size() + tail.size()) - 3;  // the last column wraps
     std::string line(label);
-    if (room >= 5) {
-        const int length = std::min(room, 40);
+    if (space >= 5) {
+        const int length = std::min(space, 40);
         const int full = static_cast<int>(part * length);
         line += " [" + std::string(static_cast<std::size_t>(full), '#') +
                 std::string(static_cast<std::size_t>(length - full), '.') + "]";

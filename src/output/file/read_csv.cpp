@@ -12,6 +12,7 @@
 #include "output/file/number_text.hpp"
 #include "scene/toml/counted.hpp"
 #include "scene/toml/files_of_run.hpp"
+#include "scene/toml/former_names.hpp"
 
 namespace lostbits::output::file {
 namespace {
@@ -31,8 +32,10 @@ public:
     /// Reads the cells of a row and moves past its end.
     void row(std::vector<std::string_view>& cells) {
         cells.clear();
-        do cells.push_back(at_ < text_.size() && text_[at_] == '"' ? quoted() : plain());
-        while (comma());
+        do {
+            const std::string_view cell = at_ < text_.size() && text_[at_] == '"' ? quoted() : plain();
+            cells.push_back(scene::toml::name_of_today(cell));
+        } while (comma());
         if (at_end()) return;
         if (text_[at_] == '\r') ++at_;
         ++at_;

@@ -95,7 +95,7 @@ std::string kind_of(const std::string& command) {
 
 }  // namespace
 
-std::optional<MadeBy> ResultFolder::made_by_in(const fs::path& folder) {
+std::optional<Provenance> ResultFolder::made_by_in(const fs::path& folder) {
     const auto all = made_in(folder);
     if (all.empty()) return {};
     return all.front().by;
@@ -110,7 +110,7 @@ std::string ResultFolder::unfinished_in(const fs::path& folder) {
                        folder.string(), marker_name);
 }
 
-ResultFolder::ResultFolder(fs::path folder, MadeBy made_by, Rules rules)
+ResultFolder::ResultFolder(fs::path folder, Provenance made_by, Rules rules)
     : folder_(plain(folder)), made_by_(std::move(made_by)), rules_(rules), exceptions_(std::uncaught_exceptions()) {
     std::error_code error, ignored;
     for (auto part = folder_; part != part.parent_path() && !fs::exists(fs::symlink_status(part, ignored));
@@ -327,7 +327,7 @@ void require_own(const fs::path& path) {
     if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->refuse_strange(name);
 }
 
-std::string words_of_forms(const MadeBy& by) {
+std::string words_of_forms(const Provenance& by) {
     std::string words;
     for (const auto& [name, what] : by.forms) words += (words.empty() ? "" : "\n") + name + ": " + what;
     return words;
@@ -343,19 +343,19 @@ void forget_result(const fs::path& path) {
     if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->forget(name);
 }
 
-void add_maker(const fs::path& path, std::vector<std::pair<std::string, std::string>>& attributes) {
-    const auto maker = maker_of(path);
-    if (!maker) return;
-    for (const auto& [name, value] : {std::pair("lostbits:command", maker->command),
-                                      {"lostbits:program", maker->program},
-                                      {"lostbits:forms", words_of_forms(*maker)}}) {
+void add_generator(const fs::path& path, std::vector<std::pair<std::string, std::string>>& attributes) {
+    const auto provenance = provenance_of(path);
+    if (!provenance) return;
+    for (const auto& [name, value] : {std::pair("lostbits:command", provenance->command),
+                                      {"lostbits:program", provenance->program},
+                                      {"lostbits:forms", words_of_forms(*provenance)}}) {
         if (value.empty()) continue;
         const auto is_it = [name = name](const auto& entry) { return entry.first == name; };
         if (std::ranges::none_of(attributes, is_it)) attributes.emplace_back(name, value);
     }
 }
 
-std::optional<MadeBy> maker_of(const fs::path& path) {
+std::optional<Provenance> provenance_of(const fs::path& path) {
     std::string name;
     if (const ResultFolder* const owner = ResultFolder::owner_of(path, name)) return owner->made_by_;
     return {};

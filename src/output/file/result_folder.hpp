@@ -12,7 +12,7 @@
 namespace lostbits::output::file {
 
 /// The run that made a file. Files that can hold it have it as metadata.
-struct MadeBy {
+struct Provenance {
     std::string command;  ///< the command that makes the file again
     std::string program;  ///< `lostbits 0.1.0`
     /// Name and description of every external intersector: its library, or its shader with the driver and how that
@@ -43,13 +43,13 @@ public:
     using Rules = ResultFolderRules;
     /// The files of one run.
     struct Made {
-        MadeBy by;
+        Provenance by;
         std::set<std::string> files;
     };
 
     /// Throws InputError if the folder holds results that no list names, or if another run is writing to it;
     /// EnvironmentError if the folder cannot be made, or if results of an earlier run cannot be removed.
-    ResultFolder(std::filesystem::path folder, MadeBy made_by, Rules rules);
+    ResultFolder(std::filesystem::path folder, Provenance made_by, Rules rules);
     /// Marks the results as complete, unless an exception is propagating. Removes the folder if this object made it and
     /// it is empty.
     ~ResultFolder();
@@ -62,7 +62,7 @@ public:
     void complete();
 
     /// The run that made the folder, by its list; nothing if there is no list or it is not one of ours.
-    [[nodiscard]] static std::optional<MadeBy> made_by_in(const std::filesystem::path& folder);
+    [[nodiscard]] static std::optional<Provenance> made_by_in(const std::filesystem::path& folder);
 
     /// A sentence that says that the results of a folder are not complete, and what to do; empty if they are complete.
     [[nodiscard]] static std::string unfinished_in(const std::filesystem::path& folder);
@@ -72,7 +72,7 @@ private:
     friend void require_own(const std::filesystem::path& path);
     friend void forget_result(const std::filesystem::path& path);
     friend bool is_in_own_folder(const std::filesystem::path& path);
-    friend std::optional<MadeBy> maker_of(const std::filesystem::path& path);
+    friend std::optional<Provenance> provenance_of(const std::filesystem::path& path);
     static ResultFolder* owner_of(const std::filesystem::path& path, std::string& name);
     void refuse_strange_results() const;
     void refuse_strange_list() const;
@@ -86,7 +86,7 @@ private:
     void clear_earlier() const;
 
     std::filesystem::path folder_;  // absolute, normal
-    MadeBy made_by_;
+    Provenance made_by_;
     Rules rules_;
     std::vector<std::filesystem::path> made_;  // folders that were not there, deepest first
     std::set<std::string> earlier_, files_;
@@ -119,13 +119,13 @@ void forget_result(const std::filesystem::path& path);
 [[nodiscard]] bool is_in_own_folder(const std::filesystem::path& path);
 
 /// External intersectors as one text: a line `NAME: description` for each.
-[[nodiscard]] std::string words_of_forms(const MadeBy& by);
+[[nodiscard]] std::string words_of_forms(const Provenance& by);
 
 /// Adds the attributes `lostbits:command`, `lostbits:program` and `lostbits:forms` of the run whose folder the path is
 /// in. Skips empty ones and those that `attributes` already has.
-void add_maker(const std::filesystem::path& path, std::vector<std::pair<std::string, std::string>>& attributes);
+void add_generator(const std::filesystem::path& path, std::vector<std::pair<std::string, std::string>>& attributes);
 
 /// The run whose folder the path is in; nothing if it is in none.
-[[nodiscard]] std::optional<MadeBy> maker_of(const std::filesystem::path& path);
+[[nodiscard]] std::optional<Provenance> provenance_of(const std::filesystem::path& path);
 
 }  // namespace lostbits::output::file

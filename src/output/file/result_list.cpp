@@ -37,7 +37,7 @@ ResultFolder::Made made_of(const nlohmann::json& entry) {
     return made;
 }
 
-OrderedJson json_of(const MadeBy& by, const std::set<std::string>& names) {
+OrderedJson json_of(const Provenance& by, const std::set<std::string>& names) {
     auto files = OrderedJson::array();
     for (const std::string& each : names) files.push_back(valid_utf8(each));
     OrderedJson json{{"program", by.program}, {"command", valid_utf8(by.command)}};

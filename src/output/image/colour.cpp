@@ -155,13 +155,13 @@ Rgb8 ColourScale::map(double value) const {
 /// Ticks at both ends, then at powers of two where there is space, powers of four first.
 std::vector<ColourScale::Tick> ColourScale::root_ticks(int most) const {
     std::vector<Tick> out{{0, tick_label(lo_)}, {1, tick_label(hi_)}};
-    const double room = 0.75 / most;
+    const double gap = 0.75 / most;
     for (const int first : {0, 1}) {
         for (int e = first; e < 1024 && static_cast<int>(out.size()) < most; e += 2) {
             const double value = std::exp2(e);
             if (!(value > lo_ && value < hi_)) continue;
             const double at = position(value);
-            if (std::ranges::all_of(out, [&](const Tick& t) { return std::fabs(t.position - at) >= room; }))
+            if (std::ranges::all_of(out, [&](const Tick& t) { return std::fabs(t.position - at) >= gap; }))
                 out.push_back({at, tick_label(value)});
         }
     }

@@ -30,7 +30,7 @@ inline constexpr std::array<Rgb8, 11> outcome_colours{{
     {214, 148, 255},  // false_miss: lilac
     {0, 0, 0},        // not_a_number: black
     {95, 46, 225},    // unresolved: violet
-    {181, 124, 0},    // wrong_object: gold
+    {181, 124, 0},    // wrong_primitive: gold
     {200, 0, 65},     // crack: crimson
     {110, 235, 255},  // double_hit: light cyan
     {245, 175, 180},  // wrong_neighbour: pale pink

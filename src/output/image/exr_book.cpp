@@ -131,7 +131,7 @@ struct ExrBook::Page {
 ExrBook::ExrBook(const std::filesystem::path& path, std::vector<ExrPart> parts) : path_(path.string()), out_(path) {
     std::set<std::string> names;
     for (ExrPart& part : parts) {
-        file::add_maker(path, part.spec.attributes);
+        file::add_generator(path, part.spec.attributes);
         const ExrSpec& spec = part.spec;
         std::set<std::string_view> channels;
         for (const Channel& channel : spec.channels) channels.insert(channel.name);
@@ -198,7 +198,7 @@ void ExrBook::write_rows(std::size_t part, int y_begin, int rows, std::span<cons
 void ExrBook::add_block(std::size_t part, int block, std::string bytes) {
     const std::lock_guard lock(mutex_);
     if (failure_) std::rethrow_exception(failure_);
-    waiting_.emplace(Place(pages_[part].part.run, block, part), std::move(bytes));
+    waiting_.emplace(BlockPosition(pages_[part].part.run, block, part), std::move(bytes));
     try {
         write_waiting();
     } catch (...) {

@@ -57,7 +57,7 @@ public:
 
 private:
     struct Page;
-    using Place = std::tuple<int, int, std::size_t>;  ///< run, block, part
+    using BlockPosition = std::tuple<int, int, std::size_t>;  ///< run, block, part
 
     [[nodiscard]] bool has_parts() const;
     void write_header();
@@ -68,10 +68,10 @@ private:
     std::vector<Page> pages_;
     std::mutex mutex_;  ///< guards all members below
     file::AtomicFile out_;
-    std::map<Place, std::string> waiting_;
-    std::vector<Place> order_;    ///< order in which blocks are written
-    std::size_t next_ = 0;        ///< index in `order_`
-    std::exception_ptr failure_;  ///< the first failure; the file is lost, so later calls throw it again
+    std::map<BlockPosition, std::string> waiting_;
+    std::vector<BlockPosition> order_;  ///< order in which blocks are written
+    std::size_t next_ = 0;              ///< index in `order_`
+    std::exception_ptr failure_;        ///< the first failure; the file is lost, so later calls throw it again
 };
 
 }  // namespace lostbits::output::image

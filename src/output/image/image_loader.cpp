@@ -73,9 +73,9 @@ ImageBackend& image_backend() {
 std::unique_ptr<PngWriter> ImageBackend::open_png(const fs::path& path, int width, int height) {
     if (width <= 0 || height <= 0) throw std::logic_error(path.string() + ": a PNG without pixels");
     PngSpec spec{width, height, {}};
-    if (const auto maker = file::maker_of(path)) {
-        spec.words = {{"Software", maker->program}, {"lostbits:command", maker->command}};
-        if (!maker->forms.empty()) spec.words.emplace_back("lostbits:forms", file::words_of_forms(*maker));
+    if (const auto provenance = file::provenance_of(path)) {
+        spec.words = {{"Software", provenance->program}, {"lostbits:command", provenance->command}};
+        if (!provenance->forms.empty()) spec.words.emplace_back("lostbits:forms", file::words_of_forms(*provenance));
     }
     return make_png(std::make_unique<file::AtomicFile>(path), path.string(), spec);
 }

@@ -232,7 +232,7 @@ ExrImage OiioBackend::read_exr(const std::filesystem::path& path, std::size_t pa
     if (!in->seek_subimage(place, 0))
         throw InputError(path.string() + ": cannot read part " + std::to_string(part) + ": " + in->geterror());
     const OIIO::ImageSpec& spec = in->spec();
-    require_room(path, claimed(spec, 0), 2);  // the headers were checked against the file
+    require_pixel_memory(path, claimed(spec, 0), 2);  // the headers were checked against the file
     const auto count = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
     const auto stride = spec.pixel_bytes(true);
     std::vector<std::byte> pixels(count * stride);
@@ -286,7 +286,7 @@ PngImage OiioBackend::read_png(const std::filesystem::path& path) {
     if (spec.nchannels != 3 || spec.format != OIIO::TypeDesc::UINT8) {
         throw InputError(path.string() + ": not an 8-bit RGB picture");
     }
-    require_room(path, claimed(spec, 1032), 1);  // deflate: RFC 1951
+    require_pixel_memory(path, claimed(spec, 1032), 1);  // deflate: RFC 1951
     PngImage out{spec.width, spec.height, {}};
     out.pixels.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
     if (!in->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, out.pixels.data())) {

@@ -29,7 +29,7 @@ using intersect::process::KeepsFloatingPoint;
 [[nodiscard]] std::vector<std::uint8_t> cairo_coverage(std::span<const Figure> figures, const PixelBox& box);
 
 /// Product of two sizes, or the largest number if it overflows: 2^30 × 2^30 pixels of 16 bytes would wrap to 0.
-inline std::uint64_t room_of(std::uint64_t a, std::uint64_t b) {
+inline std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b) {
     constexpr auto most = std::numeric_limits<std::uint64_t>::max();
     return b != 0 && a > most / b ? most : a * b;
 }
@@ -42,8 +42,8 @@ struct ClaimedPixels {
 
 /// Refuses a header that claims more pixels than the file can hold (InputError) or this machine can (EnvironmentError),
 /// before anything is allocated. `copies` of the pixels are in memory at a time.
-inline void require_room(const std::filesystem::path& path, const ClaimedPixels& pixels, std::uint64_t copies) {
-    const std::uint64_t bytes = room_of(room_of(pixels.width, pixels.height), pixels.bytes_each);
+inline void require_pixel_memory(const std::filesystem::path& path, const ClaimedPixels& pixels, std::uint64_t copies) {
+    const std::uint64_t bytes = saturating_product(saturating_product(pixels.width, pixels.height), pixels.bytes_each);
     std::error_code unknown;
     const std::uint64_t size = std::filesystem::file_size(path, unknown), most = pixels.most_of_a_byte;
     const std::string claims = path.string() + ": claims " + std::to_string(pixels.width) + "x" +
@@ -52,11 +52,11 @@ inline void require_room(const std::filesystem::path& path, const ClaimedPixels&
     if (!unknown && most > 0 && bytes / most > size)
         throw InputError(claims + ", which no file of " + file::bytes_text(size) +
                          " can hold; give one that is complete");
-    file::require_memory(room_of(bytes, copies), claims, "compare smaller pictures, or on a larger machine");
+    file::require_memory(saturating_product(bytes, copies), claims, "compare smaller pictures, or on a larger machine");
 }
 
 /// Reads the headers of an EXR file. Throws InputError if an attribute, or the table of block offsets, reaches beyond
-/// the end of the file, and the errors of `require_room`.
+/// the end of the file, and the errors of `require_pixel_memory`.
 class ExrHeads {
 public:
     explicit ExrHeads(const std::filesystem::path& path) : path_(path), in_(path, std::ios::binary) {
@@ -70,10 +70,10 @@ public:
             const Head head = read_head();
             if (head.is_empty) break;
             blocks += blocks_of(head);
-            pixels_ += room_of(head.pixels.width, head.pixels.height);
-            require_room(path_, head.pixels, 1);
+            pixels_ += saturating_product(head.pixels.width, head.pixels.height);
+            require_pixel_memory(path_, head.pixels, 1);
         }
-        if (room_of(blocks, 8) > size_ - at_) cut_off();
+        if (saturating_product(blocks, 8) > size_ - at_) cut_off();
     }
     /// Total of all parts.
     [[nodiscard]] std::uint64_t pixels() const { return pixels_; }
@@ -172,7 +172,7 @@ private:
         if (type == "chlist") static_cast<void>(pixel_bytes(end));
         if (type == "preview") {
             const std::uint64_t width = number(4), height = number(4);
-            if (room_of(room_of(width, height), 4) != end - at_) cut_off();
+            if (saturating_product(saturating_product(width, height), 4) != end - at_) cut_off();
         }
         if (type == "idmanifest" && number(4) / 1032 > bytes) cut_off();
         while (type == "stringvector" && at_ < end) {
@@ -215,7 +215,8 @@ private:
             return (length + std::max<std::uint64_t>(piece, 1) - 1) / std::max<std::uint64_t>(piece, 1);
         };
         if (head.tiled)
-            return room_of(pieces(head.pixels.width, head.tile_width), pieces(head.pixels.height, head.tile_height));
+            return saturating_product(pieces(head.pixels.width, head.tile_width),
+                                      pieces(head.pixels.height, head.tile_height));
         return pieces(head.pixels.height, head.compression < lines.size() ? lines[head.compression] : 256);
     }
 

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "measure/judge/worst_rays.hpp"
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
 #include "output/sweep/worst_files.hpp"
@@ -17,7 +17,7 @@ using file::Cell;
 using measure::answer::Outcome;
 using measure::evaluate::TestedForm;
 using measure::judge::JudgeRequest;
-using measure::judge::NotedRay;
+using measure::judge::ReportedRay;
 using measure::judge::WorstRays;
 using scene::dump::Chunk;
 using scene::dump::Dump;
@@ -34,16 +34,16 @@ scene::file::Scene scene_of(const JudgeRequest& request, const Dump& dump, const
     scene.title = options.title;
     scene.width = request.picture ? request.picture->first : 1;
     scene.height = request.picture ? request.picture->second : 1;
-    if (dump.layout().solid()) scene.listed.emplace_back(*dump.layout().solid());
-    for (const Solid<double>& solid : request.solids) scene.listed.emplace_back(solid.shape);
+    if (dump.layout().primitive()) scene.listed.emplace_back(*dump.layout().primitive());
+    for (const Primitive<double>& primitive : request.primitives) scene.listed.emplace_back(primitive.shape);
     if (request.mesh) scene.mesh = {request.mesh, &request.mesh->mesh()};
     return scene;
 }
 
 /// Arguments of `lostbits explain` that name a ray; empty if its primitives are too many to be named.
-std::string name_of(const measure::evaluate::WorstRay& ray) { return blame::name_of_ray(ray.given.get()); }
+std::string name_of(const measure::evaluate::WorstRay& ray) { return attribution::name_of_ray(ray.given.get()); }
 
-std::string case_name(const TestedForm& row, const NotedRay& ray) {
+std::string case_name(const TestedForm& row, const ReportedRay& ray) {
     const std::string what = ray.outcome == Outcome::agree_hit
                                  ? fmt::format("{:.6g} ulp", ray.ulps)
                                  : std::string(measure::answer::outcome_names[static_cast<std::size_t>(ray.outcome)]);
@@ -69,7 +69,8 @@ Table<JudgedRay> given_columns(const Dump& dump) {
     const auto number = [narrow](double x) { return narrow ? Cell(static_cast<float>(x)) : Cell(x); };
     const auto add = [&](std::size_t s, const char* type, const char* meaning, table::CellOf<R> value) {
         if (layout.has(s))
-            table.add({std::string(scene::dump::name_of_slot(s, layout.solid())), type, "", meaning, std::move(value)});
+            table.add(
+                {std::string(scene::dump::name_of_slot(s, layout.primitive())), type, "", meaning, std::move(value)});
     };
     const auto add_number = [&](std::size_t s, const char* meaning, const auto& value) {
         add(s, "number", meaning, [=](const R& r) { return number(value(*r.chunk, r.found.i)); });
@@ -83,12 +84,12 @@ Table<JudgedRay> given_columns(const Dump& dump) {
     add_number(slot::tmin, "beginning of the ray's range",
                [](const Chunk& c, std::size_t i) { return c.rays.tmin[i]; });
     add_number(slot::tmax, "end of the ray's range", [](const Chunk& c, std::size_t i) { return c.rays.tmax[i]; });
-    for (std::size_t s = slot::solid; s < slot::t; ++s)
+    for (std::size_t s = slot::primitive; s < slot::t; ++s)
         add_number(s, "number of the ray's primitive, as it was judged",
-                   [k = s - slot::solid](const Chunk& c, std::size_t i) { return c.solids[i].used()[k]; });
+                   [k = s - slot::primitive](const Chunk& c, std::size_t i) { return c.primitives[i].used()[k]; });
     for (std::size_t s = slot::matrix; s < slot::count; ++s)
         add_number(s, "number of the primitive's matrix, as it was judged",
-                   [k = s - slot::matrix](const Chunk& c, std::size_t i) { return c.solids[i].placed->matrix[k]; });
+                   [k = s - slot::matrix](const Chunk& c, std::size_t i) { return c.primitives[i].placed->matrix[k]; });
     add(slot::hit, "boolean", "true if the file has a hit for this ray", has_hit);
     add(slot::t, "number", "the file's answer; missing if it has no hit",
         [number](const R& r) { return has_hit(r) ? number(r.chunk->t[r.found.i]) : Cell(); });
@@ -168,7 +169,7 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
     Parts& p = *parts_;
     p.scene = scene_of(request, dump, p.options);
     p.map_request = {.scene = &p.scene, .rows = request.rows, .metrics = request.metrics};
-    const std::size_t ulps = measure::metric::place_of(request.metrics, "ulp_error");
+    const std::size_t ulps = measure::metric::index_of(request.metrics, "ulp_error");
     std::vector<file::DataResource> tables;
     for (const TestedForm& row : request.rows) {
         p.rows.push_back(std::make_unique<RowParts>(row, WorstRays(p.options.worst, ulps)));
@@ -216,7 +217,7 @@ bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {
     Parts& p = *parts_;
     std::string cases;
     for (std::size_t r = 0; r < p.rows.size(); ++r) {
-        for (const NotedRay& ray : p.rows[r]->worst().all()) {
+        for (const ReportedRay& ray : p.rows[r]->worst().all()) {
             if (ray.given) cases += sweep::case_text(case_name(p.request.rows[r], ray), *ray.given);
         }
         p.rows[r]->close();

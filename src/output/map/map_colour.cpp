@@ -18,7 +18,7 @@ Rgb8 paler(Rgb8 c) {
 }
 
 std::string plain_name(Outcome o) {
-    if (o == Outcome::wrong_object) return "wrong primitive";
+    if (o == Outcome::wrong_primitive) return "wrong primitive";
     std::string name(measure::answer::outcome_names[static_cast<std::size_t>(o)]);
     if (name.starts_with("agree_")) name.replace(0, 5, "correct");
     std::ranges::replace(name, '_', ' ');

@@ -82,7 +82,7 @@ public:
     /// Value of one pixel of the picture.
     [[nodiscard]] pixel::PixelValue pixel(measure::answer::Outcome outcome, double value) const;
     /// Index of an outcome among the categories.
-    [[nodiscard]] std::size_t place_of(measure::answer::Outcome o) const {
+    [[nodiscard]] std::size_t index_of(measure::answer::Outcome o) const {
         const auto k = static_cast<std::size_t>(o);
         return values_ + (k == 0 ? image::outcome_colours.size() : k) - 1;
     }
@@ -102,9 +102,11 @@ public:
     [[nodiscard]] std::string widest_caption(std::uint64_t pixels) const;
 
 private:
-    [[nodiscard]] bool is_of_hits() const { return metric_->over == measure::metric::Over::agreed_hits; }
+    [[nodiscard]] bool is_of_hits() const { return metric_->over == measure::metric::MetricDomain::agreed_hits; }
     /// True for a distance between two forms, which exists where both hit.
-    [[nodiscard]] bool is_distance() const { return metric_->over == measure::metric::Over::pairs && look_.scale; }
+    [[nodiscard]] bool is_distance() const {
+        return metric_->over == measure::metric::MetricDomain::pairs && look_.scale;
+    }
     [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const pixel::CategoryCounts& all) const;
     [[nodiscard]] std::vector<image::LegendEntry> widest_culprit_legend(std::uint64_t pixels) const;
 

@@ -21,13 +21,13 @@ using measure::truth::missing;
 struct MapExr::Truths {
     intersect::Direction direction;
     intersect::Convention convention;
-    const scene::camera::Maker* maker;  ///< its ideal rays may have other origins
+    const scene::camera::RayGenerator* generator;  ///< its ideal rays may have other origins
     const TestedForm* filled_by;
     pixel::ExrLayers<MapStrip> layers;
 
     [[nodiscard]] bool is_of(const TestedForm& row) const {
         return direction == row.form->info->direction && convention == row.convention() &&
-               maker == scene::rays::maker_of(*row.form);
+               generator == scene::rays::generator_of(*row.form);
     }
     [[nodiscard]] std::string name() const {
         std::string name = "truth";
@@ -40,7 +40,7 @@ struct MapExr::Truths {
         if (convention.facing != intersect::Facing::both)
             name.append(".").append(intersect::facing_names[static_cast<std::size_t>(convention.facing)]);
         if (convention.endless) name += ".endless";
-        if (maker) name.append(".ray-").append(maker->info->name);
+        if (generator) name.append(".ray-").append(generator->info->name);
         return name;
     }
 };
@@ -112,7 +112,7 @@ pixel::ExrLayers<MapStrip> layers_of(const MapExrRequest& request, const TestedF
     });
     for (const Metric* metric : request.layers)
         layers.add_number(std::string(metric->layer),
-                          [m = measure::metric::place_of(request.map.metrics, metric->name)](
+                          [m = measure::metric::index_of(request.map.metrics, metric->name)](
                               const MapStrip& strip, std::size_t i) { return strip.result->metrics[m][i]; });
     return layers;
 }
@@ -181,7 +181,7 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
         rows_.push_back({&row, layers_of(request, row)});
         const std::size_t truths = place_in(truths_, [&row](const Truths& t) { return t.is_of(row); });
         if (truths == truths_.size())
-            truths_.push_back({row.form->info->direction, row.convention(), scene::rays::maker_of(*row.form), &row,
+            truths_.push_back({row.form->info->direction, row.convention(), scene::rays::generator_of(*row.form), &row,
                                truth_layers(row)});
         parts.push_back(row_part(request, row, truths_[truths].name(), rows_.back().layers.channels()));
     }

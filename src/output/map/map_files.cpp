@@ -6,7 +6,7 @@
 #include <deque>
 #include <optional>
 
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/file/machine.hpp"
 #include "output/map/map_pictures.hpp"
 #include "output/map/map_tables.hpp"
@@ -108,7 +108,7 @@ void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::
     if (!p.summary) return;
     const auto name_of = [&p](const measure::evaluate::WorstRay& ray) {
         return p.options.name_of_ray ? p.options.name_of_ray(ray)
-                                     : blame::name_of_pixel(p.options.named, static_cast<int>(ray.x), ray.y);
+                                     : attribution::name_of_pixel(p.options.named, static_cast<int>(ray.x), ray.y);
     };
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         p.summary->add_all(summary_rows(r, p.request.rows[r], summaries[r], groups, name_of));

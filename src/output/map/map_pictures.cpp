@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
@@ -111,9 +111,9 @@ std::vector<MapPictures::Column> MapPictures::add_columns() {
             if (!paint->applies_to(row)) continue;
             const auto sheet = std::ranges::find_if(
                 sheets_, [m](const MapSheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
-            const pixel::SheetPlace place{find_or_add(sheet->forms, short_name(*row.form->info)),
-                                          find_or_add(sheet->lines, sheet->line_name(row, *m)),
-                                          static_cast<std::size_t>(sheet - sheets_.begin())};
+            const pixel::SheetPosition place{find_or_add(sheet->forms, short_name(*row.form->info)),
+                                             find_or_add(sheet->lines, sheet->line_name(row, *m)),
+                                             static_cast<std::size_t>(sheet - sheets_.begin())};
             drawings_.push_back({r, index_of(request_.metrics, m), paint, place});
             columns.push_back(column_of(drawings_.back()));
         }
@@ -127,8 +127,9 @@ MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
     const Metric& m = drawing.paint->metric();
     pixel::ColumnSpec spec{
         .file = row_name(row) + (options_.drawn.size() == 1 ? "" : "." + file_word(m)) + ".png",
-        .title = fmt::format("{} in {}: {}{}", row.form->info->name, row.format.name, m.name,
-                             m.over == measure::metric::Over::pairs ? fmt::format(" {}", row.against->info->name) : ""),
+        .title = fmt::format(
+            "{} in {}: {}{}", row.form->info->name, row.format.name, m.name,
+            m.over == measure::metric::MetricDomain::pairs ? fmt::format(" {}", row.against->info->name) : ""),
         .subtitle = {title_of(*row.form->info), drawing.paint->note()},
         .look = std::make_shared<const pixel::Look>(look_of(drawing)),
         .places = {drawing.place},
@@ -153,7 +154,7 @@ MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
 pixel::Look MapPictures::look_of(const Drawing& drawing) const {
     pixel::Look look = drawing.paint->look(request_.scene->mesh != nullptr);
     look.unit = drawing.paint->metric().unit;
-    if (!options_.sheet_alone.empty()) look.categories[drawing.paint->place_of(Outcome::agree_hit)].name.clear();
+    if (!options_.sheet_alone.empty()) look.categories[drawing.paint->index_of(Outcome::agree_hit)].name.clear();
     if (is_enveloped(drawing.paint->metric()))
         look.categories.push_back({paler_means, paler(look.scale->map(look.scale->hi() / 2))});
     return look;
@@ -171,7 +172,8 @@ std::string MapPictures::worst_words(const Drawing& drawing, const measure::eval
     const std::string place = fmt::format("; worst pixel {},{}", worst.x, worst.y);
     if (!row.form->record || options_.named.empty()) return place;
     return place + ": " +
-           blame::explain_command(blame::name_of_pixel(options_.named, static_cast<int>(worst.x), worst.y), row);
+           attribution::explain_command(attribution::name_of_pixel(options_.named, static_cast<int>(worst.x), worst.y),
+                                        row);
 }
 
 pixel::SheetEnd MapPictures::end_of(std::size_t sheet, const std::vector<FormSummary>& summaries) const {
@@ -228,7 +230,7 @@ std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, const s
                 ? "worst pixel: summary.csv has the command that explains its ray, in the column worst_explain"
                 : fmt::format("worst pixel X,Y: lostbits explain {} --pixel X,Y -i FORM -f FORMAT{} shows how its "
                               "answer came about",
-                              named, blame::where_forms_are_from()));
+                              named, attribution::where_forms_are_from()));
     std::erase(lines, "");
     return lines;
 }
@@ -240,18 +242,18 @@ std::string cell_note(const MetricPaint& paint, const measure::evaluate::FormSum
 
 std::vector<std::size_t> best_first(std::size_t forms, std::span<const SheetCell> cells, std::size_t lost) {
     constexpr double none = std::numeric_limits<double>::infinity();  // with too few hits: after all others
-    std::vector<std::optional<std::pair<std::uint64_t, double>>> worth(forms);
+    std::vector<std::optional<std::pair<std::uint64_t, double>>> quality(forms);
     for (const auto& [form, summary] : cells) {
-        if (worth[form]) continue;
+        if (quality[form]) continue;
         const double p99 = lost < summary->metrics.size() && summary->agreement().is_enough()
                                ? summary->metrics[lost].quantile(0.99)
                                : none;
-        worth[form].emplace(summary->wrong_count(), std::isnan(p99) ? none : p99);
+        quality[form].emplace(summary->wrong_count(), std::isnan(p99) ? none : p99);
     }
     std::vector<std::size_t> order(forms);
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, {}, [&](std::size_t form) {
-        return worth[form].value_or(std::pair{std::numeric_limits<std::uint64_t>::max(), none});
+        return quality[form].value_or(std::pair{std::numeric_limits<std::uint64_t>::max(), none});
     });
     return order;
 }

@@ -78,7 +78,7 @@ private:
     struct Drawing {
         std::size_t row, metric;  ///< indices in the request
         std::shared_ptr<const MetricPaint> paint;
-        pixel::SheetPlace place;
+        pixel::SheetPosition place;
     };
     [[nodiscard]] pixel::Pages pages();
     [[nodiscard]] std::vector<Column> add_columns();

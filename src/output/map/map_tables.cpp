@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "measure/blame/culprits.hpp"
-#include "output/blame/explain_command.hpp"
+#include "measure/attribution/culprits.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::map {
@@ -47,7 +47,7 @@ void add_columns(Table<SummaryRow>& table, const std::vector<SummaryColumn>& col
 
 std::string command(const SummaryRow& r, const measure::evaluate::WorstRay* ray) {
     const std::string name = ray != nullptr && ray->x >= 0 ? r.name_of_ray(*ray) : "";
-    return name.empty() ? "" : blame::explain_command(name, r.row);
+    return name.empty() ? "" : attribution::explain_command(name, r.row);
 }
 
 }  // namespace
@@ -116,7 +116,7 @@ std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, cons
     std::vector<Culprit> culprits;
     for (const std::size_t c : culprits_by_count(counts))
         culprits.push_back(
-            {row, (*metric)->categories[c], counts[c], measure::blame::culprit_share(counts, std::array{c})});
+            {row, (*metric)->categories[c], counts[c], measure::attribution::culprit_share(counts, std::array{c})});
     return culprits;
 }
 

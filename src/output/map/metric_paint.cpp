@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "measure/answer/against.hpp"
-#include "measure/blame/culprits.hpp"
+#include "measure/attribution/culprits.hpp"
 #include "output/map/map_tables.hpp"
 #include "scene/toml/counted.hpp"
 
@@ -17,7 +17,7 @@ using image::Rgb8;
 using measure::answer::Outcome;
 using measure::evaluate::FormSummary;
 using measure::metric::Metric;
-using measure::metric::Over;
+using measure::metric::MetricDomain;
 
 namespace {
 
@@ -83,8 +83,8 @@ std::string lost_and_kept(double lost, int precision) {
 /// Colour of a value that is one of the metric's categories.
 Rgb8 category_colour(const Metric& metric, std::size_t category) {
     if (metric.categories.data() == intersect::stop_names.data()) return image::stop_colours[category];
-    if (metric.over == Over::pairs) return image::against_colours[category];
-    if (metric.over == Over::agreed_hits) return image::distinct_colour(category);  // slate is taken
+    if (metric.over == MetricDomain::pairs) return image::against_colours[category];
+    if (metric.over == MetricDomain::agreed_hits) return image::distinct_colour(category);  // slate is taken
     return category == 0 ? no_culprit : image::distinct_colour(category - 1);
 }
 
@@ -106,21 +106,22 @@ MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, const 
         categories.push_back({is_of_hits() ? name : "", image::outcome_colours[o]});
     }
     // Nothing is wrong if two forms do not both hit, so this colour recedes.
-    categories.push_back({is_distance() ? not_both_hit : "",
-                          pixel::colour_of(metric.over == Over::pairs ? Outcome::agree_miss : Outcome::not_a_number)});
+    categories.push_back(
+        {is_distance() ? not_both_hit : "",
+         pixel::colour_of(metric.over == MetricDomain::pairs ? Outcome::agree_miss : Outcome::not_a_number)});
     // Correct hits without a value come last of the outcomes in legends.
     std::rotate(categories.begin() + static_cast<std::ptrdiff_t>(values_),
                 categories.begin() + static_cast<std::ptrdiff_t>(values_) + 1, categories.end() - 1);
 }
 
 bool MetricPaint::applies_to(const measure::evaluate::TestedForm& row) const {
-    if (metric_->over == Over::pairs)  // distances exist only between values of t with the same meaning
+    if (metric_->over == MetricDomain::pairs)  // distances exist only between values of t with the same meaning
         return row.against != nullptr &&
                (!metric_->categories.empty() || measure::answer::are_comparable(*row.form->info, *row.against->info));
     const bool machine = row.format.engine != Format::Engine::rounded;
     if ((metric_->needs & measure::metric::needs_bound) && (row.form->bounded == nullptr || !machine)) return false;
-    if ((metric_->needs & measure::metric::needs_way) && row.form->way == nullptr) return false;
-    return metric_->over != Over::marches || !is_solid(row.form->shape);
+    if ((metric_->needs & measure::metric::needs_filter_arithmetic) && row.form->way == nullptr) return false;
+    return metric_->over != MetricDomain::marches || !is_primitive(row.form->shape);
 }
 
 bool MetricPaint::shares_with(const Metric& other) const {
@@ -135,8 +136,8 @@ pixel::PixelValue MetricPaint::pixel(Outcome outcome, double value) const {
         return {0, is_of_hits() ? std::fabs(value) : value};
     }
     const bool by_outcome =
-        is_of_hits() || metric_->over == Over::blamed || (metric_->over == Over::every && look_.scale);
-    return {by_outcome ? place_of(outcome) : look_.categories.size() - 1};
+        is_of_hits() || metric_->over == MetricDomain::blamed || (metric_->over == MetricDomain::every && look_.scale);
+    return {by_outcome ? index_of(outcome) : look_.categories.size() - 1};
 }
 
 pixel::Look MetricPaint::look(bool of_mesh) const {
@@ -146,7 +147,7 @@ pixel::Look MetricPaint::look(bool of_mesh) const {
             return counts ? culprit_legend(*counts) : widest_culprit_legend(pixels);
         };
     for (std::size_t o = measure::answer::outcomes_without_mesh; !of_mesh && o < image::outcome_colours.size(); ++o)
-        look.categories[place_of(static_cast<Outcome>(o))].name.clear();
+        look.categories[index_of(static_cast<Outcome>(o))].name.clear();
     return look;
 }
 
@@ -160,7 +161,7 @@ std::vector<LegendEntry> MetricPaint::widest_culprit_legend(std::uint64_t pixels
 
 std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts& all) const {
     const pixel::CategoryCounts counts(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(values_));
-    const std::uint64_t blamed = measure::blame::rays_with_culprit(counts);
+    const std::uint64_t blamed = measure::attribution::rays_with_culprit(counts);
     std::vector<LegendEntry> entries;
     std::uint64_t rest = 0;
     for (const std::size_t c : culprits_by_count(counts)) {
@@ -177,7 +178,7 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts
             {"other operations, each in its own colour", image::style::page, pixel::count_text(rest, blamed)});
     // Rays with other outcomes may have a culprit.
     for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved}) {
-        if (const std::uint64_t n = all[place_of(o)])
+        if (const std::uint64_t n = all[index_of(o)])
             entries.push_back({plain_name(o), pixel::colour_of(o), std::to_string(n)});
     }
     return entries;
@@ -214,7 +215,7 @@ std::string MetricPaint::glance(const FormSummary& s, std::size_t m) const {
     if (metric_->by_run) {
         const auto order = culprits_by_count(s.categories[m]);
         if (order.empty()) return "no culprit";
-        const std::uint64_t blamed = measure::blame::rays_with_culprit(s.categories[m]);
+        const std::uint64_t blamed = measure::attribution::rays_with_culprit(s.categories[m]);
         return fmt::format("{} of {} culprits:\n{}", percent(s.categories[m][order.front()], blamed), blamed,
                            shortened(metric_->categories[order.front()], 48));
     }

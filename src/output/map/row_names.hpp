@@ -41,11 +41,11 @@ namespace lostbits::output::map {
 
 /// Forms across and formats down, both in the order of their first rows.
 struct RowGrid {
-    struct Place {
+    struct GridCell {
         std::size_t form, format;
     };
     std::vector<std::string> forms, formats;
-    std::vector<Place> places;  ///< one per row
+    std::vector<GridCell> places;  ///< one per row
 
     explicit RowGrid(const std::vector<measure::evaluate::TestedForm>& rows) {
         for (const measure::evaluate::TestedForm& row : rows)

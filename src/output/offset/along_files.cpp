@@ -34,9 +34,9 @@ AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetStudy& s
       along_(along),
       table_(folder, fmt::format("along.{}.csv", name_of(along)),
              "One row per value on the axis, strategy, side, kind of point, form and format",
-             table::Table<PlaceRow>{{std::string(name_of(along)), "number", "",
-                                     std::string(measure::offset::meaning_of(along)), &PlaceRow::place}}
-                 .add(OffsetView::summary_table(), &PlaceRow::of)) {}
+             table::Table<AlongRow>{{std::string(name_of(along)), "number", "",
+                                     std::string(measure::offset::meaning_of(along)), &AlongRow::place}}
+                 .add(OffsetView::summary_table(), &AlongRow::of)) {}
 
 void AlongFiles::add(double k, std::vector<OffsetSummary> summaries) {
     for (const StrategyRow& row : OffsetView::summary_rows(study_, summaries)) table_.add({k, row});

@@ -34,24 +34,24 @@ constexpr const char* safe_unit = "ulps of the largest coordinate";
 const pixel::Category no_point{"no point that counts", colour_of(Outcome::agree_miss)};
 
 /// Result for the rays of a strategy at a point. If several apply, the first in this list counts.
-enum class Fate : std::uint8_t { nowhere, self_hit, lost, by_form, wrong_side, safe };
-pixel::Look fate_look() {
+enum class StrategyResult : std::uint8_t { nowhere, self_hit, lost, by_form, wrong_side, safe };
+pixel::Look strategy_result_look() {
     return {{no_point,
              {"self-hit by truth", colour_of(Outcome::false_miss)},
              {"jumps past a neighbour, or past its own far side", colour_of(Outcome::unresolved)},
              {"self-hit or lost by the form's arithmetic alone", colour_of(Outcome::false_hit)},
-             {"starts on the wrong side, without harm", colour_of(Outcome::wrong_object)},
+             {"starts on the wrong side, without harm", colour_of(Outcome::wrong_primitive)},
              {"every ray is right", colour_of(Outcome::agree_hit)}}};
 }
 
-Fate fate_of(const OffsetBand& band, std::size_t pixel, Side side, std::size_t strategy) {
-    if (band.is_point[pixel] == 0) return Fate::nowhere;
+StrategyResult strategy_result_of(const OffsetBand& band, std::size_t pixel, Side side, std::size_t strategy) {
+    if (band.is_point[pixel] == 0) return StrategyResult::nowhere;
     const StrategyAtPoint& at = band.at(pixel, side, strategy);
-    if (at[Fault::self_hit] > 0) return Fate::self_hit;
+    if (at[Fault::self_hit] > 0) return StrategyResult::self_hit;
     if (at[Fault::lost_occluder] + at[Fault::begins_in_neighbour] + at[Fault::lost_exit] + at[Fault::not_finite] > 0)
-        return Fate::lost;
-    if (at[Fault::self_hit_by_form] + at[Fault::lost_exit_by_form] > 0) return Fate::by_form;
-    return at[Fault::wrong_side] > 0 ? Fate::wrong_side : Fate::safe;
+        return StrategyResult::lost;
+    if (at[Fault::self_hit_by_form] + at[Fault::lost_exit_by_form] > 0) return StrategyResult::by_form;
+    return at[Fault::wrong_side] > 0 ? StrategyResult::wrong_side : StrategyResult::safe;
 }
 
 /// Colours of the smallest safe offset, and of pixels that are not on its scale.
@@ -104,7 +104,7 @@ std::string OffsetView::row_name(const OffsetStudy& study, std::size_t row) {
 std::string in_words(Side side) { return side == Side::outside ? "away from the primitive" : "into the primitive"; }
 
 std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& study) {
-    const auto of_fates = std::make_shared<const pixel::Look>(fate_look()),
+    const auto of_fates = std::make_shared<const pixel::Look>(strategy_result_look()),
                of_safe = std::make_shared<const pixel::Look>(safe_look());
     std::vector<PixelColumn<OffsetBand>> columns;
     for (std::size_t r = 0; r < study.rows.size(); ++r) {
@@ -122,7 +122,8 @@ std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& stud
                                     .places = {{k + 1, line_of(r, side)}}},
                                    r,
                                    pixel::drawn_by<OffsetBand>([side, k](const OffsetBand& band, std::size_t i) {
-                                       return PixelValue{static_cast<std::size_t>(fate_of(band, i, side, k))};
+                                       return PixelValue{
+                                           static_cast<std::size_t>(strategy_result_of(band, i, side, k))};
                                    })});
             }
             columns.push_back(

@@ -60,7 +60,7 @@ struct OffsetView {
                                                     const measure::offset::OffsetSummary& summary);
 
 /// A strategy at a value on the axis.
-struct PlaceRow {
+struct AlongRow {
     double place;
     StrategyRow of;
 };
@@ -86,7 +86,7 @@ private:
     std::filesystem::path folder_;
     const measure::offset::OffsetStudy& study_;
     measure::offset::Along along_;
-    table::TableFile<PlaceRow> table_;
+    table::TableFile<AlongRow> table_;
     std::vector<double> steps_;
     std::vector<std::vector<measure::offset::OffsetSummary>> summaries_;  ///< one per step
 };

@@ -98,7 +98,7 @@ std::optional<Place> place_of(const Claim& c, const ClaimResult& r, const Report
 
 /// What a claim was measured on: a link to its place on the page, or the command that shows it.
 std::string measured_on(const Claim& c, const ClaimResult& r, const Report& report) {
-    const claim::SubjectWords words = claim::words_of(c);
+    const claim::SubjectTexts words = claim::words_of(c);
     const std::string text = html(words.where),
                       row = fmt::format("<br><small>{} {}</small>", html(c.tested()), html(c.format));
     const auto place = place_of(c, r, report);

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "measure/truth/reach.hpp"
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/image/exr_parts.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
@@ -51,13 +51,13 @@ std::int16_t bound_exponent(const measure::truth::Certified& x) {
 struct MapData::Group {
     Direction direction;
     intersect::Convention convention;
-    const scene::camera::Maker* maker;  ///< its ideal rays may have other origins
+    const scene::camera::RayGenerator* generator;  ///< its ideal rays may have other origins
     Layer hit, object, truth, rest, bound, condition;
 
     Group(const TestedForm& row, std::size_t n)
         : direction(row.form->info->direction),
           convention(row.convention()),
-          maker(scene::rays::maker_of(*row.form)),
+          generator(scene::rays::generator_of(*row.form)),
           hit(1, n),
           object(4, n),
           truth(8, n),
@@ -67,7 +67,7 @@ struct MapData::Group {
 
     [[nodiscard]] bool is_of(const TestedForm& row) const {
         return direction == row.form->info->direction && convention == row.convention() &&
-               maker == scene::rays::maker_of(*row.form);
+               generator == scene::rays::generator_of(*row.form);
     }
 
     void take(std::size_t at, std::size_t i, const BandResult& result, bool with_condition) {
@@ -206,9 +206,9 @@ Json metric_json(const Metric& m, std::span<const TestedForm> rows) {
     Json json{{"name", m.name},
               {"unit", m.unit},
               {"meaning", m.meaning},
-              {"marches", m.over == measure::metric::Over::marches},
-              {"every_ray", m.over == measure::metric::Over::every},
-              {"blamed", m.over == measure::metric::Over::blamed},
+              {"marches", m.over == measure::metric::MetricDomain::marches},
+              {"every_ray", m.over == measure::metric::MetricDomain::every},
+              {"blamed", m.over == measure::metric::MetricDomain::blamed},
               {"kind", is_inherent(m)    ? "hits"
                        : is_derived(m)   ? "derived"
                        : is_condition(m) ? "shared"
@@ -247,23 +247,23 @@ Json summary_json(const EvaluationRequest& request, const TestedForm& row, const
     }
     const FloatFormat& f = row.format.parameters;
     const measure::evaluate::WorstRay* const worst = s.worst_ray();
-    return {
-        {"form", row.form->info->name},
-        {"format", row.format.name},
-        {"title", map::title_of(*row.form->info)},
-        {"precision", f.precision},
-        {"emin", f.emin},
-        {"coding", coding_name(row.format)},
-        {"direction", row.form->info->direction == Direction::unit ? "unit" : "any"},
-        {"formula", row.form->is_template()},
-        {"from", blame::where_form_is_from(row.form->info->name)},
-        {"group", group},
-        {"outcomes", s.outcomes},
-        {"true_hits", s.true_hits},
-        {"statistics", std::move(statistics)},
-        {"worst_explain",
-         worst ? blame::explain_command(blame::name_of_pixel(named, static_cast<int>(worst->x), worst->y), row) : ""},
-        {"worst", worst ? Json{{"x", worst->x}, {"y", worst->y}} : Json()}};
+    return {{"form", row.form->info->name},
+            {"format", row.format.name},
+            {"title", map::title_of(*row.form->info)},
+            {"precision", f.precision},
+            {"emin", f.emin},
+            {"coding", coding_name(row.format)},
+            {"direction", row.form->info->direction == Direction::unit ? "unit" : "any"},
+            {"formula", row.form->is_template()},
+            {"from", attribution::where_form_is_from(row.form->info->name)},
+            {"group", group},
+            {"outcomes", s.outcomes},
+            {"true_hits", s.true_hits},
+            {"statistics", std::move(statistics)},
+            {"worst_explain", worst ? attribution::explain_command(
+                                          attribution::name_of_pixel(named, static_cast<int>(worst->x), worst->y), row)
+                                    : ""},
+            {"worst", worst ? Json{{"x", worst->x}, {"y", worst->y}} : Json()}};
 }
 
 }  // namespace

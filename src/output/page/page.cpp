@@ -170,7 +170,7 @@ std::string choices_body(const Report& report) {
     std::string text =
         fmt::format("<p>Every form and format, measured on the scene's own rays. {}</p>\n", machine_of(report));
     for (const ChoicePart& c : report.choices)
-        text += part("", named(c.wish, c.scene), preformatted(html(c.words)) + image(c.front) + c.table);
+        text += part("", named(c.requirement, c.scene), preformatted(html(c.words)) + image(c.front) + c.table);
     return text;
 }
 
@@ -197,7 +197,7 @@ std::string mends_body(const Report& report) {
         std::string changes;
         for (const std::string& change : m.changes) changes += fmt::format("<li>{}</li>\n", html(change));
         text += part(
-            "", named(m.form + ": " + m.wish, m.scene),
+            "", named(m.form + ": " + m.requirement, m.scene),
             fmt::format("<ul>\n{}</ul>\n", changes) + m.table + image(m.front) + preformatted(with_diffs(m.words)));
     }
     return text;

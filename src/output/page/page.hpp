@@ -12,8 +12,8 @@
 #include "measure/offset/offsets.hpp"
 #include "output/choice/choice_files.hpp"
 #include "output/claim/claim_files.hpp"
-#include "output/mend/mend_files.hpp"
 #include "output/page/map_data.hpp"
+#include "output/repair/mend_files.hpp"
 
 namespace lostbits::output::page {
 
@@ -61,7 +61,7 @@ struct TradePart {
 
 /// The form chosen for a scene by a requirement. Its times differ from run to run.
 struct ChoicePart {
-    std::string scene, wish;  ///< id of the scene; `18 correct bits of every hit, no wrong decision`
+    std::string scene, requirement;  ///< id of the scene; `18 correct bits of every hit, no wrong decision`
     std::string words;
     std::string table;  ///< HTML, see `choice_table`
     Picture front;
@@ -69,10 +69,10 @@ struct ChoicePart {
 
 /// The repair of a form for a scene and a requirement.
 struct MendPart {
-    std::string form, scene, wish;     ///< `sphere.half_b in f32`, the scene's id, the requirement
-    std::vector<std::string> changes;  ///< one sentence for each form that the repair produced
-    std::string words;                 ///< from `mend::in_words`
-    std::string table;                 ///< HTML, see `mend_table`
+    std::string form, scene, requirement;  ///< `sphere.half_b in f32`, the scene's id, the requirement
+    std::vector<std::string> changes;      ///< one sentence for each form that the repair produced
+    std::string words;                     ///< from `repair::in_words`
+    std::string table;                     ///< HTML, see `mend_table`
     Picture front;
     bool timed = false;  ///< its times differ from run to run
 };
@@ -108,12 +108,12 @@ struct Report {
 
 /// Table of every form and format, cheapest first: time, bits kept, wrong decisions, and whether it meets the
 /// requirement.
-[[nodiscard]] std::string choice_table(const choice::Chosen& chosen);
+[[nodiscard]] std::string choice_table(const choice::ChoiceResult& chosen);
 
 /// Table of the form, its repairs and the best form of the catalogue: wider operations, bits kept and wrong decisions
 /// on the scene and on rays that the search did not use, and times if they were measured. Each number carries the CSV's
 /// own decimal.
-[[nodiscard]] std::string mend_table(const mend::MendResult& result);
+[[nodiscard]] std::string mend_table(const repair::MendResult& result);
 
 /// One table per side: the share of rays that each strategy gets wrong, in which way, and by how much the offset is too
 /// large.

@@ -8,13 +8,13 @@
 #include <sstream>
 
 #include "intersect/process/parallel.hpp"
-#include "measure/blame/explanation.hpp"
-#include "output/blame/explain_text.hpp"
+#include "measure/attribution/explanation.hpp"
+#include "output/attribution/explain_text.hpp"
 #include "scene/rays/made_rows.hpp"
 
 namespace lostbits::output::page {
 
-using measure::blame::Explanation;
+using measure::attribution::Explanation;
 using measure::evaluate::EvaluationRequest;
 using measure::evaluate::FormSummary;
 using measure::evaluate::TestedForm;
@@ -61,7 +61,7 @@ std::optional<std::size_t> worst_of(std::span<const float> sizes, std::size_t wi
     return found;
 }
 
-Json operation_json(const blame::OperationRow& r) {
+Json operation_json(const attribution::OperationRow& r) {
     const auto value = [&r](double x) { return r.digits == 0 ? Json(x != 0) : number_json(x); };
     return Json::array({r.node, r.name, r.formula, value(r.computed), value(r.exact), r.digits, r.off, r.cancelled,
                         r.local, r.own, r.share, r.culprit, r.turned});
@@ -75,18 +75,18 @@ Json lines_json(const std::string& text) {
 }
 
 /// Sentences above and below the table of `explain`, and the table.
-Json ray_json(const ChosenRay& at, const Explanation& x, const std::optional<blame::MarchEnd>& march) {
-    const blame::OperationWords words(x);
-    const blame::OperationTable table = blame::operation_table(x, words, false);
+Json ray_json(const ChosenRay& at, const Explanation& x, const std::optional<attribution::MarchEnd>& march) {
+    const attribution::OperationView words(x);
+    const attribution::OperationTable table = attribution::operation_table(x, words, false);
     Json json{{"x", at.x},
               {"y", at.y},
               {"why", at.why},
-              {"says", lines_json(blame::verdict_of(x, march).text())},
-              {"sums", lines_json(blame::sums_text(x, words))},
+              {"says", lines_json(attribution::verdict_of(x, march).text())},
+              {"sums", lines_json(attribution::sums_text(x, words))},
               {"subject", words.subject()},
               {"earlier", table.first},
               {"rows", array_of(table.rows, operation_json)}};
-    if (x.solids > 1 && is_solid(x.form->shape)) json["solid"] = x.solid;
+    if (x.primitives > 1 && is_primitive(x.form->shape)) json["primitive"] = x.primitive;
     return json;
 }
 
@@ -120,14 +120,14 @@ std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const f
 }
 
 Json rays_json(const EvaluationRequest& request, const TestedForm& row, const std::vector<ChosenRay>& rays) {
-    const auto* const maker = scene::rays::maker_of(*row.form);
-    const scene::file::Scene scene = maker ? with_rays(*request.scene, *maker) : *request.scene;
+    const auto* const generator = scene::rays::generator_of(*row.form);
+    const scene::file::Scene scene = generator ? with_rays(*request.scene, *generator) : *request.scene;
     std::vector<Json> explained(rays.size());
     intersect::process::in_parallel(0, rays.size(), [&](std::size_t i) {
         measure::answer::OneRay ray(scene, rays[i].x, rays[i].y, request.limit);
         ray.judge_by(row.judged);
-        const Explanation x = measure::blame::explain_alone(*row.form, row.format, ray);
-        explained[i] = ray_json(rays[i], x, blame::end_of_march(*row.form, row.format, ray));
+        const Explanation x = measure::attribution::explain_alone(*row.form, row.format, ray);
+        explained[i] = ray_json(rays[i], x, attribution::end_of_march(*row.form, row.format, ray));
     });
     return array_of(explained, [](const Json& json) { return json; });
 }

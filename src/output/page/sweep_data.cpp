@@ -6,7 +6,7 @@
 
 #include "measure/evaluate/summary_columns.hpp"
 #include "measure/truth/missing.hpp"
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/page/text.hpp"
 #include "output/plot/form_look.hpp"
@@ -47,7 +47,7 @@ Json row_json(const measure::evaluate::TestedForm& row, const std::vector<const 
     return {{"form", row.form->info->name},
             {"format", row.format.name},
             {"precision", row.format.parameters.precision},
-            {"from", blame::where_form_is_from(row.form->info->name)},
+            {"from", attribution::where_form_is_from(row.form->info->name)},
             {"look", plot::form_look(*row.form)},
             {"values", std::move(values)},
             {"outcomes", std::move(outcomes)},
@@ -152,7 +152,7 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const auto at = [&](std::size_t cell) -> const FormSummary& { return cases[cell][r]; };
         Json row = row_json(request.rows[r], request.metrics, cases.size(), at);
-        const std::size_t inherent = measure::metric::place_of(request.metrics, "inherent_bits");
+        const std::size_t inherent = measure::metric::index_of(request.metrics, "inherent_bits");
         row["inherent"] = array_of(cases, [&](const std::vector<FormSummary>& each) {
             return number_json(inherent < request.metrics.size() ? each[r].metrics[inherent].quantile(1)
                                                                  : measure::truth::missing);
@@ -194,11 +194,11 @@ std::string onset_table(const measure::sweep::SweepRequest& request, const std::
     std::vector<Wanted> wanted{
         {"p99 loses 4 bits", "lost_bits", "p99", 4},    {"p99 loses half", "lost_bits", "p99", 0.5},
         {"p99 loses all", "lost_bits", "p99", 1},       {"first false hit", "false_hit", "count", 0},
-        {"first false miss", "false_miss", "count", 0}, {"first wrong primitive", "wrong_object", "count", 0},
+        {"first false miss", "false_miss", "count", 0}, {"first wrong primitive", "wrong_primitive", "count", 0},
         {"first NaN", "not_a_number", "count", 0}};
     // Most sweeps have one primitive, and most forms give no NaN, so avoid columns of dashes.
     std::erase_if(wanted, [&onsets](const Wanted& w) {
-        return (std::string_view(w.event) == "wrong_object" || std::string_view(w.event) == "not_a_number") &&
+        return (std::string_view(w.event) == "wrong_primitive" || std::string_view(w.event) == "not_a_number") &&
                std::ranges::none_of(onsets, [&w](const Onset& o) { return o.found && o.event == w.event; });
     });
     std::vector<std::string> names{"form", "format"};

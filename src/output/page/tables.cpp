@@ -6,10 +6,10 @@
 #include "measure/evaluate/summary_columns.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/row_names.hpp"
-#include "output/mend/mend_files.hpp"
 #include "output/offset/offset_files.hpp"
 #include "output/page/page.hpp"
 #include "output/page/text.hpp"
+#include "output/repair/mend_files.hpp"
 
 namespace lostbits::output::page {
 
@@ -57,7 +57,7 @@ std::string summary_table(const measure::evaluate::EvaluationRequest& request,
     std::vector<Counted> counts{{"false hits", "false_hit"},
                                 {"false misses", "false_miss"},
                                 {"NaN", "not_a_number"},
-                                {"wrong primitives", "wrong_object"}};
+                                {"wrong primitives", "wrong_primitive"}};
     if (request.scene->mesh)
         counts.insert(counts.end(),
                       {{"cracks", "crack"}, {"double hits", "double_hit"}, {"out of order", "out_of_order"}});
@@ -92,7 +92,7 @@ std::string summary_table(const measure::evaluate::EvaluationRequest& request,
     return text + "</tbody></table>\n";
 }
 
-std::string choice_table(const choice::Chosen& chosen) {
+std::string choice_table(const choice::ChoiceResult& chosen) {
     std::string text = "<table>" + header_row({"form", "format", "registers", "ns per ray and primitive", "bits kept",
                                                "rays wrong", "meets the requirement"});
     for (const std::size_t k : measure::choice::by_price(chosen.all)) {
@@ -101,37 +101,39 @@ std::string choice_table(const choice::Chosen& chosen) {
                             chosen.meets == k ? " class=\"chosen\"" : "", html(c.row.form->info->name),
                             c.row.format.name, c.isa == "scalar" ? "one ray" : fmt::format("{} bits", c.isa));
         text += fmt::format("<td class=\"n\">{:.2f}</td><td class=\"n\">{}</td>", c.time.median * 1e9,
-                            std::isnan(c.worth.kept_bits) ? "&ndash;" : fmt::format("{:.1f}", c.worth.kept_bits));
-        text += share_cell(c.worth.wrong_fraction());
-        text += fmt::format("<td>{}</td></tr>\n", chosen.meets == k                    ? "yes, chosen"
-                                                  : c.worth.meets(chosen.request.wish) ? "yes"
-                                                                                       : "no");
+                            std::isnan(c.quality.kept_bits) ? "&ndash;" : fmt::format("{:.1f}", c.quality.kept_bits));
+        text += share_cell(c.quality.wrong_fraction());
+        text += fmt::format("<td>{}</td></tr>\n", chosen.meets == k                             ? "yes, chosen"
+                                                  : c.quality.meets(chosen.request.requirement) ? "yes"
+                                                                                                : "no");
     }
     return text + "</tbody></table>\n";
 }
 
-std::string mend_table(const mend::MendResult& r) {
-    const auto& wish = r.request.wish;
+std::string mend_table(const repair::MendResult& r) {
+    const auto& requirement = r.request.requirement;
     const auto proposals = proposals_of(r);
-    const mend::Proposal* const best = best_of(proposals, wish);
+    const repair::Proposal* const best = best_of(proposals, requirement);
     std::vector<std::string> names{
-        "form",       "rounding operations",  "of them in " + mend::name_of_wider(r.mended.wider),
+        "form",       "rounding operations",  "of them in " + repair::name_of_wider(r.mended.wider),
         "bits kept",  "rays wrong",           "on other rays: bits kept",
         "rays wrong", "meets the requirement"};
     if (!r.prices.empty()) names.insert(names.end(), {"ns per ray and primitive in packs", "ns alone", "front"});
     std::string text = "<table>" + header_row(names);
     const auto add = [&text](double value) { text += fmt::format("<td class=\"n\">{}</td>", shown(value)); };
-    for (const mend::FormRow& row : rows_of(r)) {
+    for (const repair::FormRow& row : rows_of(r)) {
         if (!row.told) continue;
-        const bool is_best = best && best->worth == row.worth, is_known = row.operations > 0;
+        const bool is_best = best && best->quality == row.quality, is_known = row.operations > 0;
         text += fmt::format("<tr{}><th scope=\"row\">{}</th>", is_best ? " class=\"chosen\"" : "", html(row.name));
         add(is_known ? static_cast<double>(row.operations) : NAN);
         add(is_known ? static_cast<double>(row.wide) : NAN);
-        for (const auto* const worth : {row.worth, row.apart}) {
-            add(worth ? worth->kept_bits : NAN);
-            add(worth ? static_cast<double>(worth->wrong) : NAN);
+        for (const auto* const quality : {row.quality, row.apart}) {
+            add(quality ? quality->kept_bits : NAN);
+            add(quality ? static_cast<double>(quality->wrong) : NAN);
         }
-        text += fmt::format("<td>{}</td>", is_best ? "yes, recommended" : row.worth->meets(wish) ? "yes" : "no");
+        text += fmt::format("<td>{}</td>", is_best                           ? "yes, recommended"
+                                           : row.quality->meets(requirement) ? "yes"
+                                                                             : "no");
         if (!r.prices.empty()) {
             add(row.price ? row.price->packed.median * 1e9 : NAN);
             add(row.price ? row.price->single.median * 1e9 : NAN);

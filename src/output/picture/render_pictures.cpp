@@ -115,7 +115,7 @@ private:
         const std::string name = map::row_name(study_.rows[r]);
         for (std::size_t s = 0; s < study_.stages.size(); ++s) {
             const std::string stage(name_of(study_.stages[s]));
-            const map::RowGrid::Place at = grid_.places[r];
+            const map::RowGrid::GridCell at = grid_.places[r];
             add({.file = fmt::format("{}.{}.png", stage, name),
                  .look = pictures_,
                  .places = {{1 + at.form, s * grid_.formats.size() + at.format}},
@@ -172,7 +172,7 @@ private:
 std::vector<pixel::Category> seen_categories() {
     return {{"", colour_of(Outcome::not_a_number)},
             {"background", colour_of(Outcome::agree_miss)},
-            {"another sphere", colour_of(Outcome::wrong_object)},
+            {"another sphere", colour_of(Outcome::wrong_primitive)},
             {"sphere lost", colour_of(Outcome::false_miss)},
             {"sphere where there is none", colour_of(Outcome::false_hit)},
             {"not a number", colour_of(Outcome::not_a_number)},
@@ -184,7 +184,7 @@ std::vector<pixel::Category> shadow_categories() {
             {"both lit", lit},
             {"both in shadow", colour_of(Outcome::agree_hit)},
             {"false shadow", colour_of(Outcome::false_hit)},
-            {"own shadow (acne)", colour_of(Outcome::wrong_object)},
+            {"own shadow (acne)", colour_of(Outcome::wrong_primitive)},
             {"false light", colour_of(Outcome::false_miss)},
             {"not proved", colour_of(Outcome::unresolved)},
             {"sees something else, or NaN", colour_of(Outcome::not_a_number)}};

@@ -74,7 +74,7 @@ std::vector<LegendEntry> ColumnWriter::sheet_legend(std::size_t sheet, bool all)
     const Look* summed = nullptr;
     CategoryCounts sum;
     for (std::size_t c = 0; c < columns_.size(); ++c) {
-        if (std::ranges::count(columns_[c].places, sheet, &SheetPlace::sheet) == 0) continue;
+        if (std::ranges::count(columns_[c].places, sheet, &SheetPosition::sheet) == 0) continue;
         if (look(c).own_legend) {
             summed = &look(c);
             sum.resize(counts_[c].size());

@@ -19,7 +19,7 @@
 namespace lostbits::output::pixel {
 
 /// Position of a cell on one of the sheets.
-struct SheetPlace {
+struct SheetPosition {
     std::size_t across = 0, down = 0, sheet = 0;
 };
 
@@ -29,9 +29,9 @@ struct ColumnSpec {
     std::string title = {};
     std::vector<std::string> subtitle = {};  ///< below the scene's title
     std::shared_ptr<const Look> look;
-    std::vector<SheetPlace> places = {};  ///< its cells on sheets; empty: none
-    bool bare = false;                    ///< its own picture has only the pixels, without texts, and not enlarged
-    std::string widest_caption = {};      ///< space for the caption below its own picture; see `HeatmapSpec`
+    std::vector<SheetPosition> places = {};  ///< its cells on sheets; empty: none
+    bool bare = false;                       ///< its own picture has only the pixels, without texts, and not enlarged
+    std::string widest_caption = {};         ///< space for the caption below its own picture; see `HeatmapSpec`
 };
 
 /// Colours of some scanlines of a column, and the number of pixels of each category in them.
@@ -97,7 +97,7 @@ public:
     /// Number of pixels of each category that were written so far.
     [[nodiscard]] const CategoryCounts& counts(std::size_t column) const { return counts_[column]; }
     /// Sets the text below a cell of a sheet.
-    void set_note(SheetPlace place, std::string note) {
+    void set_note(SheetPosition place, std::string note) {
         sheets_[place.sheet]->set_note(place.across, place.down, std::move(note));
     }
     /// Sets the text below a column's own picture. The picture shows it only if its `widest_caption` reserved space.

@@ -14,7 +14,8 @@ using image::TextBitmap;
 
 namespace {
 
-constexpr int least_cell_width = 26, cell_room = 6, cell_height = 22, group_gap = 14, beside_label = 8, block_gap = 12;
+constexpr int least_cell_width = 26, cell_padding = 6, cell_height = 22, group_gap = 14, beside_label = 8,
+              block_gap = 12;
 
 /// Black or white ink by luminance. At a relative luminance of 0.18 both have the same contrast.
 Rgb8 ink_on(Rgb8 c) {
@@ -46,8 +47,8 @@ int width_of_cells(const MatrixPlotSpec& spec) {
     int width = least_cell_width;
     for (const MatrixCell& cell : spec.cells) {
         if (!cell.text.empty())
-            width = std::max(width,
-                             image::image_backend().render_text(cell.text, image::style::small_size).width + cell_room);
+            width = std::max(
+                width, image::image_backend().render_text(cell.text, image::style::small_size).width + cell_padding);
     }
     return width;
 }

@@ -29,7 +29,7 @@ std::uint64_t hash_of(std::string_view name) {
 
 std::size_t form_look(const intersect::table::Intersector& form) {
     const auto all = intersect::table::intersectors(), own = intersect::table::catalogue();
-    std::size_t place = is_solid(form.shape) ? 0 : first_march;
+    std::size_t place = is_primitive(form.shape) ? 0 : first_march;
     for (const auto& row : own) {
         if (row.info == form.info) return place;
         place += row.shape == form.shape;

@@ -47,17 +47,17 @@ Box2 grown(const Box2& b, double by) { return {b.x - by, b.y - by, b.width + 2 *
 
 class Placement {
 public:
-    explicit Placement(const LabelPlaces& places) : places_(places) {}
+    explicit Placement(const LabelLimits& places) : places_(places) {}
 
-    std::optional<Box2> add(const LabelWish& wish) {
+    std::optional<Box2> add(const LabelRequest& request) {
         std::optional<Box2> best;
         double least = 0;
         for (const double distance : distances) {
             for (const auto& [x, y] : directions) {
-                const double cx = wish.at.x + x * (distance + wish.width / 2),
-                             cy = wish.at.y + y * (distance + wish.height / 2);
-                const Box2 box{cx - wish.width / 2, cy - wish.height / 2, wish.width, wish.height};
-                if (!is_free(box, wish.at)) continue;
+                const double cx = request.at.x + x * (distance + request.width / 2),
+                             cy = request.at.y + y * (distance + request.height / 2);
+                const Box2 box{cx - request.width / 2, cy - request.height / 2, request.width, request.height};
+                if (!is_free(box, request.at)) continue;
                 const double price =
                     distance + price_of_cover * static_cast<double>(std::ranges::count_if(
                                                     places_.avoided, [&](const Box2& a) { return a.overlaps(box); }));
@@ -68,7 +68,7 @@ public:
         }
         if (best) {
             labels_.push_back(*best);
-            std::ranges::copy(leader(wish.at, *best), std::back_inserter(leaders_));
+            std::ranges::copy(leader(request.at, *best), std::back_inserter(leaders_));
         }
         return best;
     }
@@ -78,13 +78,13 @@ private:
         const auto on = [](std::span<const Box2> boxes, const Box2& b) {
             return std::ranges::any_of(boxes, [&b](const Box2& o) { return o.overlaps(b); });
         };
-        if (!places_.room.contains(box) || on(places_.taken, box) || on(labels_, grown(box, between_labels)) ||
+        if (!places_.limits.contains(box) || on(places_.taken, box) || on(labels_, grown(box, between_labels)) ||
             on(leaders_, box))
             return false;
         return std::ranges::none_of(leader(at, box), [&](const Box2& piece) { return on(labels_, piece); });
     }
 
-    const LabelPlaces& places_;
+    const LabelLimits& places_;
     std::vector<Box2> labels_, leaders_;
 };
 
@@ -92,10 +92,10 @@ private:
 
 Point Box2::nearest(Point to) const { return {std::clamp(to.x, x, x + width), std::clamp(to.y, y, y + height)}; }
 
-std::vector<std::optional<Box2>> place_labels(std::span<const LabelWish> wishes, const LabelPlaces& places) {
+std::vector<std::optional<Box2>> place_labels(std::span<const LabelRequest> requests, const LabelLimits& places) {
     Placement placement(places);
     std::vector<std::optional<Box2>> out;
-    for (const LabelWish& wish : wishes) out.push_back(placement.add(wish));
+    for (const LabelRequest& request : requests) out.push_back(placement.add(request));
     return out;
 }
 

@@ -24,13 +24,13 @@ struct Box2 {
 };
 
 /// A label of a given size in pixels, for a point.
-struct LabelWish {
+struct LabelRequest {
     image::Point at;
     double width, height;
 };
 
-struct LabelPlaces {
-    Box2 room;                      ///< labels stay inside it
+struct LabelLimits {
+    Box2 limits;                    ///< labels stay inside it
     std::span<const Box2> taken;    ///< labels never cover these
     std::span<const Box2> avoided;  ///< labels cover these only if they must
 };
@@ -38,6 +38,6 @@ struct LabelPlaces {
 /// Places each label near its point; nothing if there is no space for it. The method is greedy, in the given order. Of
 /// the free positions around the point it takes the one that covers the fewest `avoided` boxes, and of those the
 /// nearest. Neither a label nor the straight line from its point to it lies on another label.
-std::vector<std::optional<Box2>> place_labels(std::span<const LabelWish> wishes, const LabelPlaces& places);
+std::vector<std::optional<Box2>> place_labels(std::span<const LabelRequest> requests, const LabelLimits& places);
 
 }  // namespace lostbits::output::plot

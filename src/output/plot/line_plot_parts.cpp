@@ -46,7 +46,7 @@ void draw_edge_triangle(Stroke& stroke, Point tip, bool up) {
     stroke.polygon(std::array<Point, 3>{{tip, {tip.x + 4.5, base}, {tip.x - 4.5, base}}});
 }
 
-std::vector<double> places_near(std::span<const double> wishes, std::span<const double> heights, double low,
+std::vector<double> places_near(std::span<const double> requests, std::span<const double> heights, double low,
                                 double high) {
     // Subtract from each wish the heights before it. "In order and without overlap" then means "not falling". Falling
     // neighbours take their common mean (pool adjacent violators), which minimizes the sum of squares.
@@ -57,8 +57,8 @@ std::vector<double> places_near(std::span<const double> wishes, std::span<const 
     };
     std::vector<Block> blocks;
     double before = 0;
-    for (std::size_t k = 0; k < wishes.size(); before += heights[k++]) {
-        blocks.push_back({wishes[k] - before, 1});
+    for (std::size_t k = 0; k < requests.size(); before += heights[k++]) {
+        blocks.push_back({requests[k] - before, 1});
         while (blocks.size() > 1 && blocks[blocks.size() - 2].mean() > blocks.back().mean()) {
             const Block last = blocks.back();
             blocks.pop_back();
@@ -78,7 +78,7 @@ std::vector<double> places_near(std::span<const double> wishes, std::span<const 
     return places;
 }
 
-PlotLegend::PlotLegend(std::span<const PlotLine> lines, std::span<const PlotArea> areas, bool markers, Room room)
+PlotLegend::PlotLegend(std::span<const PlotLine> lines, std::span<const PlotArea> areas, bool markers, Limits space)
     : markers_(markers) {
     struct Try {
         int size, columns, per_cent;  // share of the width for all columns, in percent
@@ -86,9 +86,9 @@ PlotLegend::PlotLegend(std::span<const PlotLine> lines, std::span<const PlotArea
     for (const auto& [size, columns, per_cent] :
          {Try{image::style::text_size, 1, 26}, Try{12, 1, 26}, Try{image::style::small_size, 1, 26},
           Try{image::style::small_size, 2, 40}, Try{10, 2, 40}}) {
-        const int column_width = (room.width * per_cent / 100 - (columns - 1) * column_gap) / columns;
+        const int column_width = (space.width * per_cent / 100 - (columns - 1) * column_gap) / columns;
         arrange(lines, areas, {size, columns, column_width});
-        if (height_ <= room.height) return;
+        if (height_ <= space.height) return;
     }
 }
 
@@ -96,15 +96,15 @@ int PlotLegend::height_of(const Entry& entry) const {
     return std::max<int>(static_cast<int>(entry.text.size()), 1) * image::style::line_height(size_) + entry_gap;
 }
 
-void PlotLegend::align(std::span<const double> ends, int room) {
+void PlotLegend::align(std::span<const double> ends, int space) {
     if (column_x_.size() != 1) return;
     const double half = image::style::line_height(size_) / 2.0;
-    std::vector<double> wishes, heights;
+    std::vector<double> requests, heights;
     for (std::size_t k = 0; k < entries_.size(); ++k) {
         heights.push_back(height_of(entries_[k]));
-        wishes.push_back(k < ends.size() && !std::isnan(ends[k]) ? ends[k] - half : room);
+        requests.push_back(k < ends.size() && !std::isnan(ends[k]) ? ends[k] - half : space);
     }
-    const auto places = places_near(wishes, heights, 0, std::max(room, height_));
+    const auto places = places_near(requests, heights, 0, std::max(space, height_));
     for (std::size_t k = 0; k < entries_.size(); ++k) entries_[k].y = static_cast<int>(std::lround(places[k]));
     aligned_ = true;
 }
@@ -118,10 +118,10 @@ void PlotLegend::arrange(std::span<const PlotLine> lines, std::span<const PlotAr
     const int size = layout.size, columns = layout.columns;
     entries_.clear();
     size_ = size;
-    const int text_room = std::max(layout.column_width - sample_width - sample_gap, 40);
+    const int text_width = std::max(layout.column_width - sample_width - sample_gap, 40);
     int total = 0, highest = 0;
     const auto add = [&](const std::string& label, const PlotLine* line, const PlotArea* area) {
-        Entry entry{image::wrap_text(label, size, false, text_room), line, area};
+        Entry entry{image::wrap_text(label, size, false, text_width), line, area};
         highest = std::max(highest, height_of(entry));
         total += height_of(entry);
         entries_.push_back(std::move(entry));
@@ -187,8 +187,8 @@ MarkLabels::MarkLabels(std::vector<Mark> marks, int limit) {
     std::ranges::stable_sort(marks, {}, &Mark::x);
     for (const auto& mark : marks) {
         Placed placed{mark.x, {}};
-        const int room = std::max(limit - static_cast<int>(mark.x), 40);
-        placed.text = image::wrap_text(mark.label, image::style::small_size, false, room);
+        const int space = std::max(limit - static_cast<int>(mark.x), 40);
+        placed.text = image::wrap_text(mark.label, image::style::small_size, false, space);
         for (const auto& text : placed.text) {
             placed.width = std::max(placed.width, text.width);
             placed.height += text.height;

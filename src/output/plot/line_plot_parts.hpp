@@ -49,22 +49,22 @@ struct PlotArea {
 /// Positions from `low` on for things that stay in order and do not overlap. Thing k has height `heights[k]` and lies
 /// as near to `wishes[k]` as the others allow, by least squares. The last one ends at or before `high` if there is
 /// space for all.
-[[nodiscard]] std::vector<double> places_near(std::span<const double> wishes, std::span<const double> heights,
+[[nodiscard]] std::vector<double> places_near(std::span<const double> requests, std::span<const double> heights,
                                               double low, double high);
 
 /// The legend at the right: lines in the given order, areas last.
 class PlotLegend {
 public:
-    struct Room {
+    struct Limits {
         int width, height;
     };
     /// Uses smaller letters and then a second column rather than exceed the height of the room. Takes at most two
     /// fifths of its width.
-    PlotLegend(std::span<const PlotLine> lines, std::span<const PlotArea> areas, bool markers, Room room);
+    PlotLegend(std::span<const PlotLine> lines, std::span<const PlotArea> areas, bool markers, Limits space);
 
     /// Moves each line's entry to the end of its line, in pixels below the top of the legend and at most `room`. NaN
     /// means no position. Does nothing if there are two columns.
-    void align(std::span<const double> ends, int room);
+    void align(std::span<const double> ends, int space);
     /// Position of the sample of line k below the top of the legend; nothing if entries are not aligned.
     [[nodiscard]] std::optional<double> sample_of(std::size_t line) const;
 

@@ -19,7 +19,7 @@ using image::TextBitmap;
 
 namespace {
 
-constexpr int point_room = 14;
+constexpr int point_margin = 14;
 constexpr double marker_half = 5, hole = 1.7, front_thickness = 1.6, leader_from = 13;
 constexpr std::array<Rgb8, ink_colour + 1> point_colours{
     {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {136, 34, 85}, image::style::ink}};
@@ -57,7 +57,7 @@ public:
         int x = 0, y = 0;
         for (const auto& key : keys) {
             TextBitmap text = image::image_backend().render_text(key.label, image::style::text_size);
-            const int wide = marker_room + text.width + key_gap;
+            const int wide = marker_width + text.width + key_gap;
             if (x > 0 && x + wide > width) {
                 x = 0;
                 y += line;
@@ -72,14 +72,14 @@ public:
     void draw(Canvas& canvas, int x, int y) const {
         Stroke stroke({0, 0, canvas.width(), canvas.height()});
         for (const auto& p : placed_) {
-            const Point at{x + p.x + marker_room / 2.0, y + p.y + line / 2.0};
+            const Point at{x + p.x + marker_width / 2.0, y + p.y + line / 2.0};
             paint_marker(canvas, stroke, at, {p.key->marker, colour_of(p.key->colour, p.key->faint), p.key->hollow});
-            canvas.text(x + p.x + marker_room, y + p.y + (line - p.text.height) / 2, p.text, image::style::ink);
+            canvas.text(x + p.x + marker_width, y + p.y + (line - p.text.height) / 2, p.text, image::style::ink);
         }
     }
 
 private:
-    static constexpr int marker_room = 18, key_gap = 20, line = 20;
+    static constexpr int marker_width = 18, key_gap = 20, line = 20;
     struct Placed {
         const ScatterPlotSpec::Key* key;
         TextBitmap text;
@@ -127,7 +127,7 @@ public:
 
     void labels(Canvas& canvas) {
         std::vector<Box2> taken, avoided;
-        std::vector<LabelWish> wishes;
+        std::vector<LabelRequest> requests;
         std::vector<TextBitmap> texts;
         std::vector<Rgb8> colours;
         for (const auto& p : spec_.points) {
@@ -135,7 +135,7 @@ public:
             (p.faint ? avoided : taken).push_back(around(place(p.x, p.y), marker_half));
             if (p.faint || p.label.empty()) continue;
             texts.push_back(image::image_backend().render_text(p.label, image::style::text_size));
-            wishes.push_back(
+            requests.push_back(
                 {place(p.x, p.y), static_cast<double>(texts.back().width), static_cast<double>(texts.back().height)});
             colours.push_back(colour_of(p.colour, false));
         }
@@ -145,10 +145,10 @@ public:
             avoided.push_back(around(a, {b.x, a.y}));
             avoided.push_back(around({b.x, a.y}, b));
         }
-        const Box2 room{frame_.x + 2.0, frame_.y + 2.0, frame_.width - 4.0, frame_.height - 4.0};
-        const auto placed = place_labels(wishes, {room, taken, avoided});
+        const Box2 area{frame_.x + 2.0, frame_.y + 2.0, frame_.width - 4.0, frame_.height - 4.0};
+        const auto placed = place_labels(requests, {area, taken, avoided});
         for (std::size_t i = 0; i < placed.size(); ++i) {
-            if (placed[i]) draw_label(canvas, wishes[i].at, *placed[i], texts[i], colours[i]);
+            if (placed[i]) draw_label(canvas, requests[i].at, *placed[i], texts[i], colours[i]);
         }
     }
 
@@ -198,7 +198,7 @@ void write_scatter_plot(const std::filesystem::path& path, const ScatterPlotSpec
                                              "points have no value and are not drawn."));
     const Canvas notes = image::heading({}, lines, content);
 
-    PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, point_room};
+    PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, point_margin};
     frame.width = spec.width - image::style::margin - axes.right() - 1 - frame.x;
     frame.y = image::style::margin + head.height() + image::style::gap + axes.above();
     const int foot = 1 + axes.below() + image::style::gap + keys.height() + notes.height() + image::style::margin;

@@ -24,7 +24,7 @@ void fields(Bits& bits, T& whole) { whole.fields(bits); }
 LOSTBITS_FIELDS(Vec<double>, x, y, z)
 LOSTBITS_FIELDS(Ray<double>, origin, direction)
 LOSTBITS_FIELDS(Placement<double>, matrix, is_inverse, orientation)
-LOSTBITS_FIELDS(Solid<double>, shape, numbers, placed)
+LOSTBITS_FIELDS(Primitive<double>, shape, numbers, placed)
 LOSTBITS_FIELDS(OpenEnds, tmin, tmax)
 LOSTBITS_FIELDS(scene::rays::RayBlock, width, y0, y1, ox, oy, oz, dx, dy, dz, tmin, tmax, open)
 LOSTBITS_FIELDS(intersect::MarchConstants<double>, hit_eps, max_dist, relative_eps, cone, over_relaxation, max_steps,
@@ -33,12 +33,12 @@ LOSTBITS_FIELDS(intersect::MarchConstants<double>, hit_eps, max_dist, relative_e
 template <class Bits>
 void fields(Bits& bits, scene::rays::RayGroup& group) {
     // A group that names one ray holds its primitives itself. It has no mesh and no scene.
-    auto& [rays, solids, march, paired, mesh, scene] = group;
-    bits(rays, solids, march, paired);
+    auto& [rays, primitives, march, paired, mesh, scene] = group;
+    bits(rays, primitives, march, paired);
 }
 
 LOSTBITS_FIELDS(measure::truth::StageCounts, binary64, double_double, ball, interval)
-LOSTBITS_FIELDS(measure::evaluate::WorstRay, x, y, group, object, size, ray, solid, t, outcome, ulps, truth, judged,
+LOSTBITS_FIELDS(measure::evaluate::WorstRay, x, y, group, object, size, ray, primitive, t, outcome, ulps, truth, judged,
                 given)
 LOSTBITS_FIELDS(measure::evaluate::FormSummary, rays, views, outcomes, true_hits, metrics, categories, worst, faults)
 
@@ -59,11 +59,11 @@ LOSTBITS_FIELDS(measure::sweep::FloatTally::Wrong, place, outcome)
 LOSTBITS_FIELDS(measure::sweep::FloatTally::Padding, place, u)
 LOSTBITS_FIELDS(measure::sweep::FloatTally, outcomes, worst, at_most, first_wrong, last_wrong, first, padding)
 LOSTBITS_FIELDS(measure::sweep::ExhaustiveState, tried, tallies, stages)
-LOSTBITS_FIELDS(measure::sweep::WorstFound, outcome, value, ray, solid, t, truth, distance, evaluations)
+LOSTBITS_FIELDS(measure::sweep::WorstResult, outcome, value, ray, primitive, t, truth, distance, evaluations)
 LOSTBITS_FIELDS(measure::edges::NearestRay, distance, numbers, faces, t, truth)
 LOSTBITS_FIELDS(measure::edges::EdgeFinding, nearest, rays)
-LOSTBITS_FIELDS(measure::contract::Judged, ray, solid, truly_hits, unit, true_t, other_measure, hit, t)
-LOSTBITS_FIELDS(measure::judge::NotedRay, place, outcome, ulps, given)
+LOSTBITS_FIELDS(measure::contract::Judged, ray, primitive, truly_hits, unit, true_t, other_measure, hit, t)
+LOSTBITS_FIELDS(measure::judge::ReportedRay, place, outcome, ulps, given)
 LOSTBITS_FIELDS(measure::evaluate::Group, value, summaries)
 LOSTBITS_FIELDS(measure::judge::JudgeResult, summaries, rays, rounded, answers, floats, digits, decimals, first, groups)
 LOSTBITS_FIELDS(measure::metric::Bounds, low, high)

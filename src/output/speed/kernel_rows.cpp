@@ -28,16 +28,16 @@ std::size_t colour_of(const Format& format) { return format.engine == Format::En
 
 void add_front(plot::ScatterPlotSpec& spec, const std::vector<FrontPoint>& points) {
     std::vector<measure::speed::ParetoPoint> worths;
-    for (const FrontPoint& p : points) worths.push_back(p.worth);
+    for (const FrontPoint& p : points) worths.push_back(p.quality);
     const auto beaten = measure::speed::dominated(worths);
     std::vector<std::size_t> front;
     for (std::size_t k = 0; k < points.size(); ++k) {
         const FrontPoint& p = points[k];
         const bool named = !beaten[k] || p.named;
-        spec.points.push_back({.x = p.worth.time_ns,
-                               .y = p.worth.kept_bits,
-                               .x_low = p.time ? p.time->low_quartile * 1e9 : p.worth.time_ns,
-                               .x_high = p.time ? p.time->high_quartile * 1e9 : p.worth.time_ns,
+        spec.points.push_back({.x = p.quality.time_ns,
+                               .y = p.quality.kept_bits,
+                               .x_low = p.time ? p.time->low_quartile * 1e9 : p.quality.time_ns,
+                               .x_high = p.time ? p.time->high_quartile * 1e9 : p.quality.time_ns,
                                .marker = p.marker,
                                .colour = colour_of(p.row.format),
                                .faint = !named,
@@ -45,11 +45,11 @@ void add_front(plot::ScatterPlotSpec& spec, const std::vector<FrontPoint>& point
                                .label = !named            ? std::string()
                                         : p.label.empty() ? map::short_name(*p.row.form->info)
                                                           : p.label});
-        if (!beaten[k] && !std::isnan(p.worth.kept_bits)) front.push_back(k);
+        if (!beaten[k] && !std::isnan(p.quality.kept_bits)) front.push_back(k);
     }
-    std::ranges::stable_sort(front, {}, [&points](std::size_t k) { return points[k].worth.time_ns; });
+    std::ranges::stable_sort(front, {}, [&points](std::size_t k) { return points[k].quality.time_ns; });
     for (const std::size_t k : front)
-        spec.front.push_back({points[k].worth.time_ns, points[k].worth.kept_bits, points[k].worth.never_wrong()});
+        spec.front.push_back({points[k].quality.time_ns, points[k].quality.kept_bits, points[k].quality.never_wrong()});
 }
 
 }  // namespace lostbits::output::speed

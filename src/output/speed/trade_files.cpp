@@ -84,14 +84,14 @@ Table<StandingRow> standing_table() {
         {{"time_ns", "number", "ns",
           "median, per ray of the easy set, working set l1, hit rate 0.5; for a scene, per ray and primitive of the "
           "scene",
-          [](const R& r) { return r.worth.time_ns; }},
+          [](const R& r) { return r.quality.time_ns; }},
          {"rays", "integer", "", "number of rays in the set", [](const R& r) { return r.accuracy->rays; }},
          {"lost_bits_p50", "number", "bits", "median over the correct hits", quantile(&R::lost, 0.5)},
          {"lost_bits_p99", "number", "bits", "99th percentile over the correct hits", quantile(&R::lost, 0.99)},
          {"excess_bits_p99", "number", "bits", "99th percentile of the bits lost beyond what the problem itself costs",
           quantile(&R::excess, 0.99)},
          {"kept_bits_p99", "number", "bits", "significand bits of the format minus lost_bits_p99",
-          [](const R& r) { return number_or_missing(r.worth.kept_bits); }},
+          [](const R& r) { return number_or_missing(r.quality.kept_bits); }},
          {"false_hit_fraction", "number", "1", "false hits among the rays that truly miss",
           fraction(Outcome::false_hit, &measure::evaluate::FormSummary::true_misses)},
          {"false_miss_fraction", "number", "1", "false misses among the rays that truly hit",
@@ -99,7 +99,7 @@ Table<StandingRow> standing_table() {
          {"wrong_fraction", "number", "1",
           "share of false hits, false misses, NaNs and, for a scene, hits of another primitive, among all rays whose "
           "truth is known",
-          [](const R& r) { return r.worth.wrong_fraction; }},
+          [](const R& r) { return r.quality.wrong_fraction; }},
          {"dominated", "boolean", "",
           "true if another entry of the set is at least as fast and at least as accurate, and better in one of the "
           "two; the more accurate entry has the smaller wrong_fraction or, if these are equal, the greater "
@@ -110,7 +110,7 @@ Table<StandingRow> standing_table() {
 
 const measure::metric::Distribution& metric_of(const TradeRequest& request, const measure::evaluate::FormSummary& s,
                                                const char* name) {
-    return s.metrics[measure::metric::place_of(request.metrics, name)];
+    return s.metrics[measure::metric::index_of(request.metrics, name)];
 }
 
 /// Conditions under which the times were measured.
@@ -122,7 +122,7 @@ std::string timed_in_words(const TradeRequest& request, const TradeResult& resul
     return fmt::format(
         "Time per ray and primitive: {} of the scene against {} of its primitives. Measured in this run, "
         "so it varies.\n",
-        scene::toml::counted(timed.rays, "ray"), timed.solids);
+        scene::toml::counted(timed.rays, "ray"), timed.primitives);
 }
 
 KernelName name_of(const TradeKernel& kernel) {
@@ -190,7 +190,7 @@ std::string shown_rays(const TradeRequest& request, const TradeResult& result, s
     const std::uint64_t judged = result.accuracy(set, 0).rays;
     if (request.scene)
         return fmt::format("Accuracy: {} of the scene. Time: {} of its rays against {} of its primitives; {}",
-                           scene::toml::counted(judged, "ray"), timed.rays, timed.solids, repeated);
+                           scene::toml::counted(judged, "ray"), timed.rays, timed.primitives, repeated);
     const auto sets = measure::speed::trade_sets(request);
     return fmt::format(
         "Accuracy: {} rays of the set {}. Time{}: rays like those of the set {}, {:.0f} KiB of them and "
@@ -220,7 +220,7 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
     for (std::size_t k = 0; k < all.size(); ++k) {
         const TradeKernel& kernel = request.kernels[k];
         points.push_back({.row = kernel.measured,
-                          .worth = all[k],
+                          .quality = all[k],
                           .time = result.times[k][load].timing,
                           .marker = marker_of(kernel),
                           // A form from outside is always named, because its author looks for it.

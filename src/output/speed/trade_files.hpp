@@ -29,7 +29,7 @@ table::Table<measure::speed::Timing> time_columns(const std::string& median, con
 /// A kernel in the plane of time and kept bits.
 struct FrontPoint {
     const measure::evaluate::TestedForm& row;
-    measure::speed::ParetoPoint worth;
+    measure::speed::ParetoPoint quality;
     std::optional<measure::speed::Timing> time;  ///< none: it has no quartiles
     int marker = 0;
     bool named = false;      ///< wherever it lies; points on the front are always named
@@ -55,7 +55,7 @@ struct TimeRow {
 struct StandingRow {
     std::string_view set;
     KernelName name;
-    measure::speed::ParetoPoint worth;
+    measure::speed::ParetoPoint quality;
     const measure::evaluate::FormSummary* accuracy;
     const measure::metric::Distribution *lost, *excess;
     bool dominated;

@@ -45,7 +45,7 @@ table::Table<PixelInBand<Band>> place_columns() {
 
 /// A text below a cell of the sheet.
 struct Note {
-    pixel::SheetPlace place;
+    pixel::SheetPosition place;
     std::string text;
 };
 

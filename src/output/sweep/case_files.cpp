@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
@@ -64,7 +64,7 @@ struct CellLook {
             case Verdict::false_hit: return wrong(s, Outcome::false_hit);
             case Verdict::false_miss: return wrong(s, Outcome::false_miss);
             case Verdict::not_a_number: return wrong(s, Outcome::not_a_number);
-            case Verdict::wrong_object: return wrong(s, Outcome::wrong_object);
+            case Verdict::wrong_primitive: return wrong(s, Outcome::wrong_primitive);
             case Verdict::unresolved: break;
         }
         return wrong(s, Outcome::unresolved);
@@ -79,8 +79,8 @@ private:
     }
 
     [[nodiscard]] plot::MatrixCell valued(const FormSummary& s, bool within) const {
-        const double lost = s.metrics[measure::metric::place_of(metrics, "lost_bits")].quantile(1);
-        const std::size_t inherent = measure::metric::place_of(metrics, "inherent_bits");
+        const double lost = s.metrics[measure::metric::index_of(metrics, "lost_bits")].quantile(1);
+        const std::size_t inherent = measure::metric::index_of(metrics, "inherent_bits");
         if (!within) return {scale.colour(lost, format), fmt::format("{:.0f} b", lost)};
         return {map::paler(scale.colour(lost, format)),
                 inherent < metrics.size() ? fmt::format("{:.0f}/{:.0f} b", lost, s.metrics[inherent].quantile(1))
@@ -116,8 +116,8 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
             order.push_back(r);
         }
     }
-    for (const Outcome o :
-         {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::wrong_object, Outcome::unresolved}) {
+    for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::wrong_primitive,
+                            Outcome::unresolved}) {
         const bool seen = std::ranges::any_of(cases, [&](const auto& rows) {
             return std::ranges::any_of(order, [&](std::size_t r) { return rows[r].count(o) > 0; });
         });
@@ -155,7 +155,7 @@ void CaseFiles::finish(const std::vector<std::vector<FormSummary>>& cases) {
         const std::string name = request_.file.name(i);
         const auto name_of_ray = [&](const measure::evaluate::WorstRay& ray) {
             const std::int64_t place = std::int64_t{ray.group} * request_.file.rays_of(i) + ray.x;
-            return named_ + " --case " + blame::shell_word(fmt::format("{}:{}", name, place));
+            return named_ + " --case " + attribution::shell_word(fmt::format("{}:{}", name, place));
         };
         for (std::size_t r = 0; r < request_.rows.size(); ++r)
             csv_.add({name,

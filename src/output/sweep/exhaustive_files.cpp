@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "measure/truth/lost_bits.hpp"
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/table/shared_columns.hpp"
 #include "scene/toml/counted.hpp"
 
@@ -42,7 +42,7 @@ struct FloatsRow {
     [[nodiscard]] std::string explain(std::uint32_t place) const {
         const scene::rays::RayGroup group = request.sweep.group_at(ray, float_at(place));
         const std::string scene = request.sweep.mesh ? request.scene + " " : "";
-        return blame::explain_command(scene + blame::name_of_ray(&group), request.rows[row]);
+        return attribution::explain_command(scene + attribution::name_of_ray(&group), request.rows[row]);
     }
 
     const ExhaustiveRequest& request;
@@ -103,7 +103,7 @@ table::TableColumn<FloatsRow> count_column() {
 Table<FloatsRow> outcome_columns(const ExhaustiveRequest& request) {
     Table<FloatsRow> table{count_column()};
     const std::size_t outcomes =
-        request.sweep.mesh ? measure::answer::outcome_names.size() : measure::answer::outcomes_of_one_solid;
+        request.sweep.mesh ? measure::answer::outcome_names.size() : measure::answer::outcomes_of_one_primitive;
     for (std::size_t o = 0; o < outcomes; ++o)
         table.add({std::string(measure::answer::outcome_names[o]), "integer", "", "floats with this outcome",
                    [o](const FloatsRow& r) { return r.tally.outcomes[o]; }});
@@ -234,7 +234,7 @@ std::string_view failure(Outcome o) {
     switch (o) {
         case Outcome::false_hit: return "a false hit";
         case Outcome::false_miss: return "a false miss";
-        case Outcome::wrong_object: return "a hit of another triangle";
+        case Outcome::wrong_primitive: return "a hit of another triangle";
         case Outcome::crack: return "a crack";
         case Outcome::double_hit: return "a double hit";
         case Outcome::out_of_order: return "two triangles out of order";
@@ -315,7 +315,7 @@ void ExhaustiveFiles::add_binades(const ExhaustiveState& state) {
 
 void ExhaustiveFiles::add_onsets(const RangeFinding& f) {
     for (std::size_t e = 0; e < first_events.size(); ++e) {
-        if (!request_.sweep.mesh && !is_of_one_solid(first_events[e])) continue;
+        if (!request_.sweep.mesh && !is_of_one_primitive(first_events[e])) continue;
         const auto bad = f.tally.first[e];
         onsets_.add({{request_, f.ray, f.row, f.floats, f.tally}, e, bad, bad ? f.before(*bad) : std::nullopt});
     }

@@ -6,7 +6,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::sweep {
@@ -44,7 +44,9 @@ Table<SampleRow> sample_table(const SweepRequest& request) {
 }
 
 std::vector<SampleRow> sample_rows(const SweepRequest& request, const std::vector<SweepStep>& steps) {
-    const auto name_of_ray = [](const measure::evaluate::WorstRay& ray) { return blame::name_of_ray(ray.given.get()); };
+    const auto name_of_ray = [](const measure::evaluate::WorstRay& ray) {
+        return attribution::name_of_ray(ray.given.get());
+    };
     std::vector<SampleRow> rows;
     for (std::size_t r = 0; r < request.rows.size(); ++r)
         for (const SweepStep& step : steps) rows.push_back({&step, {request.rows[r], &step.rows[r], name_of_ray}});

@@ -32,7 +32,7 @@ struct Layer {
 
 std::vector<Layer> layers_of(const SweepRequest& request) {
     const auto quantile = [&](const char* metric, double q) {
-        return [i = measure::metric::place_of(request.metrics, metric), q](const FormSummary& s) {
+        return [i = measure::metric::index_of(request.metrics, metric), q](const FormSummary& s) {
             return static_cast<float>(s.metrics[i].quantile(q));
         };
     };
@@ -106,8 +106,8 @@ struct DrawnPlane {
 };
 
 DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std::size_t row) {
-    const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits"),
-                      excess = measure::metric::place_of(request.metrics, "excess_bits");
+    const std::size_t lost = measure::metric::index_of(request.metrics, "lost_bits"),
+                      excess = measure::metric::index_of(request.metrics, "excess_bits");
     DrawnPlane drawn;
     for (std::size_t line = 0; line < plane.y.size(); ++line) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {

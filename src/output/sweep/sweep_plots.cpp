@@ -7,7 +7,7 @@
 #include <cmath>
 #include <functional>
 
-#include "measure/blame/culprits.hpp"
+#include "measure/attribution/culprits.hpp"
 #include "measure/truth/missing.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/map_tables.hpp"
@@ -63,7 +63,7 @@ struct Quantity {
     std::string nothing = {};  ///< reason why there is nothing to draw; empty: there is
 };
 
-bool marches(const TestedForm& row) { return !is_solid(row.form->shape); }
+bool marches(const TestedForm& row) { return !is_primitive(row.form->shape); }
 
 /// Number of rays per step, and how many of them are independent.
 std::string rays_text(const MeasuredSweep& sweep) {
@@ -134,8 +134,8 @@ void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, 
 void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format, double q,
                           PlotSize size) {
     const SweepRequest& request = sweep.request;
-    const std::size_t lost = measure::metric::place_of(request.metrics, "lost_bits"),
-                      inherent = measure::metric::place_of(request.metrics, "inherent_bits");
+    const std::size_t lost = measure::metric::index_of(request.metrics, "lost_bits"),
+                      inherent = measure::metric::index_of(request.metrics, "inherent_bits");
     Quantity quantity{
         .title = fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
         .axis = {"lost bits", plot::AxisSpec::Scale::linear, 0.0, static_cast<double>(format.parameters.precision)},
@@ -168,8 +168,8 @@ void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sw
 
 std::vector<Outcome> wrong_outcomes(const MeasuredSweep& sweep, const Format& format) {
     std::vector<Outcome> shown{Outcome::false_hit, Outcome::false_miss};
-    for (const Outcome o :
-         {Outcome::wrong_object, Outcome::crack, Outcome::double_hit, Outcome::out_of_order, Outcome::not_a_number}) {
+    for (const Outcome o : {Outcome::wrong_primitive, Outcome::crack, Outcome::double_hit, Outcome::out_of_order,
+                            Outcome::not_a_number}) {
         const auto occurs = [&](const SweepStep& step) {
             for (std::size_t r = 0; r < step.rows.size(); ++r) {
                 if (sweep.request.rows[r].format == format && step.rows[r].count(o) > 0) return true;
@@ -185,7 +185,7 @@ std::string wrong_title(Outcome outcome) {
     switch (outcome) {
         case Outcome::false_hit: return "False hits";
         case Outcome::false_miss: return "False misses";
-        case Outcome::wrong_object: return "Hits of the wrong primitive";
+        case Outcome::wrong_primitive: return "Hits of the wrong primitive";
         case Outcome::crack: return "Cracks";
         case Outcome::double_hit: return "Double hits";
         case Outcome::out_of_order: return "Triangles out of order";
@@ -207,7 +207,7 @@ void write_parts_plot(const std::filesystem::path& path, const MeasuredSweep& sw
         plot_along(sweep, fmt::format("{} of {} in {}, medians", title, row.form->info->name, row.format.name),
                    {"ulp", plot::AxisSpec::Scale::log2, 0x1p-6, {}});
     for (const auto& [metric, label] : parts) {
-        const std::size_t m = measure::metric::place_of(request.metrics, metric);
+        const std::size_t m = measure::metric::index_of(request.metrics, metric);
         spec.series.push_back(
             series_of(sweep.steps, r, label, [m](const FormSummary& s) { return drawn_quantile(s, m, 0.5); }));
         for (const Onset& o : sweep.onsets)
@@ -232,8 +232,8 @@ Parts steps_of(const SweepRequest& request) {
 /// Plots that a sweep has in addition if forms march; none otherwise.
 void write_march_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, const Format& format) {
     const SweepRequest& request = sweep.request;
-    const std::size_t stop = measure::metric::place_of(request.metrics, "stop"),
-                      iterations = measure::metric::place_of(request.metrics, "iterations");
+    const std::size_t stop = measure::metric::index_of(request.metrics, "stop"),
+                      iterations = measure::metric::index_of(request.metrics, "iterations");
     if (stop == request.metrics.size()) return;
     const auto unfinished = [stop](const FormSummary& s) {
         const auto of = [&](intersect::Stop why) { return s.categories[stop][static_cast<std::size_t>(why)]; };
@@ -271,7 +271,8 @@ void write_culprit_plot(const std::filesystem::path& path, const MeasuredSweep& 
     std::vector<double> peak(request.metrics[m]->categories.size());
     for (const SweepStep& step : sweep.steps) {
         for (std::size_t c = 1; c < peak.size(); ++c)
-            peak[c] = std::fmax(peak[c], measure::blame::culprit_share(step.rows[r].categories[m], std::array{c}));
+            peak[c] =
+                std::fmax(peak[c], measure::attribution::culprit_share(step.rows[r].categories[m], std::array{c}));
     }
     std::vector<std::size_t> order;
     for (std::size_t c = 1; c < peak.size(); ++c) {
@@ -284,7 +285,7 @@ void write_culprit_plot(const std::filesystem::path& path, const MeasuredSweep& 
     spec.subtitle.back() += "; an operation's share of the rays that have a culprit";
     const auto add = [&](const std::string& label, std::span<const std::size_t> places) {
         spec.series.push_back(series_of(sweep.steps, r, label, [&](const FormSummary& s) {
-            return measure::blame::culprit_share(s.categories[m], places);
+            return measure::attribution::culprit_share(s.categories[m], places);
         }));
     };
     const std::size_t named = order.size() <= most + 1 ? order.size() : most;

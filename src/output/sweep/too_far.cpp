@@ -15,10 +15,10 @@ constexpr int most_steps = 60;  // steps of a bisection: more than any axis has 
 
 bool is_too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format, double value) {
     const auto groups = sweep.rays({value});
-    if (groups.empty() || groups.front().solids.size() != 1 || groups.front().rays.size() == 0) return false;
-    const Solid<double>& solid = groups.front().solids.front();
-    if (!row_of(solid.shape).round) return false;
-    const auto [centre, radius] = ball_around(solid);
+    if (groups.empty() || groups.front().primitives.size() != 1 || groups.front().rays.size() == 0) return false;
+    const Primitive<double>& primitive = groups.front().primitives.front();
+    if (!row_of(primitive.shape).round) return false;
+    const auto [centre, radius] = ball_around(primitive);
     const Vec<double> to = centre - groups.front().rays[0].origin;
     // The nearest point is |distance to the centre − r| away, also for an eye inside the sphere.
     const double distance = std::fabs(std::hypot(to.x, to.y, to.z) - radius);

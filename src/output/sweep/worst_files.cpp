@@ -7,7 +7,7 @@
 #include <cmath>
 #include <span>
 
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
 #include "output/table/shared_columns.hpp"
@@ -19,23 +19,23 @@ using file::number_or_missing;
 using measure::answer::Outcome;
 using measure::edges::NearestRay;
 using measure::edges::sought;
-using measure::sweep::WorstFound;
 using measure::sweep::WorstRequest;
+using measure::sweep::WorstResult;
 
 namespace {
 
 std::string hex_list(std::span<const double> x) { return "[\"" + file::listed(x, file::hex, "\", \"") + "\"]"; }
 
-std::string solid_text(const Solid<double>& solid) {
+std::string primitive_text(const Primitive<double>& primitive) {
     std::string keys;
-    for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
+    for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
         keys += fmt::format("{} {} = ", keys.empty() ? "" : ",", key.name);
-        keys += key.count() == 3 ? hex_list(solid.used().subspan(k, 3))
-                                 : fmt::format("\"{}\"", file::hex(solid.numbers[k]));
+        keys += key.count() == 3 ? hex_list(primitive.used().subspan(k, 3))
+                                 : fmt::format("\"{}\"", file::hex(primitive.numbers[k]));
     });
-    if (solid.placed)
-        keys += fmt::format(", {} = {}", solid.placed->is_inverse ? "inverse_matrix" : "matrix",
-                            hex_list(solid.placed->matrix));
+    if (primitive.placed)
+        keys += fmt::format(", {} = {}", primitive.placed->is_inverse ? "inverse_matrix" : "matrix",
+                            hex_list(primitive.placed->matrix));
     return fmt::format("{{{} }}", keys);
 }
 
@@ -48,21 +48,21 @@ std::string head_of_cases(const std::string& title, const std::string& source) {
 
 std::string case_text(const std::string& name, const scene::rays::RayGroup& one) {
     std::vector<std::pair<Shape, std::string>> lists;  // a shape stands where its first primitive stands
-    for (const Solid<double>& solid : one.solids) {
-        auto list = std::ranges::find(lists, solid.shape, &std::pair<Shape, std::string>::first);
-        if (list == lists.end()) list = lists.insert(list, {solid.shape, ""});
-        list->second += (list->second.empty() ? "" : ", ") + solid_text(solid);
+    for (const Primitive<double>& primitive : one.primitives) {
+        auto list = std::ranges::find(lists, primitive.shape, &std::pair<Shape, std::string>::first);
+        if (list == lists.end()) list = lists.insert(list, {primitive.shape, ""});
+        list->second += (list->second.empty() ? "" : ", ") + primitive_text(primitive);
     }
-    std::string solids;
-    for (const auto& [shape, list] : lists) solids += fmt::format("{} = [{}]\n", row_of(shape).plural, list);
+    std::string primitives;
+    for (const auto& [shape, list] : lists) primitives += fmt::format("{} = [{}]\n", row_of(shape).plural, list);
     const Ray<double> ray = one.rays[0];
     const std::array origin{ray.origin.x, ray.origin.y, ray.origin.z};
     const std::array direction{ray.direction.x, ray.direction.y, ray.direction.z};
     const Range<double> range = one.rays.range(0);
     const std::string_view open = name_of(range.open);
     return fmt::format("\n[[case]]\nname = {}\n{}{}rays = [{{ origin = {}, direction = {}{}{} }}]\n",
-                       file::toml_string(name), open == "none" ? "" : fmt::format("open_ends = \"{}\"\n", open), solids,
-                       hex_list(origin), hex_list(direction),
+                       file::toml_string(name), open == "none" ? "" : fmt::format("open_ends = \"{}\"\n", open),
+                       primitives, hex_list(origin), hex_list(direction),
                        range.tmin == 0 ? "" : fmt::format(", tmin = \"{}\"", file::hex(range.tmin)),
                        std::isinf(range.tmax) ? "" : fmt::format(", tmax = \"{}\"", file::hex(range.tmax)));
 }
@@ -71,20 +71,20 @@ namespace {
 
 struct WorstRow {
     measure::evaluate::TestedForm row;
-    const std::optional<WorstFound>& worst;
+    const std::optional<WorstResult>& worst;
 };
 
-scene::rays::RayGroup alone(const WorstFound& w) {
+scene::rays::RayGroup alone(const WorstResult& w) {
     scene::rays::RayGroup one = scene::rays::group_of(w.ray);
-    one.solids = {w.solid};
+    one.primitives = {w.primitive};
     return one;
 }
 
 table::Table<WorstRow> worst_table(const WorstRequest& request) {
     using R = WorstRow;
-    using W = WorstFound;
+    using W = WorstResult;
     const measure::metric::Metric& metric =
-        *request.metrics[measure::metric::place_of(request.metrics, request.search.metric)];
+        *request.metrics[measure::metric::index_of(request.metrics, request.search.metric)];
     const auto worst = [](const R& r) -> const std::optional<W>& { return r.worst; };
     table::Table<R> table;
     table.add(table::subject_columns(), &R::row);
@@ -106,17 +106,17 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
                         "t*, correctly rounded to binary64, in the same unit; missing for a miss",
                         [](const W& w) { return number_or_missing(w.truth); }});
     of_worst.add(table::ray_columns("of the worst ray"), &W::ray);
-    of_worst.add(table::solid_columns(request.search.shape, "of its primitive"), &W::solid);
+    of_worst.add(table::primitive_columns(request.search.shape, "of its primitive"), &W::primitive);
     table.add(of_worst, worst);
     return table.add({"explain", "string", "", "the command that explains the worst ray and prints these numbers again",
                       [](const R& r) {
                           if (!r.worst) return std::string();
                           const scene::rays::RayGroup one = alone(*r.worst);
-                          return blame::explain_command(blame::name_of_ray(&one), r.row);
+                          return attribution::explain_command(attribution::name_of_ray(&one), r.row);
                       }});
 }
 
-std::string case_of(const WorstRequest& request, const measure::evaluate::TestedForm& row, const WorstFound& w) {
+std::string case_of(const WorstRequest& request, const measure::evaluate::TestedForm& row, const WorstResult& w) {
     const bool decided = w.outcome == Outcome::agree_hit;
     std::string what = decided ? fmt::format("{} {:.6g}", request.search.metric, w.value)
                                : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
@@ -127,7 +127,7 @@ std::string case_of(const WorstRequest& request, const measure::evaluate::Tested
 }  // namespace
 
 void write_worst(const std::filesystem::path& folder, const WorstRequest& request,
-                 const std::vector<std::optional<WorstFound>>& found) {
+                 const std::vector<std::optional<WorstResult>>& found) {
     const scene::sweep::SearchFile& search = request.search;
     table::TableFile<WorstRow> csv(folder, "worst.csv", "One row per form and format: the worst ray found",
                                    worst_table(request));
@@ -195,7 +195,7 @@ table::Table<NearestRow> nearest_table() {
 void NearestFiles::write(const std::filesystem::path& folder) const {
     const auto explain = [this](std::size_t r, const NearestRay& nearest) {
         const scene::rays::RayGroup one = scene::rays::group_of(nearest.ray);
-        return blame::explain_command(scene + " " + blame::name_of_ray(&one), request.rows[r]);
+        return attribution::explain_command(scene + " " + attribution::name_of_ray(&one), request.rows[r]);
     };
     table::TableFile<NearestRow> csv(
         folder, "worst.csv", "One row per form, format and outcome: the nearest ray found at an edge", nearest_table());

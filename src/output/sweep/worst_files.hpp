@@ -20,7 +20,7 @@ std::string case_text(const std::string& name, const scene::rays::RayGroup& one)
 
 /// Writes worst.csv, and hard.toml, a sweep of cases with one case per row.
 void write_worst(const std::filesystem::path& folder, const measure::sweep::WorstRequest& request,
-                 const std::vector<std::optional<measure::sweep::WorstFound>>& found);
+                 const std::vector<std::optional<measure::sweep::WorstResult>>& found);
 
 /// Results of a search along the edges of a mesh.
 struct NearestFiles {

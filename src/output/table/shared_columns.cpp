@@ -24,13 +24,13 @@ Table<Ray<double>> ray_columns(const std::string& of) {
     return table;
 }
 
-Table<Solid<double>> solid_columns(Shape shape, const std::string& of) {
-    using S = Solid<double>;
+Table<Primitive<double>> primitive_columns(Shape shape, const std::string& of) {
+    using S = Primitive<double>;
     Table<S> table;
     std::size_t place = 0;
     for (const auto& name : number_names(shape))
         table.add({std::string(name) + "_hex", "string", "", of,
-                   [k = place++](const S& solid) { return file::hex(solid.used()[k]); }});
+                   [k = place++](const S& primitive) { return file::hex(primitive.used()[k]); }});
     return table;
 }
 

@@ -16,6 +16,6 @@ Table<measure::evaluate::TestedForm> subject_columns(const std::string& form = "
 Table<Ray<double>> ray_columns(const std::string& of);
 
 /// Columns with the numbers of a primitive of this shape, in the same way.
-Table<Solid<double>> solid_columns(Shape shape, const std::string& of);
+Table<Primitive<double>> primitive_columns(Shape shape, const std::string& of);
 
 }  // namespace lostbits::output::table

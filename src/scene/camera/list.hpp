@@ -7,7 +7,7 @@ namespace lostbits::scene::camera {
 
 /// The ray of a pointer in three.js.
 struct ThreeRay : InvertsProjection {
-    static constexpr MakerInfo info{
+    static constexpr RayGeneratorInfo info{
         .name = "three",
         .title =
             "z = 1/2 through P^-1, inverted in the format, then through the stored matrix of the camera; minus the "
@@ -26,7 +26,7 @@ struct ThreeRay : InvertsProjection {
 /// A picking ray in Babylon.js. The second point has z = 1 - 1e-8 for every range of depths: it is behind the near
 /// plane if z is reversed, and 1 itself in float.
 struct BabylonRay : InvertsBoth {
-    static constexpr MakerInfo info{
+    static constexpr RayGeneratorInfo info{
         .name = "babylon",
         .title = "(P V)^-1, product and inverse in the format; from the near plane to z = 1 - 1e-8",
         .source = "Babylon.js, packages/dev/core/src/Culling/ray.core.ts, unprojectRayToRef",
@@ -43,7 +43,7 @@ struct BabylonRay : InvertsBoth {
 
 /// Two calls of `unProject`, at the near plane and at the far one, as in tutorials on picking.
 struct GlmRay : InvertsBoth {
-    static constexpr MakerInfo info{
+    static constexpr RayGeneratorInfo info{
         .name = "glm",
         .title = "(P V)^-1, product and inverse in the format; from the near plane to the far one",
         .source = "GLM 0.9.9.8, glm/ext/matrix_projection.inl:46 unProjectZO and :63 unProjectNO at depths 0 and 1",
@@ -61,7 +61,7 @@ struct GlmRay : InvertsBoth {
 /// A camera's ray in the samples of DirectX Raytracing. z = 0 is the near plane if z runs from 0 to 1, and the far one
 /// if it is reversed.
 struct DxrRay : InvertsBoth {
-    static constexpr MakerInfo info{
+    static constexpr RayGeneratorInfo info{
         .name = "dxr",
         .title = "z = 0 through (P V)^-1, product and inverse in the format; minus the eye",
         .source = "DirectX-Graphics-Samples, Samples/Desktop/D3D12Raytracing, Raytracing.hlsl GenerateCameraRay",
@@ -77,7 +77,7 @@ struct DxrRay : InvertsBoth {
 /// A deprojected point of the screen in Unreal. Its depths, 1 and 0.01, are those of reversed z. For other depths the
 /// same fractions between far and near are used.
 struct UnrealRay {
-    static constexpr MakerInfo info{
+    static constexpr RayGeneratorInfo info{
         .name = "unreal",
         .title = "(P V)^-1 inverted exactly and rounded once; from the near plane to reversed z = 0.01",
         .source = "Unreal Engine, FSceneView::DeprojectScreenToWorld, FCameraPoseMath::UnprojectFromScreen",
@@ -99,7 +99,7 @@ struct UnrealRay {
 /// The ray of a pointer in Bevy 0.9 to 0.16. Its depths, 1 and f32::EPSILON, are those of reversed z with the far
 /// plane at infinity.
 struct BevyRay {
-    static constexpr MakerInfo info{
+    static constexpr RayGeneratorInfo info{
         .name = "bevy",
         .title = "the camera's matrix times P^-1, in the format; from the near plane to reversed z = 2^-23",
         .source = "Bevy 0.9 to 0.16, crates/bevy_render/src/camera/camera.rs, Camera::viewport_to_world",
@@ -120,7 +120,7 @@ struct BevyRay {
 
 /// The ray of a pointer in Bevy since 0.17: the difference is taken in the space of the camera.
 struct BevyViewRay : InvertsProjection {
-    static constexpr MakerInfo info{
+    static constexpr RayGeneratorInfo info{
         .name = "bevy_view",
         .title = "both points through P^-1, inverted in the format; their difference rotated, the near one moved",
         .source = "Bevy 0.17, crates/bevy_camera/src/camera.rs, Camera::viewport_to_world (pull request 20700)",
@@ -138,7 +138,7 @@ struct BevyViewRay : InvertsProjection {
 /// The ray of a pixel in NVIDIA's ray tracing tutorial for Vulkan. The last column of the stored view is -R e,
 /// rounded, and the eye is computed from it by the inverse.
 struct NvproRay {
-    static constexpr MakerInfo info{
+    static constexpr RayGeneratorInfo info{
         .name = "nvpro",
         .title = "z = 1 through P^-1, normalised and rotated by V^-1, both inverted in the format; the eye from V^-1",
         .source = "nvpro-samples/vk_raytracing_tutorial_KHR, ray_tracing__simple/shaders/raytrace.rgen",
@@ -161,7 +161,7 @@ struct NvproRay {
 
 /// The normal of a ray through a point of the viewport in Godot.
 struct GodotRay : AsStored {
-    static constexpr MakerInfo info{
+    static constexpr RayGeneratorInfo info{
         .name = "godot",
         .title =
             "half extents of the near plane from P's diagonal, normalised, rotated by the camera's basis, normalised",
@@ -179,7 +179,7 @@ struct GodotRay : AsStored {
 
 /// Three vectors across and into the picture, as in the samples of OptiX and many path tracers.
 struct OptixRay : AsStored {
-    static constexpr MakerInfo info{
+    static constexpr RayGeneratorInfo info{
         .name = "optix",
         .title = "x U + y V + W, normalised; U and V are the tangents times the axes, in the format",
         .source = "OptiX SDK, SDK/optixPathTracer/optixPathTracer.cu __raygen__rg: normalize(d.x*U + d.y*V + W)",
@@ -196,7 +196,7 @@ struct OptixRay : AsStored {
 /// The middle of a pixel in the world and the vector to it from the eye, as in "Ray Tracing in One Weekend". The
 /// source does not normalise directions; here they are, by a quotient for each component.
 struct WeekendRay {
-    static constexpr MakerInfo info{
+    static constexpr RayGeneratorInfo info{
         .name = "weekend",
         .title =
             "the middle of the pixel in the world, 10 in front of the eye, by steps from the first one; minus the "
@@ -225,7 +225,7 @@ struct WeekendRay {
 
 /// The ray of pbrt's perspective camera, with the world moved so that the eye is its origin.
 struct PbrtRay : AsStored {
-    static constexpr MakerInfo info{
+    static constexpr RayGeneratorInfo info{
         .name = "pbrt",
         .title =
             "the middle of the pixel through the stored matrix from raster to camera, normalised and rotated; the eye "
@@ -247,7 +247,7 @@ struct PbrtRay : AsStored {
 
 /// The ray of a pixel from the differentials of the one to its left.
 struct DifferentialsRay {
-    static constexpr MakerInfo info{
+    static constexpr RayGeneratorInfo info{
         .name = "differentials",
         .title =
             "rxDirection of the pixel to the left: its point on the near plane plus dxCamera, normalised and rotated",
@@ -269,7 +269,7 @@ struct DifferentialsRay {
 
 /// The inverse of projection and view without the eye's position, and the eye separately: camera-relative rendering.
 struct RelativeRay : AsStored {
-    static constexpr MakerInfo info{
+    static constexpr RayGeneratorInfo info{
         .name = "relative",
         .title = "(P R)^-1 inverted exactly and rounded once, R the view without its translation; the eye separate",
         .source =
@@ -285,7 +285,7 @@ struct RelativeRay : AsStored {
 
 /// Calls `act.template operator()<ThreeRay>()` for each ray generator in turn.
 template <class Act>
-constexpr void for_each_maker(const Act& act) {
+constexpr void for_each_generator(const Act& act) {
     const auto all = [&act]<class... M>() { (act.template operator()<M>(), ...); };
     all.template operator()<ThreeRay,          //
                             BabylonRay,        //

@@ -80,7 +80,7 @@ Matrix4<T> inverse(const Matrix4<T>& m) {
 }
 
 /// The properties of a ray generator.
-struct MakerInfo {
+struct RayGeneratorInfo {
     std::string_view name;  ///< unique; `three` in `sphere.unified@ray-three`
     std::string_view title;
     std::string_view source;

@@ -31,13 +31,14 @@ void expect_place(TableReader& table) {
 }
 
 /// Reads `bits`, `wrong` and `at`.
-WishedBits read_wish(TableReader& table, const char* usually_at) {
-    WishedBits wish{static_cast<double>(table.number("bits")),
-                    static_cast<double>(table.optional_number("wrong").value_or(Real(0))), ""};
-    if (!(wish.bits >= 0 && wish.bits <= 53)) table.fail_at("bits", "must lie between 0 and 53");
-    if (!(wish.wrong >= 0 && wish.wrong <= 1)) table.fail_at("wrong", "is a share of the rays; write 0 to 1");
-    wish.at = table.optional_string("at").value_or(usually_at);
-    return wish;
+RequiredBits read_requirement(TableReader& table, const char* usually_at) {
+    RequiredBits requirement{static_cast<double>(table.number("bits")),
+                             static_cast<double>(table.optional_number("wrong").value_or(Real(0))), ""};
+    if (!(requirement.bits >= 0 && requirement.bits <= 53)) table.fail_at("bits", "must lie between 0 and 53");
+    if (!(requirement.wrong >= 0 && requirement.wrong <= 1))
+        table.fail_at("wrong", "is a share of the rays; write 0 to 1");
+    requirement.at = table.optional_string("at").value_or(usually_at);
+    return requirement;
 }
 
 Subject read_timing(TableReader& table, Claim& claim, std::string name) {
@@ -68,8 +69,8 @@ Subject read_choice(TableReader& table, Claim& claim, std::string name) {
     if (auto over = table.optional_table("over")) {
         for (const char* key : {"bits", "wrong", "at", "formats"})
             table.reject(key, "belongs to a requirement, but `over` compares two times; write one of the two");
-        choice.against = ChoiceSubject::Over{over->optional_string("form").value_or(claim.form),
-                                             over->optional_string("format").value_or(claim.format)};
+        choice.against = ChoiceSubject::RelativeTime{over->optional_string("form").value_or(claim.form),
+                                                     over->optional_string("format").value_or(claim.format)};
         over->reject_unknown_keys();
     } else {
         if (!table.has("bits"))
@@ -77,15 +78,15 @@ Subject read_choice(TableReader& table, Claim& claim, std::string name) {
                 table.where(),
                 "claim.given needs a requirement, `bits = 18`, or `over = { form = \"...\", format = \"...\" }`, whose "
                 "time is 1");
-        const WishedBits wish = read_wish(table, "p99");
+        const RequiredBits requirement = read_requirement(table, "p99");
         choice.against = ChoiceSubject::Others{
-            wish, table.optional_strings("formats").value_or(std::vector<std::string>{"f32", "f64"})};
+            requirement, table.optional_strings("formats").value_or(std::vector<std::string>{"f32", "f64"})};
     }
     return choice;
 }
 
 Subject read_mend(TableReader& table, Claim& claim, std::string name) {
-    MendSubject mend{.name = std::move(name), .wish = read_wish(table, "max")};
+    MendSubject mend{.name = std::move(name), .requirement = read_requirement(table, "max")};
     if (table.has("size")) {
         const auto size = table.numbers("size", 2);
         const auto side = [&](const Real& x) {

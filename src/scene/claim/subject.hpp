@@ -64,7 +64,7 @@ struct SearchSubject {
 };
 
 /// The requirement on a form and format on a scene.
-struct WishedBits {
+struct RequiredBits {
     double bits = 0, wrong = 0;
     std::string at;  ///< `p99`, `max`: the share of hits that must keep the bits
 };
@@ -72,7 +72,7 @@ struct WishedBits {
 /// The repair of a form, as by `lostbits mend`.
 struct MendSubject {
     std::string name;  ///< name of the scene
-    WishedBits wish;
+    RequiredBits requirement;
     std::optional<std::pair<int, int>> size = {};  ///< size of the picture; absent: the scene's
 };
 
@@ -93,15 +93,15 @@ struct TimingSubject {
 /// its time relative to another.
 struct ChoiceSubject {
     struct Others {
-        WishedBits wish;
+        RequiredBits requirement;
         std::vector<std::string> formats;  ///< formats of the other candidates
     };
-    struct Over {
+    struct RelativeTime {
         std::string form, format;
     };
 
     std::string name;  ///< name of the scene
-    std::variant<Others, Over> against = {};
+    std::variant<Others, RelativeTime> against = {};
 };
 
 /// The kinds of subjects, in the order in which they are measured.

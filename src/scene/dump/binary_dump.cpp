@@ -17,7 +17,7 @@ Format own_format(const Layout& layout, const std::vector<BinaryColumn>& columns
     std::optional<Format> widest;
     for (std::size_t s = 0; s < slot::count; ++s) {
         if (!layout.has(s)) continue;
-        const auto format = columns[layout.place_of(s)].type.format();
+        const auto format = columns[layout.index_of(s)].type.format();
         if (format && s == slot::t) return *format;
         if (format && (!widest || format->parameters.precision > widest->parameters.precision)) widest = format;
     }
@@ -26,41 +26,43 @@ Format own_format(const Layout& layout, const std::vector<BinaryColumn>& columns
 
 }  // namespace
 
-BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& options, ReadLie read)
-    : Dump(path), source_(path, options.stop), lie_(read(source_, options)) {
+BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& options, LayoutReader read)
+    : Dump(path), source_(path, options.stop), record_layout_(read(source_, options)) {
     std::vector<std::string> names;
-    for (const BinaryColumn& c : lie_.columns) names.push_back(c.name);
-    layout_.emplace(std::move(names),
-                    [this](std::size_t, const std::string& why) { throw InputError(lie_.blamed + ": " + why); });
-    settle(options, *layout_, own_format(*layout_, lie_.columns));
-    records_ = lie_.records;
+    for (const BinaryColumn& c : record_layout_.columns) names.push_back(c.name);
+    layout_.emplace(std::move(names), [this](std::size_t, const std::string& why) {
+        throw InputError(record_layout_.blamed + ": " + why);
+    });
+    settle(options, *layout_, own_format(*layout_, record_layout_.columns));
+    records_ = record_layout_.records;
     if (!source_.size()) return;
     // Faults that the size of the file shows are reported before the work.
-    const std::uint64_t bytes = *source_.size() - std::min(*source_.size(), lie_.begin);
-    const std::uint64_t whole = bytes / lie_.record_size;
-    if (records_ ? whole < *records_ : bytes % lie_.record_size != 0)
-        fail_short(whole, bytes - (lie_.apart ? 0 : whole * lie_.record_size));
-    if (records_ && bytes > *records_ * lie_.record_size)
+    const std::uint64_t bytes = *source_.size() - std::min(*source_.size(), record_layout_.begin);
+    const std::uint64_t whole = bytes / record_layout_.record_size;
+    if (records_ ? whole < *records_ : bytes % record_layout_.record_size != 0)
+        fail_short(whole, bytes - (record_layout_.apart ? 0 : whole * record_layout_.record_size));
+    if (records_ && bytes > *records_ * record_layout_.record_size)
         throw InputError(
             fmt::format("{}: byte {}: {} the last of the {} that the header names; is "
                         "it one array, written whole?",
-                        source_.name(), lie_.begin + *records_ * lie_.record_size,
-                        toml::counted(bytes - *records_ * lie_.record_size, "byte follows", "bytes follow"),
+                        source_.name(), record_layout_.begin + *records_ * record_layout_.record_size,
+                        toml::counted(bytes - *records_ * record_layout_.record_size, "byte follows", "bytes follow"),
                         toml::counted(*records_, "record")));
     if (!records_) records_ = whole;
 }
 
 void BinaryDump::fail_short(std::uint64_t record, std::uint64_t bytes) const {
-    if (lie_.apart)
-        throw InputError(fmt::format(
-            "{}: has {} of numbers, but its header names {} of {} bytes each; it "
-            "was cut short, so write it again",
-            source_.name(), toml::counted(bytes, "byte"), toml::counted(*lie_.records, "record"), lie_.record_size));
-    throw InputError(
-        fmt::format("{}: record {}: has {} of {} bytes{}; the file was cut short, or its columns are "
-                    "different: check their names and types",
-                    source_.name(), record + 1, bytes, lie_.record_size,
-                    lie_.records ? ", and the header names " + toml::counted(*lie_.records, "record") : ""));
+    if (record_layout_.apart)
+        throw InputError(
+            fmt::format("{}: has {} of numbers, but its header names {} of {} bytes each; it "
+                        "was cut short, so write it again",
+                        source_.name(), toml::counted(bytes, "byte"), toml::counted(*record_layout_.records, "record"),
+                        record_layout_.record_size));
+    throw InputError(fmt::format(
+        "{}: record {}: has {} of {} bytes{}; the file was cut short, or its columns are "
+        "different: check their names and types",
+        source_.name(), record + 1, bytes, record_layout_.record_size,
+        record_layout_.records ? ", and the header names " + toml::counted(*record_layout_.records, "record") : ""));
 }
 
 bool BinaryDump::next(std::size_t most, Records& records) {
@@ -69,14 +71,15 @@ bool BinaryDump::next(std::size_t most, Records& records) {
     if (records_) most = static_cast<std::size_t>(std::min<std::uint64_t>(most, *records_ - record_));
     if (most == 0) return false;
     std::size_t got = 0;
-    if (lie_.apart) {
-        for (const BinaryColumn& c : lie_.columns)
-            got += source_.read_at(lie_.begin + c.offset + record_ * c.type.size, records.bytes, most * c.type.size);
+    if (record_layout_.apart) {
+        for (const BinaryColumn& c : record_layout_.columns)
+            got += source_.read_at(record_layout_.begin + c.offset + record_ * c.type.size, records.bytes,
+                                   most * c.type.size);
     } else {
-        got = source_.read(records.bytes, most * lie_.record_size);
+        got = source_.read(records.bytes, most * record_layout_.record_size);
     }
-    records.count = got / lie_.record_size;
-    const std::size_t rest = got % lie_.record_size;
+    records.count = got / record_layout_.record_size;
+    const std::size_t rest = got % record_layout_.record_size;
     if (rest != 0 || (records_ && records.count < most)) fail_short(record_ + records.count, rest);
     record_ += records.count;
     return records.count > 0;
@@ -86,11 +89,11 @@ bool BinaryDump::is_reversed(const Records& records, const std::vector<std::size
                              const std::function<bool(double)>& is_usual, std::string& strange) const {
     std::size_t numbers = 0, usual = 0, usual_reversed = 0;
     for (const std::size_t c : columns) {
-        const BinaryColumn& column = lie_.columns[c];
+        const BinaryColumn& column = record_layout_.columns[c];
         ItemType reversed = column.type;
         reversed.big_endian = !reversed.big_endian;
         for (std::size_t i = 0; i < std::min<std::size_t>(records.count, 64); ++i) {
-            const char* const at = records.bytes.data() + i * lie_.record_size + column.offset;
+            const char* const at = records.bytes.data() + i * record_layout_.record_size + column.offset;
             const double x = column.type.read(at).value;
             if (x == 0) continue;
             ++numbers;
@@ -105,9 +108,9 @@ bool BinaryDump::is_reversed(const Records& records, const std::vector<std::size
 void BinaryDump::refuse_reversed(const Records& records) const {
     // t may have any value: the number that means a miss may be of any size.
     std::vector<std::size_t> floats, whole;
-    for (std::size_t c = 0; c < lie_.columns.size(); ++c) {
+    for (std::size_t c = 0; c < record_layout_.columns.size(); ++c) {
         const auto means = layout_->columns()[c].slot;
-        const ItemType& type = lie_.columns[c].type;
+        const ItemType& type = record_layout_.columns[c].type;
         if (!means || *means == slot::t || *means == slot::tmin || *means == slot::tmax || type.size < 2) continue;
         if (type.kind == ItemType::Kind::floating) floats.push_back(c);
         else if (*means == slot::hit) whole.push_back(c);
@@ -122,7 +125,7 @@ void BinaryDump::refuse_reversed(const Records& records) const {
     if (!floats_are && !hit_is) return;
     std::string words, before;
     bool big_endian = false;
-    for (const BinaryColumn& column : lie_.columns) {
+    for (const BinaryColumn& column : record_layout_.columns) {
         const bool is_float = column.type.kind == ItemType::Kind::floating;
         ItemType type = column.type;
         if (type.size > 1 && (is_float ? floats_are : hit_is || floats_are)) type.big_endian = !type.big_endian;
@@ -138,7 +141,7 @@ void BinaryDump::refuse_reversed(const Records& records) const {
 }
 
 Chunk BinaryDump::decode(const Records& records) const {
-    if (records.first == 0 && !lie_.records) refuse_reversed(records);
+    if (records.first == 0 && !record_layout_.records) refuse_reversed(records);
     Chunk chunk;
     chunk.first = records.first;
     struct Reader {
@@ -150,16 +153,17 @@ Chunk BinaryDump::decode(const Records& records) const {
     };
     std::vector<Reader> readers;
     std::size_t begin = 0;
-    for (std::size_t c = 0; c < lie_.columns.size(); ++c) {
-        const BinaryColumn& column = lie_.columns[c];
+    for (std::size_t c = 0; c < record_layout_.columns.size(); ++c) {
+        const BinaryColumn& column = record_layout_.columns[c];
         const LayoutColumn& means = layout_->columns()[c];
-        const std::size_t offset = lie_.apart ? begin : column.offset;
+        const std::size_t offset = record_layout_.apart ? begin : column.offset;
         begin += records.count * column.type.size;
         const bool kept = !means.slot && !means.skipped && terms().keep;
         if (!means.slot && !kept) continue;
-        readers.push_back({records.bytes.data() + offset,
-                           lie_.apart ? column.type.size : static_cast<std::size_t>(lie_.record_size), column.type,
-                           means.slot, kept});
+        readers.push_back(
+            {records.bytes.data() + offset,
+             record_layout_.apart ? column.type.size : static_cast<std::size_t>(record_layout_.record_size),
+             column.type, means.slot, kept});
     }
     ChunkWriter writer(*layout_, terms(), records.count, chunk);
     for (std::size_t i = 0; i < records.count; ++i) {
@@ -170,11 +174,11 @@ Chunk BinaryDump::decode(const Records& records) const {
                 const auto [value, exact] = reader.type.read(reader.at);
                 const double stored = number_in(value, format());
                 if (std::isinf(stored) && !std::isinf(value))
-                    throw InputError(
-                        fmt::format("{}: record {}: {} is {}, larger than the largest number of {}; name the "
-                                    "format that the answers were computed in with --file-format",
-                                    source_.name(), records.first + i + 1,
-                                    lie_.columns[layout_->place_of(*reader.slot)].name, value, format().name));
+                    throw InputError(fmt::format(
+                        "{}: record {}: {} is {}, larger than the largest number of {}; name the "
+                        "format that the answers were computed in with --file-format",
+                        source_.name(), records.first + i + 1,
+                        record_layout_.columns[layout_->index_of(*reader.slot)].name, value, format().name));
                 writer.put(*reader.slot, stored, exact && (stored == value || std::isnan(value)));
             }
             reader.at += reader.step;
@@ -224,12 +228,12 @@ std::vector<BinaryColumn> read_columns(const std::string& text) {
 
 }  // namespace
 
-Lie read_raw(toml::ByteSource& source, const DumpOptions& options) {
+RecordLayout read_raw(toml::ByteSource& source, const DumpOptions& options) {
     if (options.columns.empty())
         throw InputError(source.name() +
                          ": raw numbers have no header; name them and their types with "
                          "--columns ox:f32,oy,oz,dx,dy,dz,hit:u8,t:f32");
-    Lie raw{.columns = read_columns(options.columns), .begin = options.skip, .blamed = "--columns"};
+    RecordLayout raw{.columns = read_columns(options.columns), .begin = options.skip, .blamed = "--columns"};
     for (const BinaryColumn& c : raw.columns) raw.record_size += c.type.size;
     if (source.size() && *source.size() < options.skip)
         throw InputError(fmt::format("{}: --skip {} is beyond its end: it has {} bytes", source.name(), options.skip,

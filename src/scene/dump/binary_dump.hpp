@@ -18,7 +18,7 @@ struct BinaryColumn {
 };
 
 /// The layout of the numbers in a file, as its header gives it.
-struct Lie {
+struct RecordLayout {
     std::vector<BinaryColumn> columns;
     std::uint64_t begin = 0;                    ///< of the first record, in bytes; the source is at this position
     std::uint64_t record_size = 0;              ///< in bytes
@@ -27,23 +27,23 @@ struct Lie {
     std::optional<std::pair<int, int>> picture = {};
     std::string blamed = {};  ///< what errors name if the columns are not those of rays
 };
-using ReadLie = Lie (*)(toml::ByteSource& source, const DumpOptions& options);
+using LayoutReader = RecordLayout (*)(toml::ByteSource& source, const DumpOptions& options);
 
 /// Reads the layout of a file without a header. `--columns` gives the columns, `ox:f32,oy,oz,…`. A column without a
 /// type has the type of the column before it.
-Lie read_raw(toml::ByteSource& source, const DumpOptions& options);
+RecordLayout read_raw(toml::ByteSource& source, const DumpOptions& options);
 
 /// Reads the header of a numpy array, plain or of records with named fields, versions 1 to 3. The last axis of a plain
 /// array is the columns, which `--columns` names. The axes before it, or all axes of an array of records, are rays;
 /// two of them are a picture with that many rows and columns.
-Lie read_npy(toml::ByteSource& source, const DumpOptions& options);
+RecordLayout read_npy(toml::ByteSource& source, const DumpOptions& options);
 
 class BinaryDump final : public Dump {
 public:
-    BinaryDump(const std::filesystem::path& path, const DumpOptions& options, ReadLie read);
+    BinaryDump(const std::filesystem::path& path, const DumpOptions& options, LayoutReader read);
     [[nodiscard]] const Layout& layout() const override { return *layout_; }
     [[nodiscard]] std::optional<std::uint64_t> size() const override { return records_; }
-    [[nodiscard]] std::optional<std::pair<int, int>> picture() const override { return lie_.picture; }
+    [[nodiscard]] std::optional<std::pair<int, int>> picture() const override { return record_layout_.picture; }
     [[nodiscard]] std::uint64_t bytes() const override { return source_.size().value_or(0); }
     bool next(std::size_t most, Records& records) override;
     [[nodiscard]] Chunk decode(const Records& records) const override;
@@ -58,7 +58,7 @@ private:
     [[noreturn]] void fail_short(std::uint64_t record, std::uint64_t bytes) const;
 
     toml::ByteSource source_;
-    Lie lie_;
+    RecordLayout record_layout_;
     std::optional<Layout> layout_;
     std::optional<std::uint64_t> records_;
     std::uint64_t record_ = 0;

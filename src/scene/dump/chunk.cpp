@@ -12,20 +12,20 @@
 namespace lostbits::scene::dump {
 
 ChunkWriter::ChunkWriter(const Layout& layout, const DumpTerms& terms, std::size_t records, Chunk& chunk)
-    : layout_(layout), terms_(terms), chunk_(chunk), shape_(layout.solid()), decides_(layout.has_answers()) {
+    : layout_(layout), terms_(terms), chunk_(chunk), shape_(layout.primitive()), decides_(layout.has_answers()) {
     if (layout.has_matrix() && terms.under) shape_ = terms.under->shape;
     rays::RayBlock& rays = chunk.rays;
     for (auto* column : rays.numbers()) column->reserve(records);
     if (layout.has(slot::tmin)) rays.tmin.reserve(records);
     if (layout.has(slot::tmax)) rays.tmax.reserve(records);
     rays.open = terms.open;
-    if (shape_) chunk.solids.reserve(records);
+    if (shape_) chunk.primitives.reserve(records);
     if (decides_) chunk.t.reserve(records), chunk.hit.reserve(records);
     if (layout.has(slot::object)) chunk.object.reserve(records);
 }
 
 std::string ChunkWriter::called(std::size_t slot) const {
-    return layout_.has(slot) ? layout_.columns()[layout_.place_of(slot)].name : std::string(name_of_slot(slot, shape_));
+    return layout_.has(slot) ? layout_.columns()[layout_.index_of(slot)].name : std::string(name_of_slot(slot, shape_));
 }
 
 void ChunkWriter::fail(const std::string& place, const std::string& why) { throw InputError(place + ": " + why); }
@@ -70,14 +70,14 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
     }
     if (shape_) {
         const std::size_t count = row_of(*shape_).numbers;
-        for (std::size_t s = slot::solid; s < slot::solid + count; ++s) {
+        for (std::size_t s = slot::primitive; s < slot::primitive + count; ++s) {
             if (!layout_.has(s)) continue;  // the column is optional, and the number 0
             if (!is_there(s) || !std::isfinite(x[s]))
                 return bad(s,
                            fmt::format("{} has {} finite numbers; leave this ray out", with_article(*shape_), count));
         }
-        if (const auto broken = broken_limit(solid())) {
-            const std::size_t s = slot::solid + broken->number;
+        if (const auto broken = broken_limit(primitive())) {
+            const std::size_t s = slot::primitive + broken->number;
             const std::string name = with_article(*shape_);
             if (broken->key->limit == Key::Limit::positive)
                 return bad(s,
@@ -94,7 +94,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
         if (!is_there(s) || !std::isfinite(x[s]))
             return bad(s, "a matrix has twelve finite numbers; leave this ray out");
     }
-    if (layout_.has_matrix() && !solid().placed->is_proper())
+    if (layout_.has_matrix() && !primitive().placed->is_proper())
         return Fault{slot::matrix, fmt::format("the matrix {}, or leave this ray out", singular_words)};
     const double object = x[slot::object];
     if (is_there(slot::object) && !(object >= -1 && object < 0x1p31 && object == std::floor(object)))
@@ -148,14 +148,15 @@ Range<double> ChunkWriter::range() const {
             terms_.open};
 }
 
-Solid<double> ChunkWriter::solid() const {
-    Solid<double> solid = terms_.under.value_or(Solid<double>(*shape_));
-    for (std::size_t k = 0; !terms_.under && k < solid.used().size(); ++k) solid.numbers[k] = numbers_[slot::solid + k];
-    if (!layout_.has_matrix()) return solid;
+Primitive<double> ChunkWriter::primitive() const {
+    Primitive<double> primitive = terms_.under.value_or(Primitive<double>(*shape_));
+    for (std::size_t k = 0; !terms_.under && k < primitive.used().size(); ++k)
+        primitive.numbers[k] = numbers_[slot::primitive + k];
+    if (!layout_.has_matrix()) return primitive;
     std::array<double, Affine<double>::numbers> matrix;
     std::copy_n(numbers_ + slot::matrix, matrix.size(), matrix.begin());
-    solid.placed = placement_of(matrix);
-    return solid;
+    primitive.placed = placement_of(matrix);
+    return primitive;
 }
 
 void ChunkWriter::keep() {
@@ -165,7 +166,7 @@ void ChunkWriter::keep() {
     if (layout_.has(slot::tmin)) chunk_.rays.tmin.push_back(range.tmin);
     if (layout_.has(slot::tmax)) chunk_.rays.tmax.push_back(range.tmax);
     if (shape_) {
-        chunk_.solids.push_back(solid());
+        chunk_.primitives.push_back(primitive());
     }
     if (decides_) {
         chunk_.hit.push_back(hits_ ? 1 : 0);

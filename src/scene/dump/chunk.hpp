@@ -26,13 +26,13 @@ struct MissRule {
 
 /// Settings for reading the records of a file.
 struct DumpTerms {
-    Format format;                    ///< the format of the answers; every number is rounded once to it
-    MissRule miss = {};               ///< used if there is no column `hit`
-    std::optional<Shape> solid = {};  ///< the shape of the primitives that are given once for all rays
-    bool keep = false;                ///< keep the user's own columns
-    OpenEnds open = {};               ///< for the ranges of all rays
+    Format format;                        ///< the format of the answers; every number is rounded once to it
+    MissRule miss = {};                   ///< used if there is no column `hit`
+    std::optional<Shape> primitive = {};  ///< the shape of the primitives that are given once for all rays
+    bool keep = false;                    ///< keep the user's own columns
+    OpenEnds open = {};                   ///< for the ranges of all rays
     /// The one primitive that is under the matrix of each record, if the records have matrices and no primitives.
-    std::optional<Solid<double>> under = {};
+    std::optional<Primitive<double>> under = {};
     /// The number of primitives for all rays; absent: unknown.
     std::optional<std::size_t> primitives = {};
 };
@@ -40,14 +40,14 @@ struct DumpTerms {
 struct Chunk {
     std::uint64_t first = 0;  ///< position of the first record in the file, from 0
     rays::RayBlock rays = {};
-    std::vector<Solid<double>> solids = {};  ///< one per ray; empty if records have no primitives
-    std::vector<double> t = {};              ///< NaN if a hit has no number, 0 for misses
-    std::vector<std::uint8_t> hit = {};      ///< empty if the file has no answers
-    std::vector<std::int32_t> object = {};   ///< the primitive that was hit; empty if the file does not say
-    std::vector<std::string> kept = {};      ///< the user's own columns, record by record, if they are kept
-    std::uint64_t rounded = 0;               ///< count of numbers that the format does not hold
-    int digits = 0;                          ///< the most digits of a number, see `NumberWords::Word`
-    std::uint64_t decimals = 0;              ///< count of numbers that have digits
+    std::vector<Primitive<double>> primitives = {};  ///< one per ray; empty if records have no primitives
+    std::vector<double> t = {};                      ///< NaN if a hit has no number, 0 for misses
+    std::vector<std::uint8_t> hit = {};              ///< empty if the file has no answers
+    std::vector<std::int32_t> object = {};           ///< the primitive that was hit; empty if the file does not say
+    std::vector<std::string> kept = {};              ///< the user's own columns, record by record, if they are kept
+    std::uint64_t rounded = 0;                       ///< count of numbers that the format does not hold
+    int digits = 0;                                  ///< the most digits of a number, see `NumberParser::Word`
+    std::uint64_t decimals = 0;                      ///< count of numbers that have digits
 
     [[nodiscard]] std::size_t size() const { return rays.size(); }
 };
@@ -80,8 +80,8 @@ private:
     [[nodiscard]] std::optional<Fault> find_fault();
     [[nodiscard]] std::optional<Fault> find_fault_of_answer();
     [[noreturn]] static void fail(const std::string& place, const std::string& why);
-    [[nodiscard]] Solid<double> solid() const;  ///< of this record
-    [[nodiscard]] Range<double> range() const;  ///< of this record's ray
+    [[nodiscard]] Primitive<double> primitive() const;  ///< of this record
+    [[nodiscard]] Range<double> range() const;          ///< of this record's ray
     void keep();
     [[nodiscard]] bool is_there(std::size_t slot) const { return (there_ >> slot & 1) != 0; }
     [[nodiscard]] std::string called(std::size_t slot) const;

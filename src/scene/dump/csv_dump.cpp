@@ -210,15 +210,15 @@ Chunk CsvDump::decode(const Records& records) const {
 
 std::string CsvDump::put(std::string_view word, std::size_t slot, ChunkWriter& writer) const {
     if (word.empty()) return {};
-    const NumberWords::Word read = words_->read(word);
+    const NumberParser::Word read = words_->read(word);
     switch (read.kind) {
-        case NumberWords::Kind::number: writer.put(slot, read.value, read.held, read.digits); return {};
-        case NumberWords::Kind::too_large:
+        case NumberParser::Kind::number: writer.put(slot, read.value, read.held, read.digits); return {};
+        case NumberParser::Kind::too_large:
             return fmt::format(
                 "is larger than the largest number of {}; name the format that the answers were computed "
                 "in with --file-format",
                 format().name);
-        case NumberWords::Kind::not_a_number_word: break;
+        case NumberParser::Kind::not_a_number_word: break;
     }
     if (slot == slot::hit && (word == "true" || word == "True" || word == "TRUE")) writer.put(slot, 1, true);
     else if (slot == slot::hit && (word == "false" || word == "False" || word == "FALSE")) writer.put(slot, 0, true);

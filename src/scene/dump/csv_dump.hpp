@@ -2,7 +2,7 @@
 #pragma once
 
 #include "scene/dump/dump.hpp"
-#include "scene/dump/number_words.hpp"
+#include "scene/dump/number_parser.hpp"
 #include "scene/toml/byte_source.hpp"
 
 namespace lostbits::scene::dump {
@@ -29,7 +29,7 @@ private:
 
     toml::ByteSource source_;
     std::optional<Layout> layout_;
-    std::optional<NumberWords> words_;
+    std::optional<NumberParser> words_;
     std::string buffer_;
     std::size_t used_ = 0;  ///< number of bytes of the buffer that were returned
     bool ended_ = false;    ///< the buffer holds the last bytes of the file

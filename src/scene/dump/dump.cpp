@@ -27,17 +27,17 @@ double number_in(double x, const Format& format) {
 void Dump::settle(const DumpOptions& options, const Layout& layout, const Format& own) {
     terms_.format = options.format.value_or(own);
     terms_.keep = options.keep;
-    terms_.solid = options.solid;
+    terms_.primitive = options.primitive;
     terms_.open = options.open;
     const std::string& file = name_;
-    if (layout.solid() && options.solid)
+    if (layout.primitive() && options.primitive)
         throw InputError(file +
                          ": its columns have a primitive for each ray, but the command line gives one for all; leave "
                          "one of the two out");
-    if (!layout.solid() && !options.solid) {
+    if (!layout.primitive() && !options.primitive) {
         std::string named;
         for (const ShapeRow& row : shape_rows) named += fmt::format("--{} {}, ", row.name, option_words(row.shape));
-        throw InputError(file + ": no column has a primitive; add " + columns_of_solids() +
+        throw InputError(file + ": no column has a primitive; add " + columns_of_primitives() +
                          ", or name one for all rays with " + named + "or --scene SCENE");
     }
     if (!options.miss) return;
@@ -82,7 +82,7 @@ std::string names_of(const std::vector<std::unique_ptr<Dump>>& files) {
 
 /// True if both files have primitives, answers and a format alike.
 bool are_alike(const Dump& a, const Dump& b) {
-    return a.layout().solid() == b.layout().solid() && a.layout().has_matrix() == b.layout().has_matrix() &&
+    return a.layout().primitive() == b.layout().primitive() && a.layout().has_matrix() == b.layout().has_matrix() &&
            a.layout().has_answers() == b.layout().has_answers() &&
            a.layout().decides_only() == b.layout().decides_only() && a.format() == b.format();
 }
@@ -124,8 +124,8 @@ public:
         return false;
     }
 
-    void put_under_matrices(const Solid<double>& solid) override {
-        for (const auto& file : files_) file->put_under_matrices(solid);
+    void put_under_matrices(const Primitive<double>& primitive) override {
+        for (const auto& file : files_) file->put_under_matrices(primitive);
     }
     void number_primitives(std::size_t count) override {
         for (const auto& file : files_) file->number_primitives(count);

@@ -26,10 +26,10 @@ struct DumpOptions {
     std::uint64_t skip = 0;                       ///< bytes in front of raw numbers
     std::optional<Format> format = std::nullopt;  ///< of the answers; absent: the file's own
     std::optional<MissRule> miss = std::nullopt;
-    std::optional<Shape> solid = std::nullopt;  ///< of the primitives that are given once
-    OpenEnds open = {};                         ///< for the ranges of all rays
-    intersect::process::StopToken stop = {};    ///< checked before each piece is read
-    bool keep = false;                          ///< keep the user's own columns
+    std::optional<Shape> primitive = std::nullopt;  ///< of the primitives that are given once
+    OpenEnds open = {};                             ///< for the ranges of all rays
+    intersect::process::StopToken stop = {};        ///< checked before each piece is read
+    bool keep = false;                              ///< keep the user's own columns
 };
 
 /// Consecutive records as they are in the file.
@@ -66,7 +66,7 @@ public:
     [[nodiscard]] virtual Chunk decode(const Records& records) const = 0;
     /// Puts one primitive under the matrix of each record, for a file with matrices and no primitives. Its numbers
     /// must be of the format. Call it before any record is read.
-    virtual void put_under_matrices(const Solid<double>& solid) { terms_.under = solid; }
+    virtual void put_under_matrices(const Primitive<double>& primitive) { terms_.under = primitive; }
     /// Sets the number of primitives at which the rays are aimed. No record may name a larger index. Call it before
     /// any record is read.
     virtual void number_primitives(std::size_t count) { terms_.primitives = count; }

@@ -29,7 +29,7 @@ std::vector<KnownName> make_known_names() {
     add(slot::origin, {"ox", "oy", "oz", "dx", "dy", "dz", "tmax", "tmin"});
     for (const ShapeRow& row : shape_rows)
         for (std::size_t k = 0; k < row.numbers; ++k)
-            all.push_back({column_names(row.shape)[k], slot::solid + k, row.shape});
+            all.push_back({column_names(row.shape)[k], slot::primitive + k, row.shape});
     add(slot::t, {"t"});
     add(slot::hit, {"hit"});
     add(slot::object, {"object"});
@@ -41,7 +41,7 @@ std::vector<KnownName> make_known_names() {
     for (const ShapeRow& row : shape_rows)
         for (std::size_t k = 0; k < row.numbers; ++k)
             for (std::string& name : other_column_names(row.shape, k))
-                all.push_back({std::move(name), slot::solid + k, row.shape});
+                all.push_back({std::move(name), slot::primitive + k, row.shape});
     return all;
 }
 
@@ -73,7 +73,7 @@ struct NamedNumbers {
     [[nodiscard]] bool are_whole() const {
         bool whole = true;
         for (std::size_t k = 0; k < row_of(shape).numbers; ++k)
-            whole = whole && (slots.contains(slot::solid + k) || is_optional(shape, k));
+            whole = whole && (slots.contains(slot::primitive + k) || is_optional(shape, k));
         return whole;
     }
 };
@@ -105,17 +105,17 @@ struct NamedShapes {
 constexpr std::string_view hex_tail = "_hex";
 
 std::string what_to_write() {
-    return "name the columns ox,oy,oz,dx,dy,dz, optionally tmin and tmax, the primitive's " + columns_of_solids() +
+    return "name the columns ox,oy,oz,dx,dy,dz, optionally tmin and tmax, the primitive's " + columns_of_primitives() +
            ", optionally its matrix m00,m01,...,m23, and the answer's hit and t";
 }
 
 }  // namespace
 
-std::string columns_of_solids() {
-    std::string solids;
+std::string columns_of_primitives() {
+    std::string primitives;
     for (const ShapeRow& row : shape_rows)
-        solids += (solids.empty() ? "" : " or ") + fmt::format("{}", fmt::join(column_names(row.shape), ","));
-    return solids;
+        primitives += (primitives.empty() ? "" : " or ") + fmt::format("{}", fmt::join(column_names(row.shape), ","));
+    return primitives;
 }
 
 std::string_view name_of_slot(std::size_t slot, std::optional<Shape> shape) {
@@ -154,15 +154,15 @@ void Layout::find_slots(const Complain& complain) {
             return !found[c].hex && other.hex && other.known != nullptr && other.known->slot == known->slot;
         };
         if (std::ranges::any_of(found, twin)) continue;
-        if (known->shape && solid_ && *known->shape != *solid_)
+        if (known->shape && primitive_ && *known->shape != *primitive_)
             complain(c,
                      fmt::format("\"{}\" is a number of {}, but other columns are of {}; a file has primitives of one "
                                  "shape; leave one of the two out",
-                                 columns_[c].name, with_article(*known->shape), with_article(*solid_)));
+                                 columns_[c].name, with_article(*known->shape), with_article(*primitive_)));
         if (places_[known->slot])
             complain(c, fmt::format("\"{}\" has the same meaning as column \"{}\"; rename one of the two",
                                     columns_[c].name, columns_[*places_[known->slot]].name));
-        if (known->shape) solid_ = known->shape;
+        if (known->shape) primitive_ = known->shape;
         places_[known->slot] = c;
         columns_[c].slot = known->slot;
     }
@@ -187,7 +187,7 @@ void Layout::require_whole(const Complain& complain) const {
     const auto lacks = [&](std::size_t begin, std::size_t end, std::optional<Shape> shape) {
         std::string names;
         for (std::size_t s = begin; s < end; ++s) {
-            if (!has(s) && !(shape && is_optional(*shape, s - slot::solid)))
+            if (!has(s) && !(shape && is_optional(*shape, s - slot::primitive)))
                 names += (names.empty() ? "" : ", ") + std::string(name_of_slot(s, shape));
         }
         return names;
@@ -209,10 +209,10 @@ void Layout::require_whole(const Complain& complain) const {
         complain(0, fmt::format("a matrix has no {}; write its three rows of four numbers, m00 to m23, or rename the "
                                 "columns that do not belong to it",
                                 names));
-    if (!solid_) return;
-    const std::size_t end = slot::solid + row_of(*solid_).numbers;
-    if (const auto names = lacks(slot::solid, end, *solid_); !names.empty())
-        complain(0, fmt::format("{} has no {}; {}", with_article(*solid_), names, what_to_write()));
+    if (!primitive_) return;
+    const std::size_t end = slot::primitive + row_of(*primitive_).numbers;
+    if (const auto names = lacks(slot::primitive, end, *primitive_); !names.empty())
+        complain(0, fmt::format("{} has no {}; {}", with_article(*primitive_), names, what_to_write()));
 }
 
 bool Layout::has_any_of_matrix() const {

@@ -8,15 +8,15 @@
 #include <string_view>
 #include <vector>
 
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::scene::dump {
 
 /// The numbers of a record that have a meaning, in one row: the ray, its range, its primitive, its answer, and the
 /// matrix of its primitive, row by row.
 namespace slot {
-inline constexpr std::size_t origin = 0, direction = 3, tmax = 6, tmin = 7, solid = 8;
-inline constexpr std::size_t t = solid + most_numbers, hit = t + 1, object = t + 2, matrix = t + 3;
+inline constexpr std::size_t origin = 0, direction = 3, tmax = 6, tmin = 7, primitive = 8;
+inline constexpr std::size_t t = primitive + most_numbers, hit = t + 1, object = t + 2, matrix = t + 3;
 inline constexpr std::size_t count = matrix + Affine<double>::numbers;
 }  // namespace slot
 
@@ -44,9 +44,9 @@ public:
     [[nodiscard]] const std::vector<LayoutColumn>& columns() const { return columns_; }
     [[nodiscard]] bool has(std::size_t slot) const { return places_.at(slot).has_value(); }
     /// Index of the column of a number that is present.
-    [[nodiscard]] std::size_t place_of(std::size_t slot) const { return places_.at(slot).value(); }
+    [[nodiscard]] std::size_t index_of(std::size_t slot) const { return places_.at(slot).value(); }
     /// Shape of the primitive that each record has; nothing if records have none.
-    [[nodiscard]] std::optional<Shape> solid() const { return solid_; }
+    [[nodiscard]] std::optional<Shape> primitive() const { return primitive_; }
     /// True if each record has the matrix of its primitive.
     [[nodiscard]] bool has_matrix() const { return has(slot::matrix); }
     [[nodiscard]] bool has_answers() const { return has(slot::t) || has(slot::hit); }
@@ -62,11 +62,11 @@ private:
 
     std::vector<LayoutColumn> columns_;
     std::array<std::optional<std::size_t>, slot::count> places_;
-    std::optional<Shape> solid_;
+    std::optional<Shape> primitive_;
 };
 
 /// Returns `cx,cy,cz,radius or lox,loy,…`, with all shapes.
-std::string columns_of_solids();
+std::string columns_of_primitives();
 
 /// Returns the name of a number of a record in messages and files: `ox`, `cx`, `lox`. `shape` is the shape of the
 /// primitive, for numbers of it.

@@ -234,12 +234,12 @@ std::vector<std::string> names_in(const std::string& columns) {
 
 }  // namespace
 
-Lie read_npy(toml::ByteSource& source, const DumpOptions& options) {
+RecordLayout read_npy(toml::ByteSource& source, const DumpOptions& options) {
     const auto [text, begin] = header_text(source);
     const std::string& file = source.name();
     const NpyHeader header = read_npy_header(text, file);
     std::vector<std::uint64_t> rays = header.shape;
-    Lie array{.columns = {}, .begin = begin, .blamed = file};
+    RecordLayout array{.columns = {}, .begin = begin, .blamed = file};
     if (header.structured) {
         if (!options.columns.empty())
             throw InputError(file +

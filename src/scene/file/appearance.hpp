@@ -9,7 +9,7 @@
 
 #include "number/real.hpp"
 #include "scene/toml/toml_reader.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::scene::file {
 

@@ -62,12 +62,12 @@ void read_rays_of_camera(TableReader& table, const StoredNumbers& numbers, Camer
     }
     const auto name = table.optional_string("rays");
     if (!name) return;
-    camera.rays = camera::find_maker(*name);
+    camera.rays = camera::find_ray_generator(*name);
     if (camera.rays == nullptr) {
         std::vector<std::string> names;
-        for (const camera::Maker& maker : camera::makers()) names.emplace_back(maker.info->name);
+        for (const camera::RayGenerator& generator : camera::ray_generators()) names.emplace_back(generator.info->name);
         table.fail_at("rays", "is \"" + *name + "\", which is not a known ray generator; " +
-                                  toml::did_you_mean(*name, names) + "; `lostbits list makers` shows them");
+                                  toml::did_you_mean(*name, names) + "; `lostbits list generators` shows them");
     }
     if (!camera.projection)
         table.fail_at("rays",
@@ -168,7 +168,7 @@ Camera read_camera(TableReader table, const StoredNumbers& numbers) {
     return camera;
 }
 
-Scene with_rays(Scene scene, const camera::Maker& by) {
+Scene with_rays(Scene scene, const camera::RayGenerator& by) {
     const std::string who = "scene " + scene.id + ": rays by " + std::string(by.info->name);
     if (!scene.camera.projection)
         throw InputError(who +
@@ -188,7 +188,7 @@ Scene with_rays(Scene scene, const camera::Maker& by) {
     camera.fov_deg = stored(camera.fov_deg);
     camera.projection->near = stored(camera.projection->near);
     if (auto& far = camera.projection->far) far = stored(*far);
-    for (Solid<Real>& solid : scene.listed) solid = transformed(solid, stored);
+    for (Primitive<Real>& primitive : scene.listed) primitive = transformed(primitive, stored);
     if (scene.march) scene.march = transformed(*scene.march, stored);
     scene.inputs = Inputs::own;
     return scene;

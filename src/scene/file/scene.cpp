@@ -23,20 +23,20 @@ constexpr long long most_pixels = 1LL << 30;
 
 constexpr std::pair<std::string_view, Inputs> inputs_names[] = {{"shared", Inputs::shared}, {"own", Inputs::own}};
 
-Solid<Real> read_solid(Shape shape, TableReader& table, const StoredNumbers& numbers) {
-    Solid<Real> solid(shape);
+Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumbers& numbers) {
+    Primitive<Real> primitive(shape);
     for_each_key(shape, [&](const Key& key, std::size_t k) {
         if (key.optional && !table.has(key.name)) return;
-        if (key.count() == 3) solid.set_point(k, table.vec3(key.name));
-        else solid.numbers[k] = table.number(key.name);
+        if (key.count() == 3) primitive.set_point(k, table.vec3(key.name));
+        else primitive.numbers[k] = table.number(key.name);
         for (std::size_t i = k; i < k + key.count(); ++i) {
             if (key.limit == Key::Limit::positive || key.limit == Key::Limit::within_before)
-                numbers.positive(table, key.name, solid.numbers[i]);
-            else numbers.finite(table, key.name, solid.numbers[i]);
+                numbers.positive(table, key.name, primitive.numbers[i]);
+            else numbers.finite(table, key.name, primitive.numbers[i]);
         }
     });
-    if (const auto broken = broken_limit(solid)) table.fail_at(broken->key->name, limit_words(shape, *broken->key));
-    const auto rounded = broken_limit(transformed(solid, [&](const Real& x) { return numbers.stored(x); }));
+    if (const auto broken = broken_limit(primitive)) table.fail_at(broken->key->name, limit_words(shape, *broken->key));
+    const auto rounded = broken_limit(transformed(primitive, [&](const Real& x) { return numbers.stored(x); }));
     const bool beside = rounded && (rounded->key->limit == Key::Limit::apart_from_before ||
                                     rounded->key->limit == Key::Limit::below_before ||
                                     rounded->key->limit == Key::Limit::within_before);
@@ -53,9 +53,9 @@ Solid<Real> read_solid(Shape shape, TableReader& table, const StoredNumbers& num
         table.fail_at(rounded->key->name,
                       "becomes 0 in binary32, to which inputs = \"shared\" rounds; write a longer one, or inputs = "
                       "\"own\"");
-    solid.placed = read_transform(table, numbers);
+    primitive.placed = read_transform(table, numbers);
     table.reject_unknown_keys();
-    return solid;
+    return primitive;
 }
 
 /// Reads `[rays]`: tmin (default 0), tmax (default: no end) and open_ends, in lengths of the camera's directions. A
@@ -78,7 +78,7 @@ Range<double> read_rays(TableReader table, Inputs inputs, const StoredNumbers& n
     return range;
 }
 
-struct SolidTable {
+struct PrimitiveTable {
     Shape shape;
     TableReader table;
     std::pair<int, int> place;  ///< line and column in the file
@@ -86,8 +86,8 @@ struct SolidTable {
 
 /// Returns the tables of primitives in their order in the file as it was `written`. If a variant or an option rewrites
 /// a list, its tables stay at the positions of the old ones. A list that the file does not have comes last.
-std::vector<SolidTable> solids_in_order(TableReader& file, const Node& written) {
-    std::vector<SolidTable> all;
+std::vector<PrimitiveTable> primitives_in_order(TableReader& file, const Node& written) {
+    std::vector<PrimitiveTable> all;
     for (const ShapeRow& row : shape_rows) {
         const Node* const before = written.find(row.name);
         const std::size_t count = before ? before->items.size() : 0;
@@ -99,12 +99,12 @@ std::vector<SolidTable> solids_in_order(TableReader& file, const Node& written) 
             all.push_back({row.shape, table, {where.line, where.column}});
         }
     }
-    std::ranges::stable_sort(all, {}, &SolidTable::place);
+    std::ranges::stable_sort(all, {}, &PrimitiveTable::place);
     return all;
 }
 
 /// "[[sphere]] with centre and radius, [[box]] with lo and hi, ..."
-std::string tables_of_solids() {
+std::string tables_of_primitives() {
     std::string words;
     for (const ShapeRow& row : shape_rows)
         words += "[[" + std::string(row.name) + "]] with " + key_words(row.shape) + ", ";
@@ -199,10 +199,10 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     TableReader camera = file.table("camera");
     scene.camera = read_camera(camera, numbers);
     scene.appearance = read_appearance(file, numbers);
-    for (auto& [shape, table, place] : solids_in_order(file, root_)) {
+    for (auto& [shape, table, place] : primitives_in_order(file, root_)) {
         if (shape == rendered_shape)
             scene.appearance.materials.push_back(read_material(table, scene.appearance, numbers));
-        scene.listed.push_back(read_solid(shape, table, numbers));
+        scene.listed.push_back(read_primitive(shape, table, numbers));
     }
     if (auto flake = file.optional_table("sphereflake")) scene.flake = sphere::read_sphereflake(*flake);
     if (scene.flake) scene.flake->stop = options.stop;
@@ -223,7 +223,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     if (auto rays = file.optional_table("rays")) scene.range = read_rays(*rays, scene.inputs, numbers);
     file.reject_unknown_keys();
     if (scene.shapes().empty())
-        toml::fail(file.where(), "the scene has no primitives; write at least one " + tables_of_solids());
+        toml::fail(file.where(), "the scene has no primitives; write at least one " + tables_of_primitives());
     if (scene.camera.rays && scene.inputs == Inputs::shared && (scene.flake || scene.mesh))
         camera.fail_at("rays",
                        "makes rays in each format, which must also round meshes and flakes; write inputs = "
@@ -231,16 +231,16 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     return scene.camera.rays ? with_rays(scene, *scene.camera.rays) : scene;
 }
 
-std::vector<Solid<Real>> Scene::solids() const {
-    std::vector<Solid<Real>> all = listed;
+std::vector<Primitive<Real>> Scene::primitives() const {
+    std::vector<Primitive<Real>> all = listed;
     if (flake) {
-        sphere::require_room_for(*flake);
-        sphere::for_each_solid(*flake, [&all](const Solid<double>& s) {
+        sphere::require_memory_for(*flake);
+        sphere::for_each_primitive(*flake, [&all](const Primitive<double>& s) {
             all.push_back(transformed(s, [](double x) { return Real(x); }));
         });
     }
     for (std::size_t i = 0; mesh && i < mesh->faces.size(); ++i) {
-        Solid<double> triangle(mesh->triangle(i));
+        Primitive<double> triangle(mesh->triangle(i));
         triangle.placed = mesh_placed;
         all.push_back(transformed(triangle, [](double x) { return Real(x); }));
     }
@@ -255,7 +255,7 @@ std::vector<std::string> Scene::remarks() const {
 std::vector<Shape> Scene::shapes() const {
     std::vector<Shape> found;
     for (const ShapeRow& row : shape_rows) {
-        const bool is_listed = std::ranges::find(listed, row.shape, &Solid<Real>::shape) != listed.end();
+        const bool is_listed = std::ranges::find(listed, row.shape, &Primitive<Real>::shape) != listed.end();
         if (is_listed || (flake && row.shape == sphere::Sphereflake::shape) ||
             (mesh && row.shape == triangle::Mesh::shape))
             found.push_back(row.shape);
@@ -265,7 +265,7 @@ std::vector<Shape> Scene::shapes() const {
 
 bool Scene::is_placed() const {
     return mesh_placed ||
-           std::ranges::any_of(listed, [](const Solid<Real>& solid) { return solid.placed.has_value(); });
+           std::ranges::any_of(listed, [](const Primitive<Real>& primitive) { return primitive.placed.has_value(); });
 }
 
 bool Scene::meets(Shapes forms) const {

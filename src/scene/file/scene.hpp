@@ -12,10 +12,10 @@
 #include "intersect/march.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "number/real.hpp"
-#include "scene/camera/makers.hpp"
+#include "scene/camera/ray_generators.hpp"
 #include "scene/file/appearance.hpp"
 #include "scene/toml/toml_tree.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 #include "shapes/sphere/flake/sphereflake.hpp"
 #include "shapes/triangle/mesh/mesh.hpp"
 
@@ -54,7 +54,7 @@ struct Camera {
     std::optional<CameraProjection> projection = {};  ///< pinhole
     /// The ray generator, which makes the rays in each format from the camera's stored numbers. Null: the ideal rays
     /// are rounded.
-    const camera::Maker* rays = nullptr;
+    const camera::RayGenerator* rays = nullptr;
 };
 
 struct Scene {
@@ -66,7 +66,7 @@ struct Scene {
     int width = 256;  ///< pixels
     int height = 256;
     Camera camera;
-    std::vector<Solid<Real>> listed;                       ///< as written, in world units, in the file's order
+    std::vector<Primitive<Real>> listed;                   ///< as written, in world units, in the file's order
     std::optional<sphere::Sphereflake> flake;              ///< its spheres come after the others
     std::shared_ptr<const triangle::Mesh> mesh;            ///< of all [[mesh]]; its triangles come last; null: none
     std::optional<Placement<double>> mesh_placed;          ///< their matrix: ideal numbers, like the vertices
@@ -87,10 +87,10 @@ struct Scene {
     [[nodiscard]] std::vector<Shape> shapes() const;
     /// Remarks about its meshes for the author of the file, as sentences.
     [[nodiscard]] std::vector<std::string> remarks() const;
-    /// All primitives: the listed ones, the flake, the mesh. Each takes about 300 bytes; use a `rays::SolidList` for
-    /// many.
-    [[nodiscard]] std::vector<Solid<Real>> solids() const;
-    [[nodiscard]] std::size_t solid_count() const {
+    /// All primitives: the listed ones, the flake, the mesh. Each takes about 300 bytes; use a `rays::PrimitiveList`
+    /// for many.
+    [[nodiscard]] std::vector<Primitive<Real>> primitives() const;
+    [[nodiscard]] std::size_t primitive_count() const {
         return listed.size() + (flake ? flake->size() : 0) + (mesh ? mesh->faces.size() : 0);
     }
 };
@@ -99,7 +99,7 @@ struct Scene {
 /// formats are rounded now: those of the camera and of the primitives. The ideal rays are then exactly those of the
 /// stored camera. Throws InputError for a scene whose camera has no projection, and for shared inputs with meshes or
 /// flakes.
-Scene with_rays(Scene scene, const camera::Maker& by);
+Scene with_rays(Scene scene, const camera::RayGenerator& by);
 
 struct LoadOptions {
     std::optional<std::string> variant = std::nullopt;       ///< this variant alone; absent: all

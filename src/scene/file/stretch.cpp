@@ -16,11 +16,11 @@ Real pi() {
 
 /// Applies `change` to every primitive. It may return nothing; then this returns false.
 template <class Change>
-bool change_solids(Scene& scene, const Change& change) {
-    for (Solid<Real>& solid : scene.listed) {
-        std::optional<Solid<Real>> to = change(solid);
+bool change_primitives(Scene& scene, const Change& change) {
+    for (Primitive<Real>& primitive : scene.listed) {
+        std::optional<Primitive<Real>> to = change(primitive);
         if (!to) return false;
-        solid = *std::move(to);
+        primitive = *std::move(to);
     }
     return true;
 }
@@ -30,20 +30,20 @@ bool change_solids(Scene& scene, const Change& change) {
 Real half_tangent(const Real& degrees) { return tan(degrees * pi() / 360); }
 Real degrees_of(const Real& half_tangent) { return atan(half_tangent) * 360 / pi(); }
 
-Vec<Real> middle_of(const Solid<Real>& solid) {
-    const Vec<Real> middle = visit(solid, [](const auto& shape) { return shape.middle(); });
-    if (!solid.placed) return middle;
+Vec<Real> middle_of(const Primitive<Real>& primitive) {
+    const Vec<Real> middle = visit(primitive, [](const auto& shape) { return shape.middle(); });
+    if (!primitive.placed) return middle;
     // The point that the stored inverse M⁻¹ transforms to the middle.
-    if (solid.placed->is_inverse)
-        return point_in_object(middle, Placement<Real>{solid.placed->matrix, false, solid.placed->orientation});
-    return solid.placed->map().point(middle);
+    if (primitive.placed->is_inverse)
+        return point_in_object(middle, Placement<Real>{primitive.placed->matrix, false, primitive.placed->orientation});
+    return primitive.placed->map().point(middle);
 }
 
-Real size_of(const Solid<Real>& solid) {
-    const Real size = visit(solid, [](const auto& shape) { return shape.half_extent(); });
-    if (!solid.placed) return size;
-    const Real times = cbrt(abs(solid.placed->map().determinant()));
-    return solid.placed->is_inverse ? Real(size / times) : Real(size * times);
+Real size_of(const Primitive<Real>& primitive) {
+    const Real size = visit(primitive, [](const auto& shape) { return shape.half_extent(); });
+    if (!primitive.placed) return size;
+    const Real times = cbrt(abs(primitive.placed->map().determinant()));
+    return primitive.placed->is_inverse ? Real(size / times) : Real(size * times);
 }
 
 Vec<Real> middle_of(const Scene& scene) {
@@ -53,7 +53,7 @@ Vec<Real> middle_of(const Scene& scene) {
         sum = sum + v;
         ++count;
     };
-    for (const Solid<Real>& solid : scene.listed) take(middle_of(solid));
+    for (const Primitive<Real>& primitive : scene.listed) take(middle_of(primitive));
     if (scene.flake) {
         const Vec<double>& c = scene.flake->centre;
         take({Real(c.x), Real(c.y), Real(c.z)});
@@ -63,33 +63,34 @@ Vec<Real> middle_of(const Scene& scene) {
 
 Vec<Real> offset_direction() { return {Real(1), Real(11) / 16, -Real(7) / 16}; }
 
-Solid<Real> moved(const Solid<Real>& solid, const Vec<Real>& by) {
-    Solid<Real> to = solid;
-    if (solid.placed) {
-        const Affine<Real> m = solid.placed->map();
-        const Vec<Real> shift = solid.placed->is_inverse ? Vec<Real>(-m.linear(by)) : by;
+Primitive<Real> moved(const Primitive<Real>& primitive, const Vec<Real>& by) {
+    Primitive<Real> to = primitive;
+    if (primitive.placed) {
+        const Affine<Real> m = primitive.placed->map();
+        const Vec<Real> shift = primitive.placed->is_inverse ? Vec<Real>(-m.linear(by)) : by;
         for (int i = 0; i < 3; ++i) to.placed->matrix[static_cast<std::size_t>(4 * i + 3)] += shift[i];
         return to;
     }
-    for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
+    for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
         if (key.kind == Key::Kind::point) to.set_point(k, to.point(k) + by);
     });
     return to;
 }
 
-std::optional<Solid<Real>> grown(const Solid<Real>& solid, const Vec<Real>& still, const Real& k) {
-    const Vec<Real> there = solid.placed ? point_in_object(still, *solid.placed) : still;
-    auto to = visit(solid, [&](const auto& shape) -> std::optional<Solid<Real>> { return shape.grown(there, k); });
-    if (to) to->placed = solid.placed;
+std::optional<Primitive<Real>> grown(const Primitive<Real>& primitive, const Vec<Real>& still, const Real& k) {
+    const Vec<Real> there = primitive.placed ? point_in_object(still, *primitive.placed) : still;
+    auto to =
+        visit(primitive, [&](const auto& shape) -> std::optional<Primitive<Real>> { return shape.grown(there, k); });
+    if (to) to->placed = primitive.placed;
     return to;
 }
 
 namespace {
 
 /// Multiplies every length of the world by k.
-Solid<Real> enlarged(const Solid<Real>& solid, const Real& k) {
-    if (!solid.placed) return transformed(solid, [&k](const Real& x) { return Real(k * x); });
-    Solid<Real> to = solid;
+Primitive<Real> enlarged(const Primitive<Real>& primitive, const Real& k) {
+    if (!primitive.placed) return transformed(primitive, [&k](const Real& x) { return Real(k * x); });
+    Primitive<Real> to = primitive;
     for (std::size_t i = 0; i < to.placed->matrix.size(); ++i) {
         if (!to.placed->is_inverse) to.placed->matrix[i] *= k;
         else if (i % 4 != 3) to.placed->matrix[i] /= k;
@@ -117,7 +118,7 @@ std::optional<Scene> farther(Scene scene, const Real& k) {
 
 Scene enlarged(Scene scene, const Real& k) {
     const auto place = [&k](const Vec<Real>& v) { return Vec<Real>(k * v.x, k * v.y, k * v.z); };
-    change_solids(scene, [&k](const Solid<Real>& solid) { return std::optional(enlarged(solid, k)); });
+    change_primitives(scene, [&k](const Primitive<Real>& primitive) { return std::optional(enlarged(primitive, k)); });
     scene.camera.eye = place(scene.camera.eye);
     scene.camera.look_at = place(scene.camera.look_at);
     scene.camera.width = k * scene.camera.width;
@@ -127,12 +128,13 @@ Scene enlarged(Scene scene, const Real& k) {
 
 std::optional<Scene> grown(Scene scene, const Real& k) {
     const Vec<Real> eye = scene.camera.eye;
-    if (!change_solids(scene, [&](const Solid<Real>& solid) { return grown(solid, eye, k); })) return std::nullopt;
+    if (!change_primitives(scene, [&](const Primitive<Real>& primitive) { return grown(primitive, eye, k); }))
+        return std::nullopt;
     return scene;
 }
 
 Scene moved(Scene scene, const Vec<Real>& by) {
-    change_solids(scene, [&by](const Solid<Real>& solid) { return std::optional(moved(solid, by)); });
+    change_primitives(scene, [&by](const Primitive<Real>& primitive) { return std::optional(moved(primitive, by)); });
     scene.camera.eye = scene.camera.eye + by;
     scene.camera.look_at = scene.camera.look_at + by;
     if (scene.flake)

@@ -14,11 +14,11 @@ Real degrees_of(const Real& half_tangent);
 
 /// The mean of the middles of the primitives, and of the largest sphere of a flake, in world units.
 Vec<Real> middle_of(const Scene& scene);
-Vec<Real> middle_of(const Solid<Real>& solid);
+Vec<Real> middle_of(const Primitive<Real>& primitive);
 
 /// The radius of a sphere, or half of the longest side of a box. Under a matrix it is multiplied by the cube root of
 /// |det A|.
-Real size_of(const Solid<Real>& solid);
+Real size_of(const Primitive<Real>& primitive);
 
 /// (1, 11/16, −7/16): the direction in which everything is moved. It is short in binary and not along an axis.
 Vec<Real> offset_direction();
@@ -26,8 +26,8 @@ Vec<Real> offset_direction();
 /// `moved` moves a primitive. `grown` scales it by k about its point nearest to `still`, which stays where it is (for
 /// a sphere a point of the surface, also from inside). It returns nothing for a sphere centred at `still`. Under a
 /// matrix, the first moves the matrix, and the second works in the space of the primitive.
-Solid<Real> moved(const Solid<Real>& solid, const Vec<Real>& by);
-std::optional<Solid<Real>> grown(const Solid<Real>& solid, const Vec<Real>& still, const Real& k);
+Primitive<Real> moved(const Primitive<Real>& primitive, const Vec<Real>& by);
+std::optional<Primitive<Real>> grown(const Primitive<Real>& primitive, const Vec<Real>& still, const Real& k);
 
 /// Distance of the primitives' middle in front of the eye, in lengths of look_at − eye along it.
 Real view_share(const Scene& scene);

@@ -155,8 +155,8 @@ constexpr std::pair<std::string_view, bool> stored_names[] = {{"forward", false}
 
 }  // namespace
 
-std::optional<Placement<Real>> read_transform(TableReader& solid, const StoredNumbers& numbers) {
-    auto table = solid.optional_table("transform");
+std::optional<Placement<Real>> read_transform(TableReader& primitive, const StoredNumbers& numbers) {
+    auto table = primitive.optional_table("transform");
     if (!table) return std::nullopt;
     bool is_inverse = false;
     table->read("stored", is_inverse, stored_names);

@@ -45,12 +45,12 @@ void LostLengths::add_number(double before, const std::string& what, const Where
     if (std::isinf(after)) lose(what, before, "rounds to infinity", where);
 }
 
-void LostLengths::add(const Solid<double>& before, const Where& where) {
-    add(before, round_solid(before, format_), where);
+void LostLengths::add(const Primitive<double>& before, const Where& where) {
+    add(before, round_primitive(before, format_), where);
 }
 
-void LostLengths::add(const Solid<double>& before, const Solid<double>& after, const Where& where) {
-    const auto of = [](const Solid<double>& solid) { return solid.numbers.data(); };
+void LostLengths::add(const Primitive<double>& before, const Primitive<double>& after, const Where& where) {
+    const auto of = [](const Primitive<double>& primitive) { return primitive.numbers.data(); };
     for_each_key(before.shape, [&](const Key& key, std::size_t k) {
         const double *const from = of(before) + k, *const to = of(after) + k;
         for (std::size_t i = 0; key.is_length() && i < key.count(); ++i) {
@@ -95,20 +95,21 @@ std::vector<std::string> lost_lengths(const file::Scene& scene, const FloatForma
     const auto store = [&](const Real& x) { return toml::round_to_format(x, stored); };
     const Vec<Real>& eye = scene.camera.eye;
     lost.add_point({store(eye.x), store(eye.y), store(eye.z)}, "a coordinate of the eye", [] { return "camera"; });
-    const auto add = [&](const Solid<double>& solid, std::string_view what, std::size_t i) {
-        lost.add(solid, [&] { return std::string(what) + "[" + std::to_string(i) + "]"; });
+    const auto add = [&](const Primitive<double>& primitive, std::string_view what, std::size_t i) {
+        lost.add(primitive, [&] { return std::string(what) + "[" + std::to_string(i) + "]"; });
     };
     std::array<std::size_t, shape_rows.size()> of_shape{};
-    for (const Solid<Real>& solid : scene.listed)
-        add(round_solid(solid, stored), name_of(solid.shape), of_shape[static_cast<std::size_t>(solid.shape)]++);
+    for (const Primitive<Real>& primitive : scene.listed)
+        add(round_primitive(primitive, stored), name_of(primitive.shape),
+            of_shape[static_cast<std::size_t>(primitive.shape)]++);
     std::size_t i = 0;
     if (scene.flake)
-        sphere::for_each_solid(*scene.flake,
-                               [&](const Solid<double>& s) { add(round_solid(s, stored), "sphereflake", i++); });
+        sphere::for_each_primitive(
+            *scene.flake, [&](const Primitive<double>& s) { add(round_primitive(s, stored), "sphereflake", i++); });
     i = 0;
     if (scene.mesh)
         for (std::size_t k = 0; k < scene.mesh->faces.size(); ++k)
-            add(round_solid(Solid<double>(scene.mesh->triangle(k)), stored), "mesh", i++);
+            add(round_primitive(Primitive<double>(scene.mesh->triangle(k)), stored), "mesh", i++);
     return lost.lines();
 }
 

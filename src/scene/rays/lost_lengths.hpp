@@ -23,9 +23,9 @@ public:
     explicit LostLengths(const FloatFormat& format) : format_(format) {}
 
     /// Adds a stored primitive, whose numbers are then rounded to the format. Losses at one position count once.
-    void add(const Solid<double>& before, const Where& where);
+    void add(const Primitive<double>& before, const Where& where);
     /// The same, with `after` the primitive in the format.
-    void add(const Solid<double>& before, const Solid<double>& after, const Where& where);
+    void add(const Primitive<double>& before, const Primitive<double>& after, const Where& where);
     void add_point(const Vec<double>& before, const char* what, const Where& where);
 
     /// Adds any other number, which is lost at 0 and at infinity.

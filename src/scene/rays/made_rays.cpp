@@ -112,7 +112,7 @@ RayBlock MadeRays::in(const FloatFormat& format, int y0, int y1) const {
     return made<RoundedAny>(by_->rounded, format, y0, y1);
 }
 
-RecordedRay MadeRays::record(const Format& format, camera::Place at) const {
+RecordedRay MadeRays::record(const Format& format, camera::PixelCoordinates at) const {
     Tape whole;
     const auto ray = by_->record(format, stored(format.parameters), at, whole);
     static const std::vector<std::string> names = [] {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "number/real.hpp"
-#include "scene/camera/makers.hpp"
+#include "scene/camera/ray_generators.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/rays.hpp"
 
@@ -38,7 +38,7 @@ public:
     [[nodiscard]] BasicRayBlock<Real> ideal(int y0, int y1) const;
     /// The rays as a format makes them. No number is rounded more than once before the first operation.
     [[nodiscard]] RayBlock in(const FloatFormat& format, int y0, int y1) const;
-    [[nodiscard]] RecordedRay record(const Format& format, camera::Place at) const;
+    [[nodiscard]] RecordedRay record(const Format& format, camera::PixelCoordinates at) const;
     [[nodiscard]] const CameraFrame<Real>& frame() const { return frame_; }
 
 private:
@@ -47,7 +47,7 @@ private:
     template <class T>
     RayBlock made(camera::MakeIn<T> make, const FloatFormat& format, int y0, int y1) const;
 
-    const camera::Maker* by_;
+    const camera::RayGenerator* by_;
     CameraFrame<Real> frame_;
     camera::CameraNumbers<Real> numbers_;
     mutable std::mutex storing_;

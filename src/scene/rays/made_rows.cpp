@@ -8,12 +8,12 @@
 
 namespace lostbits::scene::rays {
 
-using camera::Maker;
+using camera::RayGenerator;
 using intersect::table::Intersector;
 
 namespace {
 
-using Rows = intersect::table::MadeRows<std::tuple<const Maker*, const Intersector*>>;
+using Rows = intersect::table::MadeRows<std::tuple<const RayGenerator*, const Intersector*>>;
 Rows& rows() {
     static Rows all;
     return all;
@@ -21,40 +21,40 @@ Rows& rows() {
 
 }  // namespace
 
-const Intersector& with_maker(const Maker& maker, const Intersector& form) {
+const Intersector& with_generator(const RayGenerator& generator, const Intersector& form) {
     const std::string name =
-        std::string(form.info->name) + "@" + std::string(maker_prefix) + std::string(maker.info->name);
-    if (form.is_set() || form.is_placed || maker_of(form))
+        std::string(form.info->name) + "@" + std::string(generator_prefix) + std::string(generator.info->name);
+    if (form.is_set() || form.is_placed || generator_of(form))
         throw InputError(name +
                          ": a ray generator follows one form without a transform; for several shapes, or "
                          "primitives under matrices, write camera.rays = \"" +
-                         std::string(maker.info->name) +
-                         "\" into the scene, or --set camera.rays=" + std::string(maker.info->name));
-    return rows().row_of({&maker, &form}, [&](Rows::Made& made) {
+                         std::string(generator.info->name) +
+                         "\" into the scene, or --set camera.rays=" + std::string(generator.info->name));
+    return rows().row_of({&generator, &form}, [&](Rows::Made& made) {
         made.name = name;
-        made.title = std::string(form.info->title) + "; rays: " + std::string(maker.info->title);
-        made.source = std::string(form.info->source) + "; " + std::string(maker.info->source);
+        made.title = std::string(form.info->title) + "; rays: " + std::string(generator.info->title);
+        made.source = std::string(form.info->source) + "; " + std::string(generator.info->source);
         made.tell_as(*form.info);
         made.row = form;
         made.row.info = &made.info;
     });
 }
 
-const Maker* maker_of(const Intersector& row) { return std::get<const Maker*>(rows().parts_of(row)); }
+const RayGenerator* generator_of(const Intersector& row) { return std::get<const RayGenerator*>(rows().parts_of(row)); }
 
-const Intersector& beneath_maker(const Intersector& row) {
+const Intersector& beneath_generator(const Intersector& row) {
     const auto* const form = std::get<const Intersector*>(rows().parts_of(row));
     return form ? *form : row;
 }
 
-const Intersector& without_maker(const Intersector& row) {
-    if (maker_of(row))
+const Intersector& without_generator(const Intersector& row) {
+    if (generator_of(row))
         throw InputError(
             std::string(row.info->name) +
             ": the ray generator comes last, after one form and its box, as in "
             "sphere.unified^box.signs@ray-three; for several shapes, or with a transform, write camera.rays "
             "into the scene, or --set camera.rays=" +
-            std::string(maker_of(row)->info->name));
+            std::string(generator_of(row)->info->name));
     return row;
 }
 
@@ -82,12 +82,12 @@ std::optional<MadeName> made_name(const std::string& name) {
     const std::size_t at = name.find_last_of("@^");
     if (at == std::string::npos) return std::nullopt;
     MadeName found{name[at] == '^' ? Kind::box : Kind::space, name.substr(0, at), name.substr(at + 1), {}};
-    if (found.kind == Kind::space && found.last.starts_with(maker_prefix)) {
-        found.kind = Kind::maker;
-        found.last.erase(0, maker_prefix.size());
+    if (found.kind == Kind::space && found.last.starts_with(generator_prefix)) {
+        found.kind = Kind::generator;
+        found.last.erase(0, generator_prefix.size());
     }
     if (const std::size_t tilde = found.last.find('~'); found.kind == Kind::box && tilde != std::string::npos) {
-        found.hull = found.last.substr(tilde + 1);
+        found.box_method = found.last.substr(tilde + 1);
         found.last.erase(tilde);
     }
     return found;
@@ -97,19 +97,22 @@ std::vector<const Intersector*> rows_of(const MadeName& name, const NamedParts& 
     std::vector<const Intersector*> all;
     for (const Intersector* const form : parts.forms(name.form)) {
         switch (name.kind) {
-            case MadeName::Kind::contracted: all.push_back(&parts.contracted(without_maker(*form))); break;
-            case MadeName::Kind::maker:
-                for (const Maker* const maker : parts.makers(name.last)) all.push_back(&with_maker(*maker, *form));
+            case MadeName::Kind::contracted: all.push_back(&parts.contracted(without_generator(*form))); break;
+            case MadeName::Kind::generator:
+                for (const RayGenerator* const generator : parts.ray_generators(name.last))
+                    all.push_back(&with_generator(*generator, *form));
                 break;
             case MadeName::Kind::space:
-                for (const auto* const space : parts.spaces(name.last))
-                    all.push_back(&intersect::space::through(*space, without_maker(*form)));
+                for (const auto* const space : parts.transform_methods(name.last))
+                    all.push_back(&intersect::transform::through(*space, without_generator(*form)));
                 break;
             case MadeName::Kind::box: {
-                const auto hulls = name.hull ? parts.hulls(*name.hull) : std::vector{&intersect::hull::usual_hull()};
+                const auto box_methods = name.box_method ? parts.box_methods(*name.box_method)
+                                                         : std::vector{&intersect::bounding_box::usual_box_method()};
                 for (const Intersector* const box : parts.forms(name.last))
-                    for (const auto* const hull : hulls)
-                        all.push_back(&intersect::hull::behind(*hull, without_maker(*box), without_maker(*form)));
+                    for (const auto* const box_method : box_methods)
+                        all.push_back(&intersect::bounding_box::behind(*box_method, without_generator(*box),
+                                                                       without_generator(*form)));
                 break;
             }
         }

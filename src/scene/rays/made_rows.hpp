@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "intersect/hull/behind.hpp"
-#include "intersect/space/spaced.hpp"
-#include "scene/camera/makers.hpp"
+#include "intersect/bounding_box/behind.hpp"
+#include "intersect/transform/spaced.hpp"
+#include "scene/camera/ray_generators.hpp"
 
 namespace lostbits::scene::rays {
 
 /// The prefix between the form and the ray generator: `sphere.unified@ray-three`.
-inline constexpr std::string_view maker_prefix = "ray-";
+inline constexpr std::string_view generator_prefix = "ray-";
 
 /// The end of the name of a form whose products are contracted: `sphere.schoolbook+fma`.
 inline constexpr std::string_view contracted_suffix = "+fma";
@@ -21,29 +21,30 @@ inline constexpr std::string_view contracted_suffix = "+fma";
 /// Returns the row `sphere.unified@ray-three`: the form itself, with rays made by that ray generator. It is made once
 /// and kept. Throws InputError for sets, and for forms in the space of primitives under matrices; a scene with
 /// `camera.rays` can be used for these.
-const intersect::table::Intersector& with_maker(const camera::Maker& maker, const intersect::table::Intersector& form);
+const intersect::table::Intersector& with_generator(const camera::RayGenerator& generator,
+                                                    const intersect::table::Intersector& form);
 
 /// Returns null if the row has no ray generator of its own.
-const camera::Maker* maker_of(const intersect::table::Intersector& row);
+const camera::RayGenerator* generator_of(const intersect::table::Intersector& row);
 
 /// Returns the row without its ray generator, or the row itself if it has none.
-const intersect::table::Intersector& beneath_maker(const intersect::table::Intersector& row);
+const intersect::table::Intersector& beneath_generator(const intersect::table::Intersector& row);
 
 /// Returns the row itself, to be made part of another row. Throws InputError if it has a ray generator, which must
 /// come last, as in `FORM^BOX@ray-WAY`.
-const intersect::table::Intersector& without_maker(const intersect::table::Intersector& row);
+const intersect::table::Intersector& without_generator(const intersect::table::Intersector& row);
 
 /// Returns the forms in a set's name, `sphere.unified+fma+box.signs`. The name is split at each + except that of
 /// `+fma`. One form is not a set.
 std::vector<std::string> forms_in_name(const std::string& name);
 
-/// A name of a composed row, split before its last part: FORM@SPACE, FORM@ray-WAY, FORM^BOX, FORM^BOX~HULL or
+/// A name of a composed row, split before its last part: FORM@TRANSFORM, FORM@ray-METHOD, FORM^BOX, FORM^BOX~METHOD or
 /// FORM+fma.
 struct MadeName {
-    enum class Kind { space, maker, box, contracted } kind;
-    std::string form;                 ///< may be such a name itself
-    std::string last;                 ///< the transform, the ray generator, or the form of boxes; "fma"
-    std::optional<std::string> hull;  ///< the method to compute the bounding box, if one is named
+    enum class Kind { space, generator, box, contracted } kind;
+    std::string form;                       ///< may be such a name itself
+    std::string last;                       ///< the transform, the ray generator, or the form of boxes; "fma"
+    std::optional<std::string> box_method;  ///< the method to compute the bounding box, if one is named
 };
 /// Returns nothing for a name without an @ or a ^ that does not end with +fma.
 std::optional<MadeName> made_name(const std::string& name);
@@ -53,9 +54,9 @@ struct NamedParts {
     template <class Part>
     using Find = std::function<std::vector<const Part*>(const std::string&)>;
     Find<intersect::table::Intersector> forms;
-    Find<intersect::space::Space> spaces;
-    Find<camera::Maker> makers;
-    Find<intersect::hull::HullWay> hulls;
+    Find<intersect::transform::TransformMethod> transform_methods;
+    Find<camera::RayGenerator> ray_generators;
+    Find<intersect::bounding_box::BoxMethod> box_methods;
     /// Returns the row of a form whose products are contracted.
     std::function<const intersect::table::Intersector&(const intersect::table::Intersector&)> contracted;
 };

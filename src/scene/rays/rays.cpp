@@ -6,7 +6,7 @@
 #include "scene/file/stretch.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/made_rays.hpp"
-#include "scene/rays/solid_list.hpp"
+#include "scene/rays/primitive_list.hpp"
 #include "scene/toml/round.hpp"
 
 namespace lostbits::scene::rays {
@@ -83,19 +83,20 @@ CameraFrame<Real> make_ideal_frame(const Scene& scene) {
 RayGroup group_of(const Ray<double>& ray) {
     RayGroup group;
     group.rays.push(ray);
-    group.rays.be_list();
+    group.rays.set_as_list();
     return group;
 }
 
 RayGroup some_of(const RayGroup& all, std::size_t most) {
     const std::size_t step = (all.rays.size() + most - 1) / most;
-    RayGroup some{.rays = {}, .solids = all.paired ? std::vector<Solid<double>>() : all.solids, .paired = all.paired};
+    RayGroup some{
+        .rays = {}, .primitives = all.paired ? std::vector<Primitive<double>>() : all.primitives, .paired = all.paired};
     for (std::size_t i = 0; i < all.rays.size(); i += step) {
         some.rays.push(all.rays[i]);
         some.rays.push_range(all.rays, i);
-        if (all.paired) some.solids.push_back(all.solids[i]);
+        if (all.paired) some.primitives.push_back(all.primitives[i]);
     }
-    some.rays.be_list();
+    some.rays.set_as_list();
     return some;
 }
 
@@ -129,23 +130,23 @@ RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
     return to;
 }
 
-std::vector<Solid<double>> shared_solids(const Scene& scene) {
-    return round_solids(shared_solid_list(scene), binary32).all();
+std::vector<Primitive<double>> shared_primitives(const Scene& scene) {
+    return round_primitives(shared_primitive_list(scene), binary32).all();
 }
 
-std::vector<Solid<double>> stored_solids(const Scene& scene, const FloatFormat& f) {
-    if (scene.inputs == file::Inputs::shared) return shared_solids(scene);
-    std::vector<Solid<double>> all;
-    for (const Solid<Real>& solid : scene.solids()) all.push_back(round_solid(solid, f));
+std::vector<Primitive<double>> stored_primitives(const Scene& scene, const FloatFormat& f) {
+    if (scene.inputs == file::Inputs::shared) return shared_primitives(scene);
+    std::vector<Primitive<double>> all;
+    for (const Primitive<Real>& primitive : scene.primitives()) all.push_back(round_primitive(primitive, f));
     return all;
 }
 
-Solid<double> round_solid(const Solid<Real>& spec, const FloatFormat& f) {
+Primitive<double> round_primitive(const Primitive<Real>& spec, const FloatFormat& f) {
     return transformed(spec, [&f](const Real& x) { return toml::round_to_format(x, f); });
 }
 
-Solid<double> round_solid(const Solid<double>& solid, const FloatFormat& f) {
-    return transformed(solid, [&f](double x) { return rounding::to_format(x, 0, f); });
+Primitive<double> round_primitive(const Primitive<double>& primitive, const FloatFormat& f) {
+    return transformed(primitive, [&f](double x) { return rounding::to_format(x, 0, f); });
 }
 
 RayBlock input_rays(const Scene& scene, int y0, int y1, const FloatFormat& f) {

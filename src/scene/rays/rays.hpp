@@ -12,7 +12,7 @@
 #include "number/format.hpp"
 #include "number/real.hpp"
 #include "scene/file/scene.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::scene::rays {
 
@@ -54,7 +54,7 @@ struct BasicRayBlock {
     [[nodiscard]] auto numbers() { return std::array{&ox, &oy, &oz, &dx, &dy, &dz}; }
     [[nodiscard]] auto numbers() const { return std::array{&ox, &oy, &oz, &dx, &dy, &dz}; }
     /// Declares that the rays are a list and not a picture: one line.
-    void be_list() { width = static_cast<int>(size()), y0 = 0, y1 = 1; }
+    void set_as_list() { width = static_cast<int>(size()), y0 = 0, y1 = 1; }
 };
 
 /// Numbers of a format, held in doubles.
@@ -70,7 +70,7 @@ struct IdealRayBlock : BasicRayBlock<Real> {
 class MeshColumns;
 struct RayGroup {
     RayBlock rays;
-    std::vector<Solid<double>> solids;
+    std::vector<Primitive<double>> primitives;
     std::optional<intersect::MarchConstants<double>> march = {};  ///< absent: forms that march cannot be used
     bool paired = false;  ///< there are as many primitives as rays, and ray i is aimed only at primitive i
     std::shared_ptr<const MeshColumns> mesh = {};  ///< the meshes whose triangles come after the primitives
@@ -106,15 +106,15 @@ RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f);
 RayBlock round_block(const RayBlock& block, const FloatFormat& f);
 
 /// The primitives of a scene, in its order, each number rounded once to binary32; 56 bytes each.
-std::vector<Solid<double>> shared_solids(const file::Scene& scene);
+std::vector<Primitive<double>> shared_primitives(const file::Scene& scene);
 
 /// The primitive with each number rounded once to F. A radius that rounds to zero is kept, as above.
-Solid<double> round_solid(const Solid<Real>& spec, const FloatFormat& f);
-Solid<double> round_solid(const Solid<double>& solid, const FloatFormat& f);
+Primitive<double> round_primitive(const Primitive<Real>& spec, const FloatFormat& f);
+Primitive<double> round_primitive(const Primitive<double>& primitive, const FloatFormat& f);
 
 /// The primitives of a scene as in a map: those of all formats if inputs are shared, else each number rounded once to
 /// F.
-std::vector<Solid<double>> stored_solids(const file::Scene& scene, const FloatFormat& f);
+std::vector<Primitive<double>> stored_primitives(const file::Scene& scene, const FloatFormat& f);
 
 /// The inputs of a form in format F, for either kind of `inputs`: shared inputs are rounded to binary32 and then, if F
 /// is narrower, to F; own inputs are rounded once to F.

@@ -5,11 +5,11 @@
 #include <memory>
 #include <vector>
 
-#include "scene/rays/solid_list.hpp"
+#include "scene/rays/primitive_list.hpp"
 
 namespace lostbits::scene::rays {
 
-/// The triangles of meshes among `stored_solids`, the last of these; null where there are none.
+/// The triangles of meshes among `stored_primitives`, the last of these; null where there are none.
 inline std::shared_ptr<const MeshColumns> stored_mesh(const file::Scene& scene, const FloatFormat& f) {
     if (!scene.mesh || scene.inputs == file::Inputs::shared) return shared_mesh(scene);
     const auto stored = [&f](double x) { return rounding::to_format(x, 0, f); };
@@ -21,18 +21,19 @@ inline std::shared_ptr<const MeshColumns> stored_mesh(const file::Scene& scene, 
     return std::make_shared<const MeshColumns>(mesh, placed, file::Inputs::own);
 }
 
-/// The others among `stored_solids`.
-inline std::vector<Solid<double>> stored_beside_mesh(const file::Scene& scene, const FloatFormat& f) {
+/// The others among `stored_primitives`.
+inline std::vector<Primitive<double>> stored_beside_mesh(const file::Scene& scene, const FloatFormat& f) {
     file::Scene others = scene;
     others.mesh = nullptr;
-    return stored_solids(others, f);
+    return stored_primitives(others, f);
 }
 
-/// The solids, and two triangles for a mesh of more: enough to see of which shapes all are, and whether they are one.
-inline std::vector<Solid<double>> examples_of(std::vector<Solid<double>> solids, const MeshColumns* mesh) {
+/// The primitives, and two triangles for a mesh of more: enough to see of which shapes all are, and whether they are
+/// one.
+inline std::vector<Primitive<double>> examples_of(std::vector<Primitive<double>> primitives, const MeshColumns* mesh) {
     for (std::size_t i = 0; mesh != nullptr && i < std::min<std::size_t>(mesh->size(), 2); ++i)
-        solids.push_back((*mesh)[i]);
-    return solids;
+        primitives.push_back((*mesh)[i]);
+    return primitives;
 }
 
 /// Whether binary32 holds every number of the triangles.

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "scene/sweep/families.hpp"
+#include "scene/sweep/distributions.hpp"
 #include "shapes/given_matrix.hpp"
 #include "shapes/number_names.hpp"
 
@@ -49,8 +49,8 @@ struct Symmetry {
         }
         return placement_of(to, m.is_inverse);
     }
-    [[nodiscard]] Solid<double> of(const Solid<double>& s) const {
-        Solid<double> to = s;
+    [[nodiscard]] Primitive<double> of(const Primitive<double>& s) const {
+        Primitive<double> to = s;
         if (s.placed) {
             to.placed = of(*s.placed);
             return to;
@@ -104,7 +104,7 @@ Vec<double> vec_in(const std::vector<Quantity>& v, const FloatFormat& f, int exp
 }  // namespace
 
 /// Returns spheres = [{ centre, radius }, …] or boxes = [{ lo, hi }, …]
-std::string solids_of_a_case() {
+std::string primitives_of_a_case() {
     std::string words;
     for (const ShapeRow& row : shape_rows)
         words += (words.empty() ? "" : " or ") + std::string(row.plural) + " = [{ " + key_list(row.shape) + " }, …]";
@@ -123,30 +123,30 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
         c.zeros = *zeros == "-0" ? -0.0 : 0.0;
     }
     table.read("symmetric", c.symmetric);
-    std::vector<std::pair<std::pair<int, int>, SolidSpec>> solids;  // by position in the file
+    std::vector<std::pair<std::pair<int, int>, PrimitiveSpec>> primitives;  // by position in the file
     for (const ShapeRow& row : shape_rows) {
-        for (TableReader& solid : table.tables(row.plural)) {
-            SolidSpec spec{row.shape, {}};
+        for (TableReader& primitive : table.tables(row.plural)) {
+            PrimitiveSpec spec{row.shape, {}};
             for (const Key& key : row.keys) {
-                if (key.count() == 1) spec.numbers.emplace_back(solid.node(key.name), false);
+                if (key.count() == 1) spec.numbers.emplace_back(primitive.node(key.name), false);
                 else
-                    std::ranges::move(quantities(solid, key.name, key.count(), false),
+                    std::ranges::move(quantities(primitive, key.name, key.count(), false),
                                       std::back_inserter(spec.numbers));
             }
             for (const auto& [key, is_inverse] : {std::pair("matrix", false), std::pair("inverse_matrix", true)}) {
-                if (!solid.has(key)) continue;
-                if (!spec.matrix.empty()) solid.fail_at(key, "is given together with matrix; write one of the two");
-                spec.matrix = quantities(solid, key, Affine<double>::numbers, false);
+                if (!primitive.has(key)) continue;
+                if (!spec.matrix.empty()) primitive.fail_at(key, "is given together with matrix; write one of the two");
+                spec.matrix = quantities(primitive, key, Affine<double>::numbers, false);
                 spec.is_inverse = is_inverse;
-                if (!spec.in(binary64, 0).placed->is_proper()) solid.fail_at(key, std::string(singular_words));
+                if (!spec.in(binary64, 0).placed->is_proper()) primitive.fail_at(key, std::string(singular_words));
             }
-            solid.reject_unknown_keys();
-            const toml::Where where = solid.where();
-            solids.emplace_back(std::pair(where.line, where.column), std::move(spec));
+            primitive.reject_unknown_keys();
+            const toml::Where where = primitive.where();
+            primitives.emplace_back(std::pair(where.line, where.column), std::move(spec));
         }
     }
-    std::ranges::stable_sort(solids, {}, [](const auto& placed) { return placed.first; });
-    for (auto& [place, spec] : solids) c.solids.push_back(std::move(spec));
+    std::ranges::stable_sort(primitives, {}, [](const auto& placed) { return placed.first; });
+    for (auto& [place, spec] : primitives) c.primitives.push_back(std::move(spec));
     table.read("open_ends", c.open, open_ends_names);
     for (TableReader& ray : table.tables("rays")) {
         c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true), {}, {}});
@@ -159,7 +159,8 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
         ray.reject_unknown_keys();
     }
     table.reject_unknown_keys();
-    if (c.solids.empty()) toml::fail(table.where(), "a case needs " + solids_of_a_case() + "; write one of them");
+    if (c.primitives.empty())
+        toml::fail(table.where(), "a case needs " + primitives_of_a_case() + "; write one of them");
     if (c.rays.empty()) toml::fail(table.where(), "a case needs rays = [{ origin, direction }, …]; write at least one");
     return c;
 }
@@ -183,9 +184,9 @@ CaseFile::CaseFile(const std::filesystem::path& path) {
         if (std::ranges::find(cases_, c.name, &Case::name) != cases_.end())
             table.fail_at("name",
                           "is \"" + c.name + "\", which is also the name of another case; give each its own name");
-        for (const SolidSpec& spec : c.solids) {
-            const Solid<double> solid = spec.in(binary64, 0);
-            if (const auto broken = broken_limit(solid))
+        for (const PrimitiveSpec& spec : c.primitives) {
+            const Primitive<double> primitive = spec.in(binary64, 0);
+            if (const auto broken = broken_limit(primitive))
                 toml::fail(table.where(), "has " + with_article(spec.shape) + " whose " +
                                               std::string(broken->key->name) + " " +
                                               limit_words(spec.shape, *broken->key));
@@ -196,19 +197,19 @@ CaseFile::CaseFile(const std::filesystem::path& path) {
     if (cases_.empty()) toml::fail(file.where(), "has no [[case]]");
 }
 
-Solid<double> CaseFile::SolidSpec::in(const FloatFormat& format, int lengths) const {
-    Solid<double> solid(shape);
-    for (std::size_t k = 0; k < numbers.size(); ++k) solid.numbers[k] = numbers[k].in(format, lengths);
-    if (matrix.empty()) return solid;
+Primitive<double> CaseFile::PrimitiveSpec::in(const FloatFormat& format, int lengths) const {
+    Primitive<double> primitive(shape);
+    for (std::size_t k = 0; k < numbers.size(); ++k) primitive.numbers[k] = numbers[k].in(format, lengths);
+    if (matrix.empty()) return primitive;
     std::array<double, Affine<double>::numbers> in_format;
     for (std::size_t k = 0; k < matrix.size(); ++k) in_format[k] = matrix[k].in(format, k % 4 == 3 ? lengths : 0);
-    solid.placed = placement_of(in_format, is_inverse);
-    return solid;
+    primitive.placed = placement_of(in_format, is_inverse);
+    return primitive;
 }
 
 bool CaseFile::are_placed() const {
     return std::ranges::any_of(cases_, [](const Case& c) {
-        return std::ranges::any_of(c.solids, [](const SolidSpec& spec) { return !spec.matrix.empty(); });
+        return std::ranges::any_of(c.primitives, [](const PrimitiveSpec& spec) { return !spec.matrix.empty(); });
     });
 }
 
@@ -216,7 +217,7 @@ std::vector<Shape> CaseFile::shapes() const {
     std::vector<Shape> all;
     for (const ShapeRow& row : shape_rows) {
         const auto has_one = [&row](const Case& c) {
-            return std::ranges::find(c.solids, row.shape, &SolidSpec::shape) != c.solids.end();
+            return std::ranges::find(c.primitives, row.shape, &PrimitiveSpec::shape) != c.primitives.end();
         };
         if (std::ranges::any_of(cases_, has_one)) all.push_back(row.shape);
     }
@@ -247,7 +248,8 @@ std::vector<RayGroup> CaseFile::rays(const Case& c, const FloatFormat& of, const
     std::vector<RayGroup> groups;
     for (const Symmetry& symmetry : symmetries(c.symmetric)) {
         RayGroup group;
-        for (const SolidSpec& spec : c.solids) group.solids.push_back(symmetry.of(spec.in(format, lengths)));
+        for (const PrimitiveSpec& spec : c.primitives)
+            group.primitives.push_back(symmetry.of(spec.in(format, lengths)));
         for (const RaySpec& ray : c.rays) {
             Vec<double> d = symmetry.of(vec_in(ray.direction, format, directions));
             for (int k = 0; c.zeros && k < 3; ++k) d[k] = d[k] == 0 ? *c.zeros : d[k];
@@ -263,7 +265,7 @@ std::vector<RayGroup> CaseFile::rays(const Case& c, const FloatFormat& of, const
         put_ends(&RaySpec::tmin, 0, group.rays.tmin);
         put_ends(&RaySpec::tmax, HUGE_VAL, group.rays.tmax);
         group.rays.open = c.open;
-        group.rays.be_list();
+        group.rays.set_as_list();
         groups.push_back(std::move(group));
     }
     return groups;
@@ -276,7 +278,7 @@ namespace {
 void refuse_misspelt_tables(const Node& root) {
     std::vector<std::string> tables{"axis", "case", "edge_search", "march", "mark", "ray", "search"};
     for (const ShapeRow& row : shape_rows) tables.emplace_back(row.name);
-    for (const FamilyRow& row : families()) tables.emplace_back(row.table);
+    for (const DistributionRow& row : distributions()) tables.emplace_back(row.table);
     for (const auto& [key, where, value] : root.entries) {
         const Node& first = value.kind == Node::Kind::array && !value.items.empty() ? value.items.front() : value;
         if (first.kind != Node::Kind::table || std::ranges::find(tables, key) != tables.end()) continue;

@@ -45,14 +45,14 @@ public:
     [[nodiscard]] std::vector<rays::RayGroup> rays_before(std::size_t i, const FloatFormat& format) const;
 
 private:
-    struct SolidSpec {
+    struct PrimitiveSpec {
         Shape shape;
         std::vector<toml::Quantity> numbers;
         std::vector<toml::Quantity> matrix = {};  ///< matrix of the primitive, row by row; empty: none
         bool is_inverse = false;                  ///< the matrix leads from the world to the primitive
 
         /// The primitive as numbers of the format, at that scale.
-        [[nodiscard]] Solid<double> in(const FloatFormat& format, int lengths) const;
+        [[nodiscard]] Primitive<double> in(const FloatFormat& format, int lengths) const;
     };
     struct RaySpec {
         std::vector<toml::Quantity> origin, direction;
@@ -64,7 +64,7 @@ private:
         std::optional<double> zeros;         ///< +0 or −0: replaces every zero of a direction
         OpenEnds open = {};                  ///< for the ranges of all rays
         bool symmetric = false;              ///< ray and primitive, once under each of the 48 symmetries of the axes
-        std::vector<SolidSpec> solids;
+        std::vector<PrimitiveSpec> primitives;
         std::vector<RaySpec> rays;
     };
     static Case read_case(toml::TableReader& table);

@@ -19,19 +19,19 @@ constexpr std::string_view ray_paths[] = {"ray.origin.x",    "ray.origin.y",    
                                           "ray.direction.x", "ray.direction.y", "ray.direction.z"};
 
 /// The floats on either side of a real number that is not a float itself.
-struct Around {
+struct AdjacentFloats {
     float below, above;
 };
-Around around(const Real& x) {
+AdjacentFloats adjacent_floats(const Real& x) {
     const auto nearest = static_cast<float>(toml::round_to_format(x, binary32));
-    if (Real(nearest) < x) return {nearest, float_at(place_of(nearest) + 1)};
-    return {float_at(place_of(nearest) - 1), nearest};
+    if (Real(nearest) < x) return {nearest, float_at(index_of(nearest) + 1)};
+    return {float_at(index_of(nearest) - 1), nearest};
 }
 
 std::string shown(float x) { return '"' + toml::exact_text(Real(x)) + '"'; }
 
 std::string nearest_text(const Real& x) {
-    const auto [below, above] = around(x);
+    const auto [below, above] = adjacent_floats(x);
     if (std::isinf(above)) return "the largest is " + shown(below);
     if (std::isinf(below)) return "the lowest is " + shown(above);
     return "the nearest below and above are " + shown(below) + " and " + shown(above);
@@ -68,14 +68,14 @@ std::optional<float> exact_float(const Real& x) {
 
 void ExhaustiveFile::read_path(const std::string& path, const TableReader& table) {
     std::vector<std::string> all(std::begin(ray_paths), std::end(ray_paths));
-    if (!mesh) std::ranges::copy(number_paths(solid.shape), std::back_inserter(all));
+    if (!mesh) std::ranges::copy(number_paths(primitive.shape), std::back_inserter(all));
     const auto found = static_cast<std::size_t>(std::ranges::find(all, path) - all.begin());
     if (found == all.size())
         table.fail_at("set", "names \"" + path + "\", which is not a number of the ray" +
                                  (mesh ? std::string(", and the numbers of a mesh are fixed")
-                                       : " or of its " + std::string(name_of(solid.shape))) +
+                                       : " or of its " + std::string(name_of(primitive.shape))) +
                                  "; " + toml::did_you_mean(path, all));
-    auto& places = found < 6 ? ray_places : solid_places;
+    auto& places = found < 6 ? ray_places : primitive_places;
     const std::size_t place = found < 6 ? found : found - 6;
     if (std::ranges::find(places, place) != places.end())
         table.fail_at("set", "names \"" + path + "\" twice; once is enough");
@@ -89,19 +89,20 @@ void ExhaustiveFile::read_range(TableReader& table) {
         if (mesh)
             table.fail_at("all",
                           "includes NaN and infinities, and a ray with one of them crosses no mesh; write from and to");
-        if (!solid_places.empty())
+        if (!primitive_places.empty())
             table.fail_at("all",
                           "includes NaN, infinities and numbers of either sign, which are not valid for a primitive; "
                           "write from and to");
-        ranges_ = {{place_of(0.0F), 0xffffffffU}, {place_of(-0.0F), 0}};
+        ranges_ = {{index_of(0.0F), 0xffffffffU}, {index_of(-0.0F), 0}};
         return;
     }
     const Real from = table.number("from"), to = table.number("to");
     const bool rises = from < to;
     const auto low = exact_float(rises ? from : to), high = exact_float(rises ? to : from);
-    if (!low && !high && place_of(around(rises ? from : to).above) > place_of(around(rises ? to : from).below))
+    if (!low && !high &&
+        index_of(adjacent_floats(rises ? from : to).above) > index_of(adjacent_floats(rises ? to : from).below))
         table.fail_at("from", "and to have no number of binary32 between them; " + nearest_text(from));
-    ranges_ = {{place_of(float_in(table, "from")), place_of(float_in(table, "to"))}};
+    ranges_ = {{index_of(float_in(table, "from")), index_of(float_in(table, "to"))}};
     if (ranges_.front().size() == 1)
         table.fail_at("to", "equals from, which leaves nothing to sweep; bring them farther apart");
 }
@@ -110,39 +111,39 @@ void ExhaustiveFile::read_axis(TableReader& table) {
     axis = read_axis_name(table);
     if (table.string("spacing") != "every_float")
         table.fail_at("spacing",
-                      "must be \"every_float\" in a file with [[ray]] tables; steps need a [family] or a scene");
+                      "must be \"every_float\" in a file with [[ray]] tables; steps need a [sphere_rays] or a scene");
     if (table.node("set").kind == Node::Kind::array) {
         for (const std::string& path : table.strings("set")) read_path(path, table);
     } else {
         read_path(table.string("set"), table);
     }
-    if (ray_places.empty() && solid_places.empty())
+    if (ray_places.empty() && primitive_places.empty())
         table.fail_at("set", "is empty; name a number of the ray or of its primitive");
     read_range(table);
     table.reject_unknown_keys();
 }
 
-void ExhaustiveFile::check_solids(TableReader& file, const TableReader& of_axis) const {
+void ExhaustiveFile::check_primitives(TableReader& file, const TableReader& of_axis) const {
     if (mesh) return;
-    const std::string name(name_of(solid.shape));
-    if (solid_places.empty()) {
-        if (const auto broken = broken_limit(solid))
-            file.table(name).fail_at(broken->key->name, limit_words(solid.shape, *broken->key));
+    const std::string name(name_of(primitive.shape));
+    if (primitive_places.empty()) {
+        if (const auto broken = broken_limit(primitive))
+            file.table(name).fail_at(broken->key->name, limit_words(primitive.shape, *broken->key));
         return;
     }
     // If a limit of lengths holds at two numbers, it holds between them. A normal may be 0 between them, and a point
     // may be on one line with two others: no ray meets such a primitive (`truth::is_proper`).
     for (const FloatRange& range : ranges_) {
         for (const std::uint32_t end : {range.first, range.last}) {
-            if (const auto broken = broken_limit(solid_at(float_at(end))))
+            if (const auto broken = broken_limit(primitive_at(float_at(end))))
                 of_axis.fail_at(end == range.first ? "from" : "to", "leaves a " + name + " whose " +
                                                                         std::string(broken->key->name) + " " +
-                                                                        limit_words(solid.shape, *broken->key));
+                                                                        limit_words(primitive.shape, *broken->key));
         }
     }
 }
 
-void ExhaustiveFile::read_solid(TableReader& file) {
+void ExhaustiveFile::read_primitive(TableReader& file) {
     std::string tables;
     std::vector<Shape> found;
     for (const ShapeRow& row : shape_rows) {
@@ -153,12 +154,12 @@ void ExhaustiveFile::read_solid(TableReader& file) {
     if (found.size() != 1)
         toml::fail(file.where(), "a sweep over every float needs one primitive, " + tables +
                                      " table, or scene = \"…\", whose mesh its rays cross; write one of them");
-    solid = Solid<float>(found.front());
-    TableReader table = file.table(name_of(solid.shape));
-    for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
+    primitive = Primitive<float>(found.front());
+    TableReader table = file.table(name_of(primitive.shape));
+    for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
         if (key.optional && !table.has(key.name)) return;
-        if (key.count() == 1) solid.numbers[k] = float_in(table, key.name);
-        else solid.set_point(k, vec_in(table, key.name));
+        if (key.count() == 1) primitive.numbers[k] = float_in(table, key.name);
+        else primitive.set_point(k, vec_in(table, key.name));
     });
     table.reject_unknown_keys();
 }
@@ -169,7 +170,7 @@ void ExhaustiveFile::read_scene(TableReader& file, const std::filesystem::path& 
         file.reject(row.name, "cannot be combined with scene, whose mesh the rays cross; leave one out");
     scene = read_mesh_scene(file, data_dir, stop);
     mesh = rays::shared_mesh(*scene);
-    solid = Solid<float>(triangle::Mesh::shape);
+    primitive = Primitive<float>(triangle::Mesh::shape);
 }
 
 ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
@@ -179,13 +180,13 @@ ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path, const std::fil
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
     convention = read_convention(file);
     if (file.has("scene")) read_scene(file, data_dir, stop);
-    else read_solid(file);
+    else read_primitive(file);
     for (TableReader& table : file.tables("ray")) {
         NamedRay ray{table.string("name"), {vec_in(table, "origin"), vec_in(table, "direction")}};
         if (std::ranges::find(rays, ray.name, &NamedRay::name) != rays.end())
             table.fail_at("name",
                           "is \"" + ray.name + "\", which is also the name of another ray; give each its own name");
-        if (!told_end(solid.shape)) table.reject("tmax", no_end_words(solid.shape));
+        if (!takes_tmax(primitive.shape)) table.reject("tmax", no_end_words(primitive.shape));
         else if (table.has("tmax")) ray.tmax = float_in(table, "tmax");
         if (ray.tmax < 0) table.fail_at("tmax", "is below 0, but a ray looks ahead, and no t is left; write 0 or more");
         table.reject_unknown_keys();
@@ -198,7 +199,7 @@ ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path, const std::fil
     if (axes.size() != 1)
         file.fail_at("axis", "must be one [[axis]] table: a file with [[ray]] tables tries every float of one number");
     read_axis(axes.front());
-    check_solids(file, axes.front());
+    check_primitives(file, axes.front());
     file.reject_unknown_keys();
 }
 
@@ -212,7 +213,7 @@ void ExhaustiveFile::narrow(const Real& from, const Real& to, const toml::Where&
     const auto inside = [&](const Real& x) {
         const auto exact = exact_float(x);
         if (!exact) toml::fail(where, "a number is not representable in binary32; " + nearest_text(x));
-        const std::uint32_t place = place_of(*exact);
+        const std::uint32_t place = index_of(*exact);
         if (std::ranges::none_of(ranges_, [place](const FloatRange& r) {
                 return std::min(r.first, r.last) <= place && place <= std::max(r.first, r.last);
             }))
@@ -229,26 +230,27 @@ Ray<float> ExhaustiveFile::ray_at(std::size_t ray, float value) const {
     return r;
 }
 
-Solid<float> ExhaustiveFile::solid_at(float value) const {
-    Solid<float> there = solid;
-    for (const std::size_t place : solid_places) there.numbers[place] = value;
+Primitive<float> ExhaustiveFile::primitive_at(float value) const {
+    Primitive<float> there = primitive;
+    for (const std::size_t place : primitive_places) there.numbers[place] = value;
     return there;
 }
 
 rays::RayGroup ExhaustiveFile::group_over(std::size_t ray, const FloatRange& floats) const {
     const auto wide = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
-    const std::size_t solids = mesh ? 0 : solid_places.empty() ? 1 : floats.size();
+    const std::size_t primitives = mesh ? 0 : primitive_places.empty() ? 1 : floats.size();
     rays::RayGroup group;
     for (std::uint64_t i = 0; i < floats.size(); ++i) {
         const float value = float_at(floats.at(i));
         const Ray<float> r = ray_at(ray, value);
         group.rays.push({wide(r.origin), wide(r.direction)});
-        if (i < solids)
-            group.solids.push_back(transformed(solid_at(value), [](float x) { return static_cast<double>(x); }));
+        if (i < primitives)
+            group.primitives.push_back(
+                transformed(primitive_at(value), [](float x) { return static_cast<double>(x); }));
     }
-    group.rays.be_list();
-    if (told_end(solid.shape)) group.rays.tmax.assign(floats.size(), static_cast<double>(rays[ray].tmax));
-    group.paired = solids > 1;
+    group.rays.set_as_list();
+    if (takes_tmax(primitive.shape)) group.rays.tmax.assign(floats.size(), static_cast<double>(rays[ray].tmax));
+    group.paired = primitives > 1;
     group.mesh = mesh;
     return group;
 }

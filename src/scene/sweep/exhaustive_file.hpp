@@ -11,8 +11,8 @@
 #include "intersect/info.hpp"
 #include "number/real.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/rays/primitive_list.hpp"
 #include "scene/rays/rays.hpp"
-#include "scene/rays/solid_list.hpp"
 #include "scene/sweep/float_order.hpp"
 #include "scene/sweep/sweep_head.hpp"
 #include "scene/toml/toml_reader.hpp"
@@ -32,8 +32,8 @@ public:
 
     AxisName axis;
     /// The numbers that the axis sets, all to the same float. ray_places: 0 to 5 for origin x, y, z and direction x,
-    /// y, z. solid_places: indices of the numbers of the primitive.
-    std::vector<std::size_t> ray_places, solid_places;
+    /// y, z. primitive_places: indices of the numbers of the primitive.
+    std::vector<std::size_t> ray_places, primitive_places;
 
     struct NamedRay {
         std::string name;
@@ -41,7 +41,7 @@ public:
         float tmax = std::numeric_limits<float>::infinity();  ///< where the ray ends (boxes only)
     };
     std::vector<NamedRay> rays;
-    Solid<float> solid;  ///< any triangle, in a sweep across a mesh
+    Primitive<float> primitive;  ///< any triangle, in a sweep across a mesh
     /// The triangles of the scene, whose numbers are fixed; null if there is one primitive.
     std::shared_ptr<const rays::MeshColumns> mesh;
     std::optional<file::Scene> scene;
@@ -53,23 +53,23 @@ public:
     /// InputError with `where` in front.
     void narrow(const Real& from, const Real& to, const toml::Where& where);
 
-    [[nodiscard]] bool meets(Shapes forms) const { return forms == solid.shape; }
+    [[nodiscard]] bool meets(Shapes forms) const { return forms == primitive.shape; }
     /// A ray, and its primitive, with the axis at a float.
     [[nodiscard]] Ray<float> ray_at(std::size_t ray, float value) const;
-    [[nodiscard]] Solid<float> solid_at(float value) const;
+    [[nodiscard]] Primitive<float> primitive_at(float value) const;
     [[nodiscard]] rays::RayGroup group_at(std::size_t ray, float value) const {
-        return group_over(ray, {place_of(value), place_of(value)});
+        return group_over(ray, {index_of(value), index_of(value)});
     }
     /// The same at several floats. If the axis sets numbers of the primitive, each ray has a primitive of its own.
     [[nodiscard]] rays::RayGroup group_over(std::size_t ray, const FloatRange& floats) const;
 
 private:
-    void read_solid(toml::TableReader& file);
+    void read_primitive(toml::TableReader& file);
     void read_scene(toml::TableReader& file, const std::filesystem::path& data_dir, intersect::process::StopToken stop);
     void read_axis(toml::TableReader& table);
     void read_path(const std::string& path, const toml::TableReader& table);
     void read_range(toml::TableReader& table);
-    void check_solids(toml::TableReader& file, const toml::TableReader& of_axis) const;
+    void check_primitives(toml::TableReader& file, const toml::TableReader& of_axis) const;
 
     std::vector<FloatRange> ranges_;
 };

@@ -18,8 +18,8 @@ Binade binade_of(float x) {
     else if (size < step) b.kind = K::subnormal, first = 1;
     else if (size == infinity) b.kind = K::infinite, last = infinity;
     else if (size > infinity) b.kind = K::not_a_number, first = infinity + 1;
-    const std::uint32_t a = place_of(std::bit_cast<float>(first | sign)),
-                        c = place_of(std::bit_cast<float>(last | sign));
+    const std::uint32_t a = index_of(std::bit_cast<float>(first | sign)),
+                        c = index_of(std::bit_cast<float>(last | sign));
     b.low = std::min(a, c);
     b.high = std::max(a, c);
     return b;

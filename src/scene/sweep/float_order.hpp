@@ -9,7 +9,7 @@ namespace lostbits::scene::sweep {
 
 /// The position of a float among all of them: by value, with −0 just before +0. NaNs with a sign come before −∞, the
 /// others after +∞, each ordered by payload. Every 32-bit number is the position of exactly one float.
-constexpr std::uint32_t place_of(float x) {
+constexpr std::uint32_t index_of(float x) {
     const auto bits = std::bit_cast<std::uint32_t>(x);
     return (bits >> 31) != 0 ? ~bits : bits | 0x80000000U;
 }

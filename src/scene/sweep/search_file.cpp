@@ -27,8 +27,8 @@ SearchedRange read_range(TableReader& table, std::string_view key) {
     return range;
 }
 
-double distance_in_radii(const Ray<double>& ray, const Solid<double>& solid) {
-    const auto [centre, radius] = ball_around(solid);
+double distance_in_radii(const Ray<double>& ray, const Primitive<double>& primitive) {
+    const auto [centre, radius] = ball_around(primitive);
     return length(ray.origin - centre) / radius;
 }
 
@@ -83,21 +83,21 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
     file.reject_unknown_keys();
 }
 
-bool SearchFile::holds(const Ray<double>& ray, const Solid<double>& solid) const {
+bool SearchFile::holds(const Ray<double>& ray, const Primitive<double>& primitive) const {
     std::size_t i = 0;
     for (const Vec<double>& v : {ray.origin, ray.direction}) {
         for (int k = 0; k < 3; ++k) {
             if (!ranges[i++].holds(v[k])) return false;
         }
     }
-    for (const double x : solid.used()) {
+    for (const double x : primitive.used()) {
         if (!ranges[i++].holds(x)) return false;
     }
-    if (!is_round()) return !broken_limit(solid) && ray.direction != Vec<double>(0, 0, 0);
-    const auto [centre, radius] = ball_around(solid);
+    if (!is_round()) return !broken_limit(primitive) && ray.direction != Vec<double>(0, 0, 0);
+    const auto [centre, radius] = ball_around(primitive);
     const Vec<double> f = ray.origin - centre;
     const double impact = length(cross(f, ray.direction)) / length(ray.direction);
-    return distance_radii.holds(distance_in_radii(ray, solid)) && impact_radii.holds(impact / radius);
+    return distance_radii.holds(distance_in_radii(ray, primitive)) && impact_radii.holds(impact / radius);
 }
 
 EdgeSearchFile::EdgeSearchFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,

@@ -11,7 +11,7 @@
 
 #include "scene/sweep/sweep_head.hpp"
 #include "scene/toml/toml_reader.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::scene::sweep {
 
@@ -24,7 +24,7 @@ struct SearchedRange {
 SearchedRange read_range(toml::TableReader& table, std::string_view key);
 
 /// Distance from the origin of a ray to the centre of a round primitive, in radii.
-double distance_in_radii(const Ray<double>& ray, const Solid<double>& solid);
+double distance_in_radii(const Ray<double>& ray, const Primitive<double>& primitive);
 
 /// A sweep file with a `[search]` table in place of axes.
 class SearchFile : public SweepHead {
@@ -61,7 +61,7 @@ public:
     bool nearest = false;
 
     /// True if a ray and a primitive are in the ranges (the derived ranges to double precision) and are proper.
-    [[nodiscard]] bool holds(const Ray<double>& ray, const Solid<double>& solid) const;
+    [[nodiscard]] bool holds(const Ray<double>& ray, const Primitive<double>& primitive) const;
 };
 
 /// A sweep file with an `[edge_search]` table.

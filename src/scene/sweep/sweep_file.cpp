@@ -9,8 +9,8 @@
 #include "number/error.hpp"
 #include "number/real.hpp"
 #include "scene/file/march_table.hpp"
-#include "scene/rays/solid_list.hpp"
-#include "scene/sweep/families.hpp"
+#include "scene/rays/primitive_list.hpp"
+#include "scene/sweep/distributions.hpp"
 #include "scene/sweep/float_order.hpp"
 #include "scene/toml/counted.hpp"
 #include "scene/toml/file_names.hpp"
@@ -27,8 +27,8 @@ namespace {
 constexpr long long most_steps = 100000;
 
 /// The ray distribution that a file names; null if it names none.
-const FamilyRow* family_of(const toml::Node& root) {
-    for (const FamilyRow& row : families())
+const DistributionRow* distribution_of(const toml::Node& root) {
+    for (const DistributionRow& row : distributions())
         if (TableReader(root).has(row.table)) return &row;
     return nullptr;
 }
@@ -36,7 +36,7 @@ const FamilyRow* family_of(const toml::Node& root) {
 void fill(Axis& axis, TableReader& table) {
     using S = Axis::Spacing;
     if (axis.spacing == S::every_float) {
-        const FloatRange floats{place_of(static_cast<float>(axis.from)), place_of(static_cast<float>(axis.to))};
+        const FloatRange floats{index_of(static_cast<float>(axis.from)), index_of(static_cast<float>(axis.to))};
         if (floats.falls()) table.fail_at("to", "must be greater than from with spacing = \"every_float\"");
         if (floats.size() > most_steps)
             table.fail_at(
@@ -116,7 +116,7 @@ SweepFile::Mark read_mark(TableReader& mark) {
         m.form = known(*measured, "form", form_names());
         m.event = measured->has("event")
                       ? known(*measured, "event",
-                              {"lost_bits", "false_hit", "false_miss", "not_a_number", "wrong_object", "crack",
+                              {"lost_bits", "false_hit", "false_miss", "not_a_number", "wrong_primitive", "crack",
                                "double_hit", "out_of_order", "max_dist", "max_steps", "stagnated"})
                       : "lost_bits";
         m.statistic = measured->has("statistic") ? known(*measured, "statistic", {"p50", "p99", "max", "count"})
@@ -138,7 +138,7 @@ double Axis::middle(double a, double b) const {
         case Spacing::log2: return to_12_bits(std::sqrt(a) * std::sqrt(b));
         case Spacing::every_float: break;
     }
-    const std::uint32_t low = place_of(static_cast<float>(a)), high = place_of(static_cast<float>(b));
+    const std::uint32_t low = index_of(static_cast<float>(a)), high = index_of(static_cast<float>(b));
     const std::uint32_t half = low < high ? low + (high - low) / 2 : high + (low - high + 1) / 2;
     return static_cast<double>(float_at(half)) + 0.0;  // of the two zeros, the one above
 }
@@ -178,8 +178,8 @@ void SweepFile::change(const SweepChanges& changes) {
             changes_.push_back(std::move(change));
             continue;
         }
-        const FamilyRow* const family = family_of(root_);
-        const std::string table = std::string((family ? *family : families().front()).table) + '.';
+        const DistributionRow* const distribution = distribution_of(root_);
+        const std::string table = std::string((distribution ? *distribution : distributions().front()).table) + '.';
         if (!in_file && !change.path.starts_with(table)) change.path = table + change.path;
         toml::apply_override(root_, change);
     }
@@ -219,12 +219,13 @@ void SweepFile::refuse_what_axes_set(const SweepChanges& changes) const {
 /// Reads the subject of the sweep, and its axes, whose paths belong to the subject.
 void SweepFile::read_subject(TableReader& file, const std::filesystem::path& data_dir) {
     const auto scene = file.optional_string("scene");
-    const auto named = std::ranges::count_if(families(), [&](const FamilyRow& row) { return file.has(row.table); });
+    const auto named =
+        std::ranges::count_if(distributions(), [&](const DistributionRow& row) { return file.has(row.table); });
     if (named + int{scene.has_value()} != 1)
         toml::fail(file.where(),
-                   "a sweep is over either scene = \"…\", " + tables_of_families() +
+                   "a sweep is over either scene = \"…\", " + distribution_tables() +
                        "; write one of them, or [[ray]] tables and their primitive to try every float of a number");
-    const FamilyRow* const family = family_of(root_);
+    const DistributionRow* const distribution = distribution_of(root_);
     if (scene) {
         const file::SceneName name = find_scene_of(file, *scene, data_dir);
         scene_.emplace(name.path, stop_);
@@ -233,11 +234,11 @@ void SweepFile::read_subject(TableReader& file, const std::filesystem::path& dat
             file.fail_at("scene",
                          "has variants; name one, such as \"" + *scene + "." + scene_->variants().front() + "\"");
     } else {
-        family->read(file.table(family->table));
+        distribution->read(file.table(distribution->table));
     }
     if (scene) file.reject("march", "belongs in the scene file if the sweep is over a scene; write it there");
     else if (auto march = file.optional_table("march")) file::read_march(*march, file::Inputs::shared);
-    const std::string prefix = scene ? "" : std::string(family->table) + '.';
+    const std::string prefix = scene ? "" : std::string(distribution->table) + '.';
     for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, prefix));
 }
 
@@ -249,9 +250,9 @@ void SweepFile::try_both_ends() {
         const RayGroup group = rays(values).front();
         marches_ = group.march.has_value();
         shapes_.clear();
-        for (const Solid<double>& solid : group.solids) {
-            is_placed_ = is_placed_ || solid.placed;
-            if (std::ranges::find(shapes_, solid.shape) == shapes_.end()) shapes_.push_back(solid.shape);
+        for (const Primitive<double>& primitive : group.primitives) {
+            is_placed_ = is_placed_ || primitive.placed;
+            if (std::ranges::find(shapes_, primitive.shape) == shapes_.end()) shapes_.push_back(primitive.shape);
         }
         has_mesh_ = group.mesh != nullptr;
         if (has_mesh_ && std::ranges::find(shapes_, triangle::Mesh::shape) == shapes_.end())
@@ -273,8 +274,8 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
         toml::Node root = root_;
         for (const toml::Override& change : changes) toml::apply_override(root, change);
         TableReader file(root);
-        const FamilyRow* const family = family_of(root);
-        std::vector<RayGroup> groups = family->read(file.table(family->table))(further_);
+        const DistributionRow* const distribution = distribution_of(root);
+        std::vector<RayGroup> groups = distribution->read(file.table(distribution->table))(further_);
         if (auto march = file.optional_table("march")) {
             const auto constants = file::round_march(file::read_march(*march, file::Inputs::shared), binary32);
             for (RayGroup& group : groups) group.march = constants;
@@ -291,7 +292,7 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     RayGroup group{rays::make_shared_rays(scene, 0, scene.height), {}};
     // A form that marches needs its primitives one by one, and spheres beside triangles have no tree.
     if (!scene.flake && !scene.march) group.mesh = rays::shared_mesh(scene);
-    group.solids = group.mesh ? rays::shared_listed(scene) : rays::shared_solids(scene);
+    group.primitives = group.mesh ? rays::shared_listed(scene) : rays::shared_primitives(scene);
     if (scene.march) group.march = file::round_march(*scene.march, binary32);
     if (scene.camera.projection) group.scene = std::make_shared<const file::Scene>(scene);
     return {std::move(group)};

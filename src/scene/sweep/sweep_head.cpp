@@ -69,7 +69,7 @@ file::Scene read_mesh_scene(toml::TableReader& table, const std::filesystem::pat
     const auto scenes = file::load_scene(name.path, {.variant = name.variant, .stop = stop});
     const file::Scene& scene = scenes.front();
     if (scenes.size() > 1) table.fail_at("scene", "has variants; name one, such as \"" + scene.id + "\"");
-    if (!scene.mesh || scene.solid_count() != scene.mesh->faces.size())
+    if (!scene.mesh || scene.primitive_count() != scene.mesh->faces.size())
         table.fail_at("scene", "has no mesh, or has other primitives too; name a scene that has only meshes");
     if (scene.mesh_placed)
         table.fail_at("scene", "has its mesh under a matrix; name a scene whose mesh has no transform");

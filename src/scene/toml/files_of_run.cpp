@@ -13,12 +13,12 @@ namespace lostbits::scene::toml {
 
 namespace {
 
-struct Noted {
+struct RunFiles {
     std::set<std::pair<dev_t, ino_t>> read, written;
 };
 
 std::mutex noted_mutex;
-std::vector<Noted> noted_by_run;  ///< one for each object that lives, the youngest last
+std::vector<RunFiles> noted_by_run;  ///< one for each object that lives, the youngest last
 
 void note(const std::filesystem::path& path, bool written) {
     struct stat info {};
@@ -26,7 +26,7 @@ void note(const std::filesystem::path& path, bool written) {
     const std::pair file(info.st_dev, info.st_ino);
     const std::lock_guard lock(noted_mutex);
     if (noted_by_run.empty()) return;
-    Noted& all = noted_by_run.back();
+    RunFiles& all = noted_by_run.back();
     // Insert before the check: a reader's error may end as the error of a claim, and the writer must still know of the
     // file.
     (written ? all.written : all.read).insert(file);

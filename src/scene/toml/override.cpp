@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "scene/toml/did_you_mean.hpp"
+#include "scene/toml/former_names.hpp"
 #include "scene/toml/toml_tree.hpp"
 
 namespace lostbits::scene::toml {
@@ -28,7 +29,7 @@ std::vector<Step> steps_of(const Override& change) {
     while (true) {
         const std::size_t end = std::min(path.find_first_of(".[", i), path.size());
         if (end == i) malformed("has an empty key");
-        steps.push_back({false, path.substr(i, end - i), 0, end});
+        steps.push_back({false, std::string(table_of_today(std::string_view(path).substr(i, end - i))), 0, end});
         i = end;
         while (i < path.size() && path[i] == '[') {
             std::size_t index = 0;

@@ -7,6 +7,7 @@
 
 #include "scene/toml/byte_source.hpp"
 #include "scene/toml/did_you_mean.hpp"
+#include "scene/toml/former_names.hpp"
 #include "scene/toml/parse_number.hpp"
 
 namespace lostbits::scene::toml {
@@ -32,7 +33,7 @@ public:
         if (const auto* table = from.as_table()) {
             node.kind = Node::Kind::table;
             for (auto&& [key, value] : *table)
-                node.entries.push_back({std::string(key.str()), at(key.source()), convert(value)});
+                node.entries.push_back({std::string(table_of_today(key.str())), at(key.source()), convert(value)});
             // toml++ sorts by name, but overrides apply in the order of writing.
             std::stable_sort(node.entries.begin(), node.entries.end(), [](const Node::Entry& a, const Node::Entry& b) {
                 return std::pair(a.key_where.line, a.key_where.column) <
@@ -43,7 +44,7 @@ public:
             for (const ::toml::node& item : *array) node.items.push_back(convert(item));
         } else if (const auto* string = from.as_string()) {
             node.kind = Node::Kind::string;
-            node.text = string->get();
+            node.text = name_of_today(string->get());
         } else if (const auto* integer = from.as_integer()) {
             node.kind = Node::Kind::integer;
             node.integer = integer->get();

@@ -20,8 +20,9 @@ struct Plane {
     Vec<T> normal;
 
     static constexpr std::string_view name = "plane", plural = "planes";
-    static constexpr bool told_end = false, zero_inside = false, usually_unit = true, round = false, edges = false;
-    static constexpr ShapeWords words{.plainest = "a plane through (0, 0, -2), across the z axis",
+    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
+                          edges = false;
+    static constexpr ShapeTexts words{.plainest = "a plane through (0, 0, -2), across the z axis",
                                       .touching = "a ray along it",
                                       .point = "a normal of 0",
                                       .places = "points"};

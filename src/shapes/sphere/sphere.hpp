@@ -19,8 +19,9 @@ struct Sphere {
     T radius;
 
     static constexpr std::string_view name = "sphere", plural = "spheres";
-    static constexpr bool told_end = false, zero_inside = false, usually_unit = true, round = true, edges = false;
-    static constexpr ShapeWords words{.plainest = "a sphere of radius 2 around the origin",
+    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = true,
+                          edges = false;
+    static constexpr ShapeTexts words{.plainest = "a sphere of radius 2 around the origin",
                                       .touching = "a ray that touches",
                                       .point = "a radius of 0",
                                       .places = "centres"};

@@ -23,8 +23,9 @@ struct Triangle {
     Vec<T> c;
 
     static constexpr std::string_view name = "triangle", plural = "triangles";
-    static constexpr bool told_end = false, zero_inside = false, usually_unit = false, round = false, edges = false;
-    static constexpr ShapeWords words{.plainest = "a triangle in the plane z = -2, from -2 to 2 in x and y",
+    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = false, round = false,
+                          edges = false;
+    static constexpr ShapeTexts words{.plainest = "a triangle in the plane z = -2, from -2 to 2 in x and y",
                                       .touching = "a ray through an edge",
                                       .point = "a triangle without area",
                                       .places = "vertices"};

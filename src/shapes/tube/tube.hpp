@@ -23,8 +23,9 @@ struct Tube {
     T radius;
 
     static constexpr std::string_view name = "tube", plural = "tubes";
-    static constexpr bool told_end = false, zero_inside = false, usually_unit = true, round = false, edges = false;
-    static constexpr ShapeWords words{.plainest = "a tube of radius 2 along the x axis, from -2 to 2",
+    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
+                          edges = false;
+    static constexpr ShapeTexts words{.plainest = "a tube of radius 2 along the x axis, from -2 to 2",
                                       .touching = "a ray through an open end's rim",
                                       .point = "a radius of 0",
                                       .places = "ends of axes"};
@@ -38,9 +39,9 @@ struct Tube {
         return {{p.x - half, p.y, p.z}, {p.x + half, p.y, p.z}, half};
     }
 
-    [[nodiscard]] Vec<T> middle() const { return solid().middle(); }
-    [[nodiscard]] T half_extent() const { return solid().half_extent(); }
-    [[nodiscard]] Sphere<T> ball_around() const { return solid().ball_around(); }
+    [[nodiscard]] Vec<T> middle() const { return primitive().middle(); }
+    [[nodiscard]] T half_extent() const { return primitive().half_extent(); }
+    [[nodiscard]] Sphere<T> ball_around() const { return primitive().ball_around(); }
     /// The point at the fraction u.x of its height, in the direction of u.y and u.z across it.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const AcrossAxis<T> across(axis());
@@ -56,7 +57,7 @@ struct Tube {
 
     /// The t at which the line crosses the wall, from the span of the cylinder.
     [[nodiscard]] WallSpan<T> span(const Ray<T>& ray) const {
-        const CappedSpan<T> span = solid().span(ray);
+        const CappedSpan<T> span = primitive().span(ray);
         return {span, span.d2};
     }
     /// Distance of a point from the wall, in units of `unit()`, whether it is outside, inside or beyond an end.
@@ -80,7 +81,7 @@ struct Tube {
     }
 
 private:
-    [[nodiscard]] Cylinder<T> solid() const { return {bottom, top, radius}; }
+    [[nodiscard]] Cylinder<T> primitive() const { return {bottom, top, radius}; }
     [[nodiscard]] Vec<T> axis() const { return top - bottom; }
     /// Position of a point along the axis, as a fraction of its length.
     [[nodiscard]] T along(const Vec<T>& p) const { return dot(axis(), Vec<T>(p - bottom)) / square(axis()); }

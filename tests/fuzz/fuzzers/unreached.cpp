@@ -1,9 +1,9 @@
 // What lies in one file with a reader, or in one class, and needs half of the program: nothing of it is called here.
 #include <stdexcept>
 
-#include "intersect/hull/behind.hpp"
-#include "intersect/hull/hulls.hpp"
-#include "intersect/space/spaced.hpp"
+#include "intersect/bounding_box/behind.hpp"
+#include "intersect/bounding_box/box_methods.hpp"
+#include "intersect/transform/spaced.hpp"
 #include "measure/columns/columns.hpp"
 #include "output/claim/claim_files.hpp"
 #include "output/file/result_folder.hpp"
@@ -14,16 +14,16 @@ namespace {
 }  // namespace
 
 namespace lostbits::intersect {
-namespace hull {
-const HullWay& usual_hull() { unreached(); }
-const table::Intersector& behind(const HullWay& /*way*/, const table::Intersector& /*box*/,
+namespace bounding_box {
+const BoxMethod& usual_box_method() { unreached(); }
+const table::Intersector& behind(const BoxMethod& /*way*/, const table::Intersector& /*box*/,
                                  const table::Intersector& /*form*/) {
     unreached();
 }
-}  // namespace hull
-namespace space {
-const table::Intersector& through(const Space& /*space*/, const table::Intersector& /*form*/) { unreached(); }
-}  // namespace space
+}  // namespace bounding_box
+namespace transform {
+const table::Intersector& through(const TransformMethod& /*space*/, const table::Intersector& /*form*/) { unreached(); }
+}  // namespace transform
 }  // namespace lostbits::intersect
 
 namespace lostbits::measure::columns {

@@ -5,7 +5,7 @@
 #include "catch.hpp"
 #include "intersect/ask_row.hpp"
 #include "intersect/box/box_exact.hpp"
-#include "measure/truth/box_families.hpp"
+#include "measure/truth/box_distributions.hpp"
 #include "shapes/lift.hpp"
 
 namespace lostbits::test::test_box_formulas {
@@ -13,7 +13,7 @@ namespace lostbits::test::test_box_formulas {
 namespace {
 
 bool hits(const intersect::table::Intersector& form, const BoxSample& s) {
-    return ask_row<float>(form, lift_ray<float>(s.ray), lift_solid<float>(Solid<double>(s.box)),
+    return ask_row<float>(form, lift_ray<float>(s.ray), lift_primitive<float>(Primitive<double>(s.box)),
                           static_cast<float>(s.tmax))
         .hit;
 }
@@ -25,7 +25,7 @@ TEST_CASE("aimed at an edge, forms without padding miss what they should hit", "
     long met = 0;
     test::Seeded rng(0xed9e);
     const auto* const at_edge =
-        std::ranges::find(test::box_families, std::string_view("at edge"), &test::BoxFamily::name);
+        std::ranges::find(test::box_distributions, std::string_view("at edge"), &test::BoxDistribution::name);
     for (int i = 0; i < 60000; ++i) {
         const BoxSample s = at_edge->make(rng, binary32);
         if (ray_in_box(exactly(s.ray, s.box, s.tmax), true).is_empty()) continue;

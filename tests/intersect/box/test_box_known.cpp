@@ -193,7 +193,7 @@ TEST_CASE("a NaN goes where the order of operands sends it", "[intersect][box][k
 
 TEST_CASE("far is where the ray leaves, or ends, with the form's padding", "[intersect][box][known]") {
     for (const Intersector& form : intersect::table::intersectors(Shape::box)) {
-        const Solid<float> box(Box<float>{Vec<float>(1), Vec<float>(4)});
+        const Primitive<float> box(Box<float>{Vec<float>(1), Vec<float>(4)});
         const Ray<float> ray{Vec<float>(2, 2, -1), Vec<float>(0, 0, 1)};
         const float far = ask_row<float>(form, ray, box).far, ended = ask_row<float>(form, ray, box, 4).far;
         INFO(form.info->name);

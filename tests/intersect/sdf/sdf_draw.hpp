@@ -7,11 +7,11 @@
 namespace lostbits::test {
 
 struct DrawnField {
-    std::vector<Solid<double>> solids;
+    std::vector<Primitive<double>> primitives;
     intersect::MarchConstants<double> march{};
     std::vector<Ray<double>> rays;
 
-    [[nodiscard]] intersect::Target<double> target() const { return {solids, march}; }
+    [[nodiscard]] intersect::Target<double> target() const { return {primitives, march}; }
 };
 
 /// Every number is one of binary32. Directions are unit to binary32's rounding.
@@ -22,9 +22,9 @@ inline DrawnField draw_field(Random& random, std::size_t rays) {
     const auto count = static_cast<std::size_t>(random.between(1, 4));
     for (std::size_t k = 0; k < count; ++k) {
         const Vec<double> at(within(-1, 1), within(-1, 1), within(-1, 1));
-        if (random.one_in(2)) f.solids.emplace_back(Sphere<double>{at, within(0.25, 1)});
+        if (random.one_in(2)) f.primitives.emplace_back(Sphere<double>{at, within(0.25, 1)});
         else
-            f.solids.emplace_back(Box<double>{
+            f.primitives.emplace_back(Box<double>{
                 at, {stored(at.x + within(0.1, 1)), stored(at.y + within(0.1, 1)), stored(at.z + within(0, 1))}});
     }
     f.march = {stored(std::ldexp(1, -static_cast<int>(random.between(4, 20)))),

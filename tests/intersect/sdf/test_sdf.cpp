@@ -105,8 +105,8 @@ TEST_CASE("distance fields: the seed's table, and a box from every side", "[inte
     CHECK(box.distance({-4, 0, 0}) == 3);
     CHECK(box.distance({4, 6, 0}) == 5);    // 3-4-5 beside an edge
     CHECK(box.distance({-3, 5, -9}) == 7);  // 2-3-6-7 off a corner
-    const Solid<double> both[] = {Solid<double>(unit), Solid<double>(Box<double>{{2, -1, -1}, {3, 1, 1}})};
-    const intersect::table::Union<double> field{std::span<const Solid<double>>(both)};
+    const Primitive<double> both[] = {Primitive<double>(unit), Primitive<double>(Box<double>{{2, -1, -1}, {3, 1, 1}})};
+    const intersect::table::Union<double> field{std::span<const Primitive<double>>(both)};
     CHECK(field({1.25, 0, 0}) == 0.25);
     CHECK(field({1.75, 0, 0}) == 0.25);
     CHECK(field({2.25, 0, 0}) == -0.25);
@@ -121,11 +121,12 @@ TEST_CASE("sphere_trace is the seed's loop", "[intersect][sdf]") {
     Random random(11);
     for (int k = 0; k < 400; ++k) {
         DrawnField field = draw_field(random, 4);
-        field.solids = {Solid<double>(Sphere<double>{{0.5, -0.25, 0.125}, 0.75})};
+        field.primitives = {Primitive<double>(Sphere<double>{{0.5, -0.25, 0.125}, 0.75})};
         const auto got = run<double>(intersect::table::intersectors(Shape::sdf).front().native64, field, true);
         for (std::size_t i = 0; i < field.rays.size(); ++i) {
             int samples = 0;
-            const auto [hit, t] = plain_march<double>(field.rays[i], field.solids[0].sphere(), field.march, samples);
+            const auto [hit, t] =
+                plain_march<double>(field.rays[i], field.primitives[0].sphere(), field.march, samples);
             CHECK((got.hit[i] != 0) == hit);
             CHECK(got.t[i] == t);
             CHECK(got.march[i].iterations == samples);
@@ -137,7 +138,7 @@ TEST_CASE("sphere_trace is the seed's loop", "[intersect][sdf]") {
 
 TEST_CASE("a march stands still where t + d is t", "[intersect][sdf]") {
     DrawnField field;
-    field.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, 1})};
+    field.primitives = {Primitive<double>(Sphere<double>{{0, 0, 0}, 1})};
     field.march = {0x1p-40, 100, 1e-3, 1e-3, 1.4, 200, 2, 4};
     const double d = static_cast<double>(static_cast<float>(1 / std::sqrt(3.0)));
     field.rays = {{{4, 4, 4}, {-d, -d, -d}}};
@@ -175,10 +176,10 @@ TEST_CASE("enclosures of the marches contain what they give unrounded", "[inters
                 const Hit<Ball> quick = row.ball({{Ball(r.origin.x), Ball(r.origin.y), Ball(r.origin.z)},
                                                   {Ball(r.direction.x), Ball(r.direction.y), Ball(r.direction.z)}},
                                                  balls.get());
-                const Wide room = ldexp(Wide(1) + abs(want.t), -500);
+                const Wide slack = ldexp(Wide(1) + abs(want.t), -500);
                 wrong += (quick.hit.is_yes() && !want.hit) || (quick.hit.is_no() && want.hit);
                 if (quick.t.is_bounded())
-                    wrong += abs(want.t - Wide(quick.t.hi()) - Wide(quick.t.lo())) > Wide(quick.t.radius()) + room;
+                    wrong += abs(want.t - Wide(quick.t.hi()) - Wide(quick.t.lo())) > Wide(quick.t.radius()) + slack;
                 for (const long bits : {100L, 300L, 900L}) {
                     const Interval::Precision precision(bits);
                     const LiftedTarget<Interval> boxes(field.target(), [](double x) { return Interval(x); });
@@ -188,8 +189,8 @@ TEST_CASE("enclosures of the marches contain what they give unrounded", "[inters
                                                            boxes.get());
                     wrong += (got.hit.is_yes() && !want.hit) || (got.hit.is_no() && want.hit);
                     if (got.t.is_bounded())
-                        wrong += mpfr_cmp(got.t.lower(), Wide(want.t + room).backend().data()) > 0 ||
-                                 mpfr_cmp(got.t.upper(), Wide(want.t - room).backend().data()) < 0;
+                        wrong += mpfr_cmp(got.t.lower(), Wide(want.t + slack).backend().data()) > 0 ||
+                                 mpfr_cmp(got.t.upper(), Wide(want.t - slack).backend().data()) < 0;
                     if (bits == 900) decided += !got.hit.is_unknown();
                 }
                 ++asked;

@@ -15,7 +15,7 @@ namespace {
 DrawnField towards_the_origin(const Vec<double>& eye, double radius, double hit_eps) {
     const auto stored = [](double x) { return static_cast<double>(static_cast<float>(x)); };
     DrawnField field;
-    field.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, stored(radius)})};
+    field.primitives = {Primitive<double>(Sphere<double>{{0, 0, 0}, stored(radius)})};
     const double far = length(eye);
     field.march = {stored(hit_eps), stored(4 * far), stored(1e-9), stored(1e-9), stored(1.4), 1, 2, 4};
     field.rays = {{eye, {stored(-eye.x / far), stored(-eye.y / far), stored(-eye.z / far)}}};
@@ -38,7 +38,7 @@ const intersect::table::Intersector& form(std::string_view name) {
 Stop plain_stop(const DrawnField& field, int max_steps) {
     const auto f = [](double x) { return static_cast<float>(x); };
     const Ray<double>& r = field.rays[0];
-    const float radius = f(field.solids[0].sphere().radius);
+    const float radius = f(field.primitives[0].sphere().radius);
     volatile float t = 0, before = 0;  // stored, whatever the registers hold
     for (int i = 0; i < max_steps; ++i) {
         const float x = f(r.origin.x) + t * f(r.direction.x), y = f(r.origin.y) + t * f(r.direction.y),

@@ -1,5 +1,5 @@
-// Solids and rays of every shape for rows that must answer alike, to the bit: hit, t, near and far, also where hit is
-// false, because the same operations on the same numbers leave the same numbers.
+// Primitives and rays of every shape for rows that must answer alike, to the bit: hit, t, near and far, also where hit
+// is false, because the same operations on the same numbers leave the same numbers.
 #pragma once
 
 #include <sys/mman.h>
@@ -19,10 +19,10 @@ namespace lostbits::test {
 inline constexpr float untouched = -12345;
 inline constexpr std::size_t widest = 16;
 
-/// Rays against one solid, as columns.
+/// Rays against one primitive, as columns.
 template <class S>
 struct Scene {
-    Solid<S> solid;
+    Primitive<S> primitive;
     std::vector<S> column[6];
     std::vector<S> tmax;  ///< empty: no ray ends
 
@@ -81,17 +81,17 @@ auto kernel_of(const intersect::simd::PackedRow& row) {
 }
 
 template <class S>
-Answers<S> run(const intersect::simd::PackedRow& row, const Solid<S>& solid,
+Answers<S> run(const intersect::simd::PackedRow& row, const Primitive<S>& primitive,
                const intersect::table::RayBatch<S>& rays) {
     Answers<S> answers(rays.size());
-    kernel_of<S>(row)(rays, solid, answers.batch());
+    kernel_of<S>(row)(rays, primitive, answers.batch());
     return answers;
 }
 
 template <class S>
 Answers<S> run(const intersect::simd::PackedRow& row, const Scene<S>& scene) {
     const auto& c = scene.column;
-    return run(row, scene.solid, intersect::table::RayBatch<S>{c[0], c[1], c[2], c[3], c[4], c[5], scene.tmax});
+    return run(row, scene.primitive, intersect::table::RayBatch<S>{c[0], c[1], c[2], c[3], c[4], c[5], scene.tmax});
 }
 
 template <class S>
@@ -118,36 +118,37 @@ S draw_any(Random& random) {
     return static_cast<S>(random.one_in(3) ? draw_special(random, f) : draw_finite(random, f));
 }
 
-/// A solid about the origin whose numbers are near to those of the plainest one.
+/// A primitive about the origin whose numbers are near to those of the plainest one.
 template <class S>
-Solid<S> draw_solid(Random& random, Shape shape) {
+Primitive<S> draw_primitive(Random& random, Shape shape) {
     const auto at = [&] { return static_cast<S>(8 * random.unit() - 4); };
     const S x = at(), y = at(), z = at();
     const auto half = static_cast<S>(std::ldexp(1 + random.unit(), static_cast<int>(random.between(-4, 2))));
-    Solid<S> solid = solid_around<S>(shape, {x, y, z}, half);
-    for (S& number : solid.used()) number *= static_cast<S>(1 + random.unit() / 64);
-    if (shape == Shape::box && random.one_in(10)) solid.numbers[3] = solid.numbers[0];
-    return solid;
+    Primitive<S> primitive = primitive_around<S>(shape, {x, y, z}, half);
+    for (S& number : primitive.used()) number *= static_cast<S>(1 + random.unit() / 64);
+    if (shape == Shape::box && random.one_in(10)) primitive.numbers[3] = primitive.numbers[0];
+    return primitive;
 }
 
-/// A ray at the solid: from anywhere near it or from one of its numbers, at a point of it or past it; some directions
-/// with zeros of either sign or a tiny component; one ray in three with any number at all in one place.
+/// A ray at the primitive: from anywhere near it or from one of its numbers, at a point of it or past it; some
+/// directions with zeros of either sign or a tiny component; one ray in three with any number at all in one place.
 template <class S>
-std::array<S, 6> draw_ray(Random& random, const Solid<S>& solid, std::size_t k) {
-    const auto [middle, radius] = visit(
-        solid, [](const auto& s) { return std::pair(Vec<double>(s.middle()), static_cast<double>(s.half_extent())); });
+std::array<S, 6> draw_ray(Random& random, const Primitive<S>& primitive, std::size_t k) {
+    const auto [middle, radius] = visit(primitive, [](const auto& s) {
+        return std::pair(Vec<double>(s.middle()), static_cast<double>(s.half_extent()));
+    });
     std::array<S, 6> ray;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         ray[axis] = static_cast<S>(12 * random.unit() - 6);
         const std::size_t number = axis + (random.one_in(2) ? 0 : 3);
-        if (random.one_in(4) && number < solid.used().size()) ray[axis] = solid.numbers[number];
+        if (random.one_in(4) && number < primitive.used().size()) ray[axis] = primitive.numbers[number];
         const auto target = static_cast<S>(middle[static_cast<int>(axis)] + (1.6 * random.unit() - 0.8) * radius);
         ray[axis + 3] = target - ray[axis];
         if (random.one_in(6)) ray[axis + 3] = static_cast<S>(random.sign() * (random.one_in(4) ? 1e-30 : 0.0));
     }
     // What a form takes for a direction of length one is one, half the time; ends are told at the length drawn.
     const double size = std::hypot(double(ray[3]), double(ray[4]), double(ray[5]));
-    if (!told_end(solid.shape) && size > 0 && random.one_in(2))
+    if (!takes_tmax(primitive.shape) && size > 0 && random.one_in(2))
         for (std::size_t axis = 3; axis < 6; ++axis) ray[axis] = static_cast<S>(static_cast<double>(ray[axis]) / size);
     if (k % 3 == 2) ray[k / 3 % 6] = draw_any<S>(random);
     return ray;
@@ -160,15 +161,15 @@ S draw_end(Random& random) {
     return random.one_in(4) ? std::numeric_limits<S>::infinity() : static_cast<S>(4 * random.unit());
 }
 
-/// `wild`: no picture at all, any number anywhere, also what is not a solid.
+/// `wild`: no picture at all, any number anywhere, also what is not a primitive.
 template <class S>
 Scene<S> draw_scene(Random& random, Shape shape, std::size_t n, bool wild = false) {
     const auto any = [&random] { return draw_any<S>(random); };
-    Scene<S> scene{draw_solid<S>(random, shape), {}, {}};
-    if (wild) std::ranges::generate(scene.solid.used(), any);
-    const bool ends = told_end(shape) && !random.one_in(3);
+    Scene<S> scene{draw_primitive<S>(random, shape), {}, {}};
+    if (wild) std::ranges::generate(scene.primitive.used(), any);
+    const bool ends = takes_tmax(shape) && !random.one_in(3);
     for (std::size_t k = 0; k < n; ++k) {
-        std::array<S, 6> ray = draw_ray(random, scene.solid, k);
+        std::array<S, 6> ray = draw_ray(random, scene.primitive, k);
         if (wild) std::ranges::generate(ray, any);
         scene.add(ray);
         if (ends) scene.tmax.push_back(draw_end<S>(random));
@@ -187,8 +188,8 @@ void move(Scene<S>& scene, int lengths, int directions) {
     const auto all_by = [](std::span<S> all, int power) {
         for (S& x : all) x = std::ldexp(x, power);
     };
-    for_each_key(scene.solid.shape, [&](const Key& key, std::size_t k) {
-        if (key.kind != Key::Kind::direction) all_by(scene.solid.used().subspan(k, key.count()), lengths);
+    for_each_key(scene.primitive.shape, [&](const Key& key, std::size_t k) {
+        if (key.kind != Key::Kind::direction) all_by(scene.primitive.used().subspan(k, key.count()), lengths);
     });
     for (std::size_t c = 0; c < 6; ++c) all_by(scene.column[c], c < 3 ? lengths : directions);
     all_by(scene.tmax, lengths - directions);
@@ -211,7 +212,7 @@ std::vector<Scene<S>> draw_scenes(Shape shape, std::size_t count) {
 }
 
 /// Of a thousand answers of any form of a shape, how many at least are hits at a finite t, misses, and no numbers; and
-/// hits of one ray against many solids. A tenth less than was measured of the form that has the fewest: few hits of
+/// hits of one ray against many primitives. A tenth less than was measured of the form that has the fewest: few hits of
 /// forms that take directions of length one, no NaN of those whose min and max let none through.
 struct Shares {
     Shape shape;

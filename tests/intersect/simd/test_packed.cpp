@@ -48,9 +48,9 @@ void compare_sizes(Shape shape, const Scene<S>& scene) {
         for (const Isa isa : intersect::simd::available_isas())
             for (std::size_t form = 0; form < native.size(); ++form) {
                 if (intersect::table::intersectors()[form].shape != shape || !kernel_of<S>(native[form])) continue;
-                const Answers<S> got = run(intersect::simd::packed_rows(isa)[form], scene.solid, rays);
+                const Answers<S> got = run(intersect::simd::packed_rows(isa)[form], scene.primitive, rays);
                 INFO(native[form].info->name << " in " << name_of(isa) << ", " << n << " rays");
-                CHECK(differences(got, run(native[form], scene.solid, rays)) == 0);
+                CHECK(differences(got, run(native[form], scene.primitive, rays)) == 0);
                 CHECK(got.margin_is_untouched());
             }
     }

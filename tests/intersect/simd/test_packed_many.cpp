@@ -1,4 +1,4 @@
-// One ray against many solids, against the forms' scalar answers one by one, to the bit.
+// One ray against many primitives, against the forms' scalar answers one by one, to the bit.
 #include <memory>
 
 #include "intersect/simd/packed_many.hpp"
@@ -10,7 +10,7 @@ using intersect::simd::Isa;
 
 namespace {
 
-/// A ray, solids of one shape as columns, and where the ray ends for each.
+/// A ray, primitives of one shape as columns, and where the ray ends for each.
 template <class S>
 struct Drawn {
     std::array<S, 6> ray;
@@ -19,10 +19,10 @@ struct Drawn {
 };
 
 /// The lowest bits of k are the signs of the direction; one ray in four is anything at all, and so is a number of one
-/// solid in six.
+/// primitive in six.
 template <class S>
 Drawn<S> draw(Random& random, Shape shape, std::size_t k, std::size_t n) {
-    Drawn<S> d{draw_ray(random, draw_solid<S>(random, shape), k), {}, {}};
+    Drawn<S> d{draw_ray(random, draw_primitive<S>(random, shape), k), {}, {}};
     for (std::size_t axis = 0; axis < 3; ++axis)
         d.ray[3 + axis] = std::copysign(d.ray[3 + axis], k >> axis & 1 ? S(-1) : S(1));
     if (k % 4 == 3)
@@ -31,19 +31,21 @@ Drawn<S> draw(Random& random, Shape shape, std::size_t k, std::size_t n) {
         const auto near = [&](std::size_t axis) {
             return static_cast<S>(d.ray[axis] + d.ray[3 + axis] + static_cast<S>(random.unit() - 0.5));
         };
-        Solid<S> solid = solid_around<S>(shape, {near(0), near(1), near(2)}, static_cast<S>(0.25 + random.unit()));
-        for (S& x : solid.used()) x *= static_cast<S>(1 + random.unit() / 64);
-        if (random.one_in(5)) solid.numbers[static_cast<std::size_t>(random.between(0, 2))] = d.ray[0];
+        Primitive<S> primitive =
+            primitive_around<S>(shape, {near(0), near(1), near(2)}, static_cast<S>(0.25 + random.unit()));
+        for (S& x : primitive.used()) x *= static_cast<S>(1 + random.unit() / 64);
+        if (random.one_in(5)) primitive.numbers[static_cast<std::size_t>(random.between(0, 2))] = d.ray[0];
         if (random.one_in(6))
-            solid.used()[static_cast<std::size_t>(random.between(0, static_cast<long>(solid.used().size()) - 1))] =
+            primitive
+                .used()[static_cast<std::size_t>(random.between(0, static_cast<long>(primitive.used().size()) - 1))] =
                 draw_any<S>(random);
-        for (std::size_t c = 0; c < most_numbers; ++c) d.column[c].push_back(solid.numbers[c]);
+        for (std::size_t c = 0; c < most_numbers; ++c) d.column[c].push_back(primitive.numbers[c]);
         d.t.push_back(draw_end<S>(random));
     }
     return d;
 }
 
-/// What the table's own row says of each solid by itself.
+/// What the table's own row says of each primitive by itself.
 template <class S>
 struct Expected {
     std::vector<S> t;
@@ -55,30 +57,30 @@ Expected<S> one_by_one(const intersect::simd::PackedRow& row, Shape shape, const
     Expected<S> e;
     for (std::size_t i = 0; i < n; ++i) {
         Scene<S> scene;
-        scene.solid.shape = shape;
-        for (std::size_t c = 0; c < most_numbers; ++c) scene.solid.numbers[c] = d.column[c][i];
+        scene.primitive.shape = shape;
+        for (std::size_t c = 0; c < most_numbers; ++c) scene.primitive.numbers[c] = d.column[c][i];
         scene.add(d.ray);
         scene.tmax.push_back(d.t[i]);
         const Answers<S> a = run(row, scene);
         e.hit.push_back(a.hit[0]);
-        e.t.push_back(!told_end(shape) || a.hit[0] ? a.t[0] : d.t[i]);
+        e.t.push_back(!takes_tmax(shape) || a.hit[0] ? a.t[0] : d.t[i]);
     }
     return e;
 }
 
-/// The first n solids, columns that end where a page ends, answers with a margin that stays.
+/// The first n primitives, columns that end where a page ends, answers with a margin that stays.
 template <class S>
 Expected<S> at_once(const intersect::simd::ManyRow& row, Shape shape, const Drawn<S>& d, std::size_t n) {
     std::array<std::unique_ptr<const Cornered<S>>, most_numbers> columns;
-    intersect::simd::SolidArrays<S> solids;
+    intersect::simd::PrimitiveArrays<S> primitives;
     for (std::size_t c = 0; c < row_of(shape).numbers; ++c) {
         columns[c] = std::make_unique<const Cornered<S>>(std::span(d.column[c]).first(n));
-        solids.numbers[c] = columns[c]->span();
+        primitives.numbers[c] = columns[c]->span();
     }
     Expected<S> e{d.t, std::vector<std::uint8_t>(d.t.size(), 77)};
     const Ray<S> ray{{d.ray[0], d.ray[1], d.ray[2]}, {d.ray[3], d.ray[4], d.ray[5]}};
     const auto call = [&](const auto& kernel) {
-        kernel(ray, solids, std::span(e.t).first(n), std::span(e.hit).first(row.told_end ? 0 : n));
+        kernel(ray, primitives, std::span(e.t).first(n), std::span(e.hit).first(row.takes_tmax ? 0 : n));
     };
     if constexpr (std::same_as<S, float>) call(row.f32);
     else call(row.f64);
@@ -109,7 +111,7 @@ void compare(Shape shape) {
                 const Expected<S> got = at_once(intersect::simd::many_rows(isa)[form], shape, all[k], n);
                 for (std::size_t i = 0; i < n; ++i)
                     wrong[static_cast<std::size_t>(isa)] +=
-                        !same(got.t[i], want.t[i]) || (!told_end(shape) && got.hit[i] != want.hit[i]);
+                        !same(got.t[i], want.t[i]) || (!takes_tmax(shape) && got.hit[i] != want.hit[i]);
             }
         }
         INFO(native[form].info->name << ": " << hits << " hits of " << rays);
@@ -121,12 +123,12 @@ void compare(Shape shape) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("one ray against many solids: the bits of the forms", "[intersect][packed]", float, double) {
+TEMPLATE_TEST_CASE("one ray against many primitives: the bits of the forms", "[intersect][packed]", float, double) {
     for (const ShapeRow& row : shape_rows)
         if (std::is_same_v<TestType, float> || intersect::simd::come_in_many(row.shape)) compare<TestType>(row.shape);
 }
 
-TEST_CASE("the rows for many solids are the catalogue's, in binary64 with kernels where the shape comes in many",
+TEST_CASE("the rows for many primitives are the catalogue's, in binary64 with kernels where the shape comes in many",
           "[intersect][packed]") {
     const auto rows = intersect::table::intersectors();
     for (const Isa isa : {Isa::scalar, Isa::w128, Isa::w256, Isa::w512}) {
@@ -134,12 +136,12 @@ TEST_CASE("the rows for many solids are the catalogue's, in binary64 with kernel
         INFO(name_of(isa));
         CHECK(many.size() == intersect::simd::packed_rows(isa).size());
         for (std::size_t i = 0; i < many.size(); ++i) {
-            const bool solid = is_solid(rows[i].shape),
+            const bool primitive = is_primitive(rows[i].shape),
                        has64 = rows[i].native64 && intersect::simd::come_in_many(rows[i].shape);
             CHECK(many[i].info == rows[i].info);
-            CHECK(static_cast<bool>(many[i].f32) == solid);
+            CHECK(static_cast<bool>(many[i].f32) == primitive);
             CHECK(static_cast<bool>(many[i].f64) == has64);
-            CHECK(many[i].told_end == told_end(rows[i].shape));
+            CHECK(many[i].takes_tmax == takes_tmax(rows[i].shape));
         }
     }
 }

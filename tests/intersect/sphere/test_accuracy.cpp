@@ -35,7 +35,8 @@ std::map<std::string_view, double> mean_errors(double nearest, double farthest) 
             lift_ray<Real>(ray), Sphere<Real>{lift_vec<Real>(centre), Real(radius)});
         if (!want.hit) continue;
         for (const auto& row : intersect::table::intersectors(Shape::sphere)) {
-            const Hit<float> h = ask_row<float>(row, lift_ray<float>(ray), lift_solid<float>(Solid<double>(sphere)));
+            const Hit<float> h =
+                ask_row<float>(row, lift_ray<float>(ray), lift_primitive<float>(Primitive<double>(sphere)));
             if (!h.hit || !std::isfinite(h.t)) continue;
             Sum& sum = sums[row.info->name];
             sum.errors += Real(abs(Real(h.t) - want.t) / abs(want.t)).convert_to<double>() * 0x1p24, ++sum.hits;

@@ -21,13 +21,13 @@ namespace {
 std::span<const Intersector> forms() { return intersect::table::intersectors(Shape::triangle); }
 
 bool hits_in_float(const Intersector& form, const TriangleSample& s) {
-    return ask_row<float>(form, lift_ray<float>(s.ray), lift_solid<float>(Solid<double>(s.triangle))).hit;
+    return ask_row<float>(form, lift_ray<float>(s.ray), lift_primitive<float>(Primitive<double>(s.triangle))).hit;
 }
 
 /// Without rounding; unknown where an equality is divided by.
 Tri hits_exactly(const Intersector& form, const TriangleSample& s) {
     const Interval::Precision precision(400);
-    return form.interval(lift_ray<Interval>(s.ray), lift_solid<Interval>(Solid<double>(s.triangle))).hit;
+    return form.interval(lift_ray<Interval>(s.ray), lift_primitive<Interval>(Primitive<double>(s.triangle))).hit;
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ TEST_CASE("on the rim the forms that divide last say what their words say", "[in
                                            "triangle.filtered", "triangle.plucker_band"};
     std::map<std::string_view, int> wrong;
     int rims = 0;
-    for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleFamily&, const TriangleSample& s) {
+    for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleDistribution&, const TriangleSample& s) {
         const TriangleAnswer right = answer_of(s);
         if (!right.meets() || !right.on_rim() || right.t == 0) return;
         ++rims;
@@ -45,7 +45,8 @@ TEST_CASE("on the rim the forms that divide last say what their words say", "[in
             if (exact.contains(form.info->name)) wrong[form.info->name] += !hits_exactly(form, s).is_yes();
         const auto leaves_out = [&]<class Form>() {
             const Ray<Real> ray = lift_ray<Real>(s.ray);
-            wrong[Form::info.name] += !Form::intersect(ray, lift_solid<Real>(Solid<double>(s.triangle)).triangle()).hit;
+            wrong[Form::info.name] +=
+                !Form::intersect(ray, lift_primitive<Real>(Primitive<double>(s.triangle)).triangle()).hit;
         };
         leaves_out.operator()<intersect::triangle::BaldwinWeber>();
         leaves_out.operator()<intersect::triangle::HavelHerout>();
@@ -86,25 +87,26 @@ TEST_CASE("a form that culls misses what shows its back, and says so", "[interse
 
 TEST_CASE("the weights that a form names are those of a, b and c", "[intersect][triangle]") {
     std::map<std::string_view, int> told, wrong;
-    for_each_triangle(static_cast<int>(draws(3000)), [&](const TriangleFamily& family, const TriangleSample& s) {
-        const TriangleAnswer right = answer_of(s);
-        if (!right.meets() || family.name != std::string_view("random")) return;
-        const std::array<Rational, 3> weights{right.u, right.v, right.w};
-        for (const Intersector& form : forms()) {
-            const Info& info = *form.info;
-            const char* const format = info.formats == intersect::Formats::all ? "f64" : "f32";
-            Tape tape;
-            form.record(*find_format(format), s.ray, Solid<double>(s.triangle), HUGE_VAL, tape);
-            for (std::size_t k = 0; k < weights.size(); ++k) {
-                const std::string_view name = info.weights[k];
-                if (name.empty()) continue;
-                const auto node = std::ranges::find(tape.nodes, name, &TapeNode::label);
-                const bool found = node != tape.nodes.end();
-                ++told[info.name];
-                wrong[info.name] += !found || abs(Rational(node->value) - weights[k]) > Rational(1, 1 << 20);
+    for_each_triangle(
+        static_cast<int>(draws(3000)), [&](const TriangleDistribution& distribution, const TriangleSample& s) {
+            const TriangleAnswer right = answer_of(s);
+            if (!right.meets() || distribution.name != std::string_view("random")) return;
+            const std::array<Rational, 3> weights{right.u, right.v, right.w};
+            for (const Intersector& form : forms()) {
+                const Info& info = *form.info;
+                const char* const format = info.formats == intersect::Formats::all ? "f64" : "f32";
+                Tape tape;
+                form.record(*find_format(format), s.ray, Primitive<double>(s.triangle), HUGE_VAL, tape);
+                for (std::size_t k = 0; k < weights.size(); ++k) {
+                    const std::string_view name = info.weights[k];
+                    if (name.empty()) continue;
+                    const auto node = std::ranges::find(tape.nodes, name, &TapeNode::label);
+                    const bool found = node != tape.nodes.end();
+                    ++told[info.name];
+                    wrong[info.name] += !found || abs(Rational(node->value) - weights[k]) > Rational(1, 1 << 20);
+                }
             }
-        }
-    });
+        });
     for (const Intersector& form : forms()) {
         INFO(form.info->name);
         CHECK((told[form.info->name] > 100) == (form.info->name != "triangle.filtered"));

@@ -51,9 +51,9 @@ public:
     }
     [[nodiscard]] measure::truth::ProblemColumns<float> get() const {
         measure::truth::ProblemColumns<float> p{
-            .size = numbers_[0].size(), .ray = {}, .shape = Shape::triangle, .solid = {}};
+            .size = numbers_[0].size(), .ray = {}, .shape = Shape::triangle, .primitive = {}};
         for (std::size_t k = 0; k < 6; ++k) p.ray[k] = numbers_[k];
-        for (std::size_t k = 0; k < 9; ++k) p.solid[k] = numbers_[k + 6];
+        for (std::size_t k = 0; k < 9; ++k) p.primitive[k] = numbers_[k + 6];
         return p;
     }
 
@@ -65,37 +65,38 @@ private:
 
 TEST_CASE("the side that a ray comes from is what fractions say", "[truth][triangle]") {
     std::map<std::string, std::array<int, 2>> met;
-    for_each_triangle(static_cast<int>(draws(3000)), [&](const TriangleFamily& family, const TriangleSample& s) {
-        INFO(family.name);
-        const TriangleAnswer right = answer_of(s);
-        for (const Facing facing : {Facing::front, Facing::back}) {
-            intersect::Convention one_side;
-            one_side.facing = facing;
-            const Truth truth = find_truth(s.ray, Solid<double>(s.triangle), {}, one_side);
-            REQUIRE(truth.decision == (right.meets(facing) ? Truth::Decision::hit : Truth::Decision::miss));
-            if (right.meets(facing)) REQUIRE(encloses(truth.t, right.t));
-            met[family.name][facing == Facing::front ? 0 : 1] += truth.is_hit();
-        }
-    });
-    for (const TriangleFamily& family : triangle_families) {
-        const bool some = std::string(family.name) != "in the plane";
-        INFO(family.name << ": fronts " << met[family.name][0] << ", backs " << met[family.name][1]);
-        CHECK((met[family.name][0] > 10) == some);
-        CHECK((met[family.name][1] > 10) == some);
+    for_each_triangle(
+        static_cast<int>(draws(3000)), [&](const TriangleDistribution& distribution, const TriangleSample& s) {
+            INFO(distribution.name);
+            const TriangleAnswer right = answer_of(s);
+            for (const Facing facing : {Facing::front, Facing::back}) {
+                intersect::Convention one_side;
+                one_side.facing = facing;
+                const Truth truth = find_truth(s.ray, Primitive<double>(s.triangle), {}, one_side);
+                REQUIRE(truth.decision == (right.meets(facing) ? Truth::Decision::hit : Truth::Decision::miss));
+                if (right.meets(facing)) REQUIRE(encloses(truth.t, right.t));
+                met[distribution.name][facing == Facing::front ? 0 : 1] += truth.is_hit();
+            }
+        });
+    for (const TriangleDistribution& distribution : triangle_distributions) {
+        const bool some = std::string(distribution.name) != "in the plane";
+        INFO(distribution.name << ": fronts " << met[distribution.name][0] << ", backs " << met[distribution.name][1]);
+        CHECK((met[distribution.name][0] > 10) == some);
+        CHECK((met[distribution.name][1] > 10) == some);
     }
 }
 
 TEST_CASE("which of two triangles comes first is asked of those that face the ray", "[truth][triangle]") {
     const Triangle<double> near{{0, 0, 2}, {0, 4, 2}, {4, 0, 2}}, far{{0, 0, 1}, {4, 0, 1}, {0, 4, 1}};
-    const std::vector<Solid<double>> solids{Solid<double>(near), Solid<double>(far)};
+    const std::vector<Primitive<double>> primitives{Primitive<double>(near), Primitive<double>(far)};
     const Ray<double> ray{{1, 1, 5}, {0, 0, -1}};
     const std::array<std::pair<Facing, int>, 3> first{{{Facing::both, 0}, {Facing::front, 1}, {Facing::back, 0}}};
     for (const auto& [facing, object] : first) {
         intersect::Convention asked;
         asked.facing = facing;
-        CHECK(find_truth(ray, solids, {}, asked).object == object);
-        // A mirror does not turn what is decided in the space of the solid.
-        Solid<double> mirrored(far);
+        CHECK(find_truth(ray, primitives, {}, asked).object == object);
+        // A mirror does not turn what is decided in the space of the primitive.
+        Primitive<double> mirrored(far);
         mirrored.placed = placement_of(std::array<double, 12>{-1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0});
         CHECK(find_truth(ray, mirrored, {}, asked).is_hit() == (facing != Facing::back));
     }
@@ -104,25 +105,25 @@ TEST_CASE("which of two triangles comes first is asked of those that face the ra
 TEST_CASE("a band tells of one side of every ray what find_truth tells", "[truth][triangle]") {
     Seeded rng(5);
     scene::rays::RayBlock rays;
-    std::vector<Solid<double>> solids;
-    for (int i = 0; i < 12; ++i) solids.emplace_back(whole_sample(rng, 20).triangle);
+    std::vector<Primitive<double>> primitives;
+    for (int i = 0; i < 12; ++i) primitives.emplace_back(whole_sample(rng, 20).triangle);
     const int count = static_cast<int>(draws(4000));
     for (int i = 0; i < count; ++i) {
         TriangleSample s = whole_sample(rng, 20);
-        const Triangle<double> at = solids[static_cast<std::size_t>(i) % solids.size()].triangle();
+        const Triangle<double> at = primitives[static_cast<std::size_t>(i) % primitives.size()].triangle();
         // Half of them through a vertex, where triangles are touched.
         aim(s, i % 2 == 0 ? at.a : 0.25 * at.a + 0.25 * at.b + 0.5 * at.c, static_cast<double>(rng.integer(0, 3)));
         rays.push(s.ray);
     }
     rays.width = count, rays.y1 = 1;
-    const measure::truth::Band band(rays, solids);
+    const measure::truth::Band band(rays, primitives);
     int different = 0;
     for (const Facing facing : {Facing::front, Facing::back}) {
         for (const AtOrigin at_origin : {AtOrigin::hit, AtOrigin::miss}) {
             intersect::Convention asked(at_origin);
             asked.facing = facing;
             for (std::size_t i = 0; i < rays.size(); ++i) {
-                const Truth alone = find_truth(rays[i], solids, {}, asked), there = band.truth(i, asked);
+                const Truth alone = find_truth(rays[i], primitives, {}, asked), there = band.truth(i, asked);
                 INFO(i << ", facing " << static_cast<int>(facing));
                 REQUIRE(there.decision == alone.decision);
                 REQUIRE(there.object == alone.object);
@@ -138,13 +139,15 @@ TEST_CASE("rays through edges and vertices, and from the triangle, are settled i
     const auto before = intersect::simd::current_isa();
     std::map<std::string, std::vector<TriangleSample>> asked;
     for_each_triangle(static_cast<int>(draws(2000)),
-                      [&](const TriangleFamily& family, const TriangleSample& s) { asked[family.name].push_back(s); });
+                      [&](const TriangleDistribution& distribution, const TriangleSample& s) {
+                          asked[distribution.name].push_back(s);
+                      });
     for (const auto& [name, rays] : asked) {
         const Floats floats(rays);
         for (const Convention& convention : {Convention(), Convention(Touching::miss), Convention(AtOrigin::miss)}) {
             std::vector<Truth> right;
             for (const auto& [ray, triangle] : rays)
-                right.push_back(find_truth(ray, Solid<double>(triangle), {}, convention));
+                right.push_back(find_truth(ray, Primitive<double>(triangle), {}, convention));
             const auto ties = static_cast<std::size_t>(
                 std::ranges::count_if(right, [](const Truth& t) { return t.touches || t.on_surface; }));
             for (const auto isa : intersect::simd::available_isas()) {
@@ -178,16 +181,16 @@ TEST_CASE("three points on one line are no triangle, whatever their size", "[tru
         CAPTURE(scale);
         const Triangle<double> flat{scale * Vec<double>(1, 2, 3), scale * Vec<double>(2, 4, 6),
                                     scale * Vec<double>(5, 10, 15)};
-        REQUIRE(broken_limit(Solid<double>(flat)));
-        CHECK(broken_limit(Solid<double>(flat))->key->name == "c");
-        CHECK_FALSE(find_truth(ray, Solid<double>(flat)).is_hit());
+        REQUIRE(broken_limit(Primitive<double>(flat)));
+        CHECK(broken_limit(Primitive<double>(flat))->key->name == "c");
+        CHECK_FALSE(find_truth(ray, Primitive<double>(flat)).is_hit());
         const Triangle<double> wide{flat.a, flat.b, scale * Vec<double>(5, 10, 16)};
-        CHECK_FALSE(broken_limit(Solid<double>(wide)));
+        CHECK_FALSE(broken_limit(Primitive<double>(wide)));
     }
     // One last place off the line, where differences round.
     const Triangle<double> nearly{{0, 0, 0}, {0x1p60, 0x1p60, 0}, {1, 1 + 0x1p-52, 0}};
-    CHECK_FALSE(broken_limit(Solid<double>(nearly)));
-    CHECK(broken_limit(Solid<double>(Triangle<double>{{0, 0, 0}, {0x1p60, 0x1p60, 0}, {1, 1, 0}})));
+    CHECK_FALSE(broken_limit(Primitive<double>(nearly)));
+    CHECK(broken_limit(Primitive<double>(Triangle<double>{{0, 0, 0}, {0x1p60, 0x1p60, 0}, {1, 1, 0}})));
 }
 
 }  // namespace lostbits::test::test_triangle_truth

@@ -1,4 +1,4 @@
-// Rays at triangles, in families that each do one thing, and the exact answer in fractions: the plane first, then
+// Rays at triangles, in distributions that each do one thing, and the exact answer in fractions: the plane first, then
 // coordinates by Gram's determinants. No form and no truth computes it this way.
 #pragma once
 
@@ -33,7 +33,7 @@ struct TriangleAnswer {
     }
     [[nodiscard]] bool on_rim() const { return u == 0 || v == 0 || w == 0; }
     /// How far the nearest decision is from an equality.
-    [[nodiscard]] Rational room() const {
+    [[nodiscard]] Rational slack() const {
         Rational least = abs(t);
         for (const Rational& x : {u, v, w}) least = abs(x) < least ? abs(x) : least;
         return least;
@@ -82,12 +82,12 @@ inline void aim(TriangleSample& s, const Vec<double>& point, double steps) {
     s.ray.origin = point - steps * s.ray.direction;
 }
 
-struct TriangleFamily {
+struct TriangleDistribution {
     const char* name;
     TriangleSample (*make)(Seeded&);
 };
 
-inline const TriangleFamily triangle_families[] = {
+inline const TriangleDistribution triangle_distributions[] = {
     {"random",
      [](Seeded& rng) {
          TriangleSample s{{rng.vec(-1, 1), {}}, {}};
@@ -177,16 +177,16 @@ inline TriangleSample in_floats(TriangleSample s) {
     return s;
 }
 
-/// `visit(family, sample)` of each family so many times; what has no area or no direction is left out.
+/// `visit(distribution, sample)` of each distribution so many times; what has no area or no direction is left out.
 template <class Visit>
 void for_each_triangle(int each, const Visit& visit) {
-    for (const TriangleFamily& family : triangle_families) {
+    for (const TriangleDistribution& distribution : triangle_distributions) {
         Seeded rng(0x7a1);
         for (int i = 0; i < each; ++i) {
-            const TriangleSample s = in_floats(family.make(rng));
+            const TriangleSample s = in_floats(distribution.make(rng));
             if (on_one_line(s.triangle.a, s.triangle.b, s.triangle.c) || s.ray.direction == Vec<double>(0, 0, 0))
                 continue;
-            visit(family, s);
+            visit(distribution, s);
         }
     }
 }

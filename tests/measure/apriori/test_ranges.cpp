@@ -15,7 +15,7 @@
 #include "measure/rows.hpp"
 #include "measure/tape/tape_form.hpp"
 #include "number/rounded.hpp"
-#include "output/blame/explain_text.hpp"
+#include "output/attribution/explain_text.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/sweep/sweep_file.hpp"
 
@@ -57,7 +57,7 @@ InputBox around(const std::vector<double>& inputs, Random& random, const FloatFo
 void check_box(const Intersector& form, const Format& format, const test::HostileRay& x, Random& random,
                SeenErrors& all) {
     static const intersect::process::StopToken never;
-    const auto inputs = measure::tape::inputs_of(x.ray, x.solid, x.tmax);
+    const auto inputs = measure::tape::inputs_of(x.ray, x.primitive, x.tmax);
     const Tape tape = measure::tape::tape_of(form, format);
     const TapeBound bound(tape);
     const InputBox box = around(inputs, random, format.parameters);
@@ -72,21 +72,21 @@ void check_box(const Intersector& form, const Format& format, const test::Hostil
                                                      : rounding::to_format(between, 0, format.parameters));
         }
     }
-    const SeenErrors seen = see({form, format, parts, x.solid, never}, rays);
+    const SeenErrors seen = see({form, format, parts, x.primitive, never}, rays);
     INFO(form.info->name << " in " << format.name);
     CHECK(seen.share <= 1 + 0x1p-40);
     all.append(seen);
 }
 
 template <class Draw>
-void check_form(const char* name, std::size_t families, const Draw& draw) {
+void check_form(const char* name, std::size_t distributions, const Draw& draw) {
     for (const char* const format_name : {"f32", "f64"}) {
         const Format format = *find_format(format_name);
         Random random(7);
         SeenErrors all;
         for (int i = 0; i < test::draws(40, 20); ++i)
-            for (std::size_t family = 0; family < families; ++family)
-                check_box(form_named(name), format, draw(format, family, random), random, all);
+            for (std::size_t distribution = 0; distribution < distributions; ++distribution)
+                check_box(form_named(name), format, draw(format, distribution, random), random, all);
         INFO(name << " in " << format_name);
         CHECK(all.hits > 0);
         CHECK(all.bounded_hits > 0);
@@ -105,26 +105,28 @@ test::HostileRay hostile(const Format& format, Random& random, const Make& make)
 
 TEST_CASE("no ray in a box is off by more than its bound - spheres", "[apriori]") {
     for (const char* const name : spheres)
-        check_form(name, test::sphere_families.size(), [](const Format& format, std::size_t family, Random& random) {
-            return hostile(format, random, [family](auto rays) { return rays.sphere(family); });
-        });
+        check_form(name, test::sphere_distributions.size(),
+                   [](const Format& format, std::size_t distribution, Random& random) {
+                       return hostile(format, random, [distribution](auto rays) { return rays.sphere(distribution); });
+                   });
 }
 
 TEST_CASE("no ray in a box is off by more than its bound - boxes", "[apriori]") {
     for (const char* const name : boxes)
-        check_form(name, test::hostile_box_families.size(),
-                   [](const Format& format, std::size_t family, Random& random) {
-                       return hostile(format, random, [family](auto rays) { return rays.box(family); });
+        check_form(name, test::hostile_box_distributions.size(),
+                   [](const Format& format, std::size_t distribution, Random& random) {
+                       return hostile(format, random, [distribution](auto rays) { return rays.box(distribution); });
                    });
 }
 
 TEST_CASE("no ray in a box is off by more than its bound - triangles", "[apriori]") {
     for (const char* const name : triangles)
-        check_form(name, std::size(test::triangle_families), [](const Format&, std::size_t family, Random& random) {
-            test::Seeded rng(random.bits());
-            const auto s = test::in_floats(test::triangle_families[family].make(rng));
-            return test::HostileRay{s.ray, s.triangle, HUGE_VAL};
-        });
+        check_form(name, std::size(test::triangle_distributions),
+                   [](const Format&, std::size_t distribution, Random& random) {
+                       test::Seeded rng(random.bits());
+                       const auto s = test::in_floats(test::triangle_distributions[distribution].make(rng));
+                       return test::HostileRay{s.ray, s.triangle, HUGE_VAL};
+                   });
 }
 
 namespace {
@@ -159,7 +161,7 @@ TEST_CASE("a bound over the ranges of a scene is above what its rays and drawn r
     for (std::size_t i = 0; i < std::size(triangles); i += step) check(triangles[i], "triangle-far");
 }
 
-TEST_CASE("the ranges of a step of a sweep are those of its rays at all of its solids", "[apriori]") {
+TEST_CASE("the ranges of a step of a sweep are those of its rays at all of its primitives", "[apriori]") {
     const auto data = std::filesystem::path(LOSTBITS_DATA_DIR);
     for (const char* const views : {"1", "4"}) {
         scene::sweep::SweepChanges changes;
@@ -176,7 +178,7 @@ TEST_CASE("the ranges of a step of a sweep are those of its rays at all of its s
         for (auto& [low, high] : hull) low = HUGE_VAL, high = -HUGE_VAL;
         for (const auto& group : step.groups)
             for (std::size_t i = 0; i < group.rays.size(); ++i) {
-                const auto inputs = measure::tape::inputs_of(group.rays[i], group.solids.front(), HUGE_VAL);
+                const auto inputs = measure::tape::inputs_of(group.rays[i], group.primitives.front(), HUGE_VAL);
                 for (std::size_t k = 0; k < hull.size(); ++k) {
                     hull[k].low = std::min(hull[k].low, inputs[k]);
                     hull[k].high = std::max(hull[k].high, inputs[k]);
@@ -203,7 +205,8 @@ TEST_CASE("more boxes bound more, and threads change nothing", "[apriori]") {
     const RangesRequest request{
         .rays = scene, .form = &form_named("sphere.unified"), .format = *find_format("f32"), .boxes = 128};
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-    CHECK(output::blame::ranges_json(request, bound_over_ranges(request)) == output::blame::ranges_json(request, few));
+    CHECK(output::attribution::ranges_json(request, bound_over_ranges(request)) ==
+          output::attribution::ranges_json(request, few));
 }
 
 TEST_CASE("a form that takes the sign of what is zero but for rounding has no bound", "[apriori]") {

@@ -8,7 +8,7 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "measure/apriori/tape_bound.hpp"
-#include "measure/blame/operation_error.hpp"
+#include "measure/attribution/operation_error.hpp"
 #include "number/random.hpp"
 #include "number/real.hpp"
 #include "number/rounded.hpp"
@@ -66,7 +66,7 @@ private:
             if (a.exact && b.exact) r.exact = n.op == TapeOp::min ? min(*a.exact, *b.exact) : max(*a.exact, *b.exact);
             return r;
         }
-        return {measure::blame::result_of(n.op, {a.computed, b.computed, c.computed}, tape.format_of(i)),
+        return {measure::attribution::result_of(n.op, {a.computed, b.computed, c.computed}, tape.format_of(i)),
                 exactly(n.op, a.exact, b.exact, c.exact)};
     }
 

@@ -1,11 +1,11 @@
-// What meets a wish, and how far it holds; times play no part.
+// Forms that meet a requirement, and how far it holds; times play no part.
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "catch.hpp"
 #include "measure/choice/candidates.hpp"
-#include "measure/choice/room.hpp"
+#include "measure/choice/margin.hpp"
 #include "measure/rows.hpp"
 #include "output/choice/choice_files.hpp"
 #include "scene/file/scene.hpp"
@@ -23,7 +23,7 @@ Scene scene_named(const std::string& name) { return test::load(name, 48, 48); }
 
 ChoiceRequest request_of(const Scene& scene, double bits) {
     ChoiceRequest request{.scene = &scene};
-    request.wish.bits = bits;
+    request.requirement.bits = bits;
     request.plan = {.repetitions = 1, .least_seconds = 1e-6};
     return request;
 }
@@ -31,13 +31,13 @@ ChoiceRequest request_of(const Scene& scene, double bits) {
 Candidate candidate(double time, std::uint64_t wrong, double bits) {
     Candidate c{.row = row("sphere.schoolbook", "f32")};
     c.time.median = time;
-    c.worth = {.rays = 100, .wrong = wrong, .kept_bits = bits, .hits = 50};
+    c.quality = {.rays = 100, .wrong = wrong, .kept_bits = bits, .hits = 50};
     return c;
 }
 
 }  // namespace
 
-TEST_CASE("the cheapest that meets a wish is neither the fastest nor the most accurate") {
+TEST_CASE("the cheapest that meets a requirement is neither the fastest nor the most accurate") {
     const double none = std::nan("");
     const std::vector<Candidate> all{candidate(1, 0, 9), candidate(2, 1, 20), candidate(3, 0, 17), candidate(4, 0, 22),
                                      candidate(0.5, 50, none)};
@@ -59,19 +59,19 @@ TEST_CASE("every row is timed, on rays of the scene, and worth what a map says")
     TimedRays timed;
     const auto all = measure_candidates(request, timed);
     REQUIRE(all.size() == 2);
-    CHECK(timed.solids == 1);
+    CHECK(timed.primitives == 1);
     CHECK(timed.rays > 1000);
     for (const Candidate& c : all) CHECK(c.time.median > 0);
     const auto* const lost = measure::metric::find_metric("lost_bits");
     const auto summaries = measure::evaluate::evaluate_rows({.scene = &scene, .rows = request.rows, .metrics = {lost}},
                                                             {nullptr, nullptr});
     for (std::size_t r = 0; r < all.size(); ++r) {
-        CHECK(all[r].worth.wrong == summaries[r].wrong_count());
-        CHECK(all[r].worth.hits == summaries[r].true_hits);
+        CHECK(all[r].quality.wrong == summaries[r].wrong_count());
+        CHECK(all[r].quality.hits == summaries[r].true_hits);
     }
-    CHECK(all[0].worth.wrong > 0);
-    CHECK(all[1].worth.wrong == 0);
-    CHECK(all[1].worth.kept_bits == 53 - summaries[1].metrics[0].quantile(0.99));
+    CHECK(all[0].quality.wrong > 0);
+    CHECK(all[1].quality.wrong == 0);
+    CHECK(all[1].quality.kept_bits == 53 - summaries[1].metrics[0].quantile(0.99));
 }
 
 TEST_CASE("a form is the fastest beyond the noise alone, and a form without registers is said") {
@@ -86,7 +86,7 @@ TEST_CASE("a form is the fastest beyond the noise alone, and a form without regi
             c.time.high_quartile = c.time.median * (1 + spread);
         }
         all[1].isa = isa;
-        return output::choice::in_words({request, all, {2000, 1}, cheapest(all, request.wish)});
+        return output::choice::in_words({request, all, {2000, 1}, cheapest(all, request.requirement)});
     };
     const std::string near = said(1, 1.002, 0.02, "512"), apart = said(1, 1.5, 0.02, "512");
     CHECK(near.find("It is the fastest of all") == std::string::npos);
@@ -138,13 +138,13 @@ TEST_CASE("a stretched scene is the scene at factor 1, and shows the same pictur
     CHECK_FALSE(stretched(scene_named("rtg-fig-7-3-4100-oblique"), Growth::view, 2));  // parallel rays
 }
 
-TEST_CASE("at the edge of a room the wish holds, and just beyond it fails") {
+TEST_CASE("at the edge of a margin the requirement holds, and just beyond it fails") {
     const Scene scene = scene_named("near-benign");
     ChoiceRequest request = request_of(scene, 16);
     const TestedForm asked = row("sphere.schoolbook", "f32");
-    const auto rooms = rooms_of(request, asked, 48 * 48);
-    REQUIRE(rooms.size() == 4);
-    const Room& distance = rooms[0];
+    const auto margins = margins_of(request, asked, 48 * 48);
+    REQUIRE(margins.size() == 4);
+    const GrowthMargin& distance = margins[0];
     REQUIRE(distance.end == End::fails);
     CHECK(distance.holds >= 1);
     CHECK(distance.beyond / distance.holds <= 1.02);
@@ -153,34 +153,34 @@ TEST_CASE("at the edge of a room the wish holds, and just beyond it fails") {
         const auto there = stretched(scene, Growth::distance, factor);
         ChoiceRequest there_asked = request;
         there_asked.scene = &there->scene;
-        return worth_of(there_asked).front();
+        return quality_of(there_asked).front();
     };
-    CHECK(at(distance.holds).meets(request.wish));
-    CHECK_FALSE(at(distance.beyond).meets(request.wish));
+    CHECK(at(distance.holds).meets(request.requirement));
+    CHECK_FALSE(at(distance.beyond).meets(request.requirement));
     CHECK(at(distance.beyond).kept_bits == distance.broken.kept_bits);
     CHECK(at(64 * distance.beyond).kept_bits < 16);
 }
 
-TEST_CASE("two spheres that differ in radius alone have rooms that end at one radius") {
+TEST_CASE("two spheres that differ in radius alone have margins that end at one radius") {
     const TestedForm asked = row("sphere.pythagoras", "f64");
     const auto edge = [&asked](const std::string& variant) {
         const Scene scene = scene_named("rtg-fig-7-4." + variant);
-        const auto rooms = rooms_of(request_of(scene, 16), asked, 4096);
-        const auto radius = std::ranges::find(rooms, Growth::radius, &Room::way);
-        REQUIRE(radius != rooms.end());
+        const auto margins = margins_of(request_of(scene, 16), asked, 4096);
+        const auto radius = std::ranges::find(margins, Growth::radius, &GrowthMargin::way);
+        REQUIRE(radius != margins.end());
         REQUIRE(radius->end == End::fails);
         return radius->value;
     };
     CHECK(edge("r1e6") == Approx(edge("r6371000")).epsilon(0.05));
 }
 
-TEST_CASE("a room ends where binary32 holds another scene, though every ray is decided rightly there") {
+TEST_CASE("a margin ends where binary32 holds another scene, though every ray is decided rightly there") {
     const Scene scene = scene_named("near-benign");
     const ChoiceRequest request = request_of(scene, 16);
     const TestedForm asked = row("sphere.unified", "f64");
-    const auto rooms = rooms_of(request, asked, 48 * 48);
-    const auto offset = std::ranges::find(rooms, Growth::offset, &Room::way);
-    REQUIRE(offset != rooms.end());
+    const auto margins = margins_of(request, asked, 48 * 48);
+    const auto offset = std::ranges::find(margins, Growth::offset, &GrowthMargin::way);
+    REQUIRE(offset != margins.end());
     CHECK(offset->end == End::other_scene);
     CHECK(offset->value > 1e5);
     CHECK(offset->value < 1e8);
@@ -188,18 +188,18 @@ TEST_CASE("a room ends where binary32 holds another scene, though every ray is d
     own.inputs = scene::file::Inputs::own;
     ChoiceRequest of_own = request;
     of_own.scene = &own;
-    const auto own_rooms = rooms_of(of_own, asked, 24 * 24);
-    CHECK(std::ranges::find(own_rooms, Growth::offset, &Room::way)->end != End::other_scene);
+    const auto own_rooms = margins_of(of_own, asked, 24 * 24);
+    CHECK(std::ranges::find(own_rooms, Growth::offset, &GrowthMargin::way)->end != End::other_scene);
 }
 
-TEST_CASE("a wish that fails at once has no room") {
+TEST_CASE("a requirement that fails at once has no margin") {
     const Scene scene = scene_named("rtg-fig-7-3-4100-oblique");
-    const auto rooms = rooms_of(request_of(scene, 20), row("sphere.schoolbook", "f32"), 1024);
-    REQUIRE_FALSE(rooms.empty());
-    for (const Room& room : rooms) {
-        CHECK(room.holds == 0);
-        CHECK(room.end == End::fails);
-        CHECK(room.broken.wrong > 0);
+    const auto margins = margins_of(request_of(scene, 20), row("sphere.schoolbook", "f32"), 1024);
+    REQUIRE_FALSE(margins.empty());
+    for (const GrowthMargin& margin : margins) {
+        CHECK(margin.holds == 0);
+        CHECK(margin.end == End::fails);
+        CHECK(margin.broken.wrong > 0);
     }
 }
 

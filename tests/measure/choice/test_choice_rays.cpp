@@ -1,11 +1,11 @@
 // A choice for rays of files is that for the scene they come from; they are stretched as a scene is; and what stands in
-// the way of a wish is found by storing the inputs otherwise.
+// the obstacle to a requirement is found by storing the inputs otherwise.
 #include <algorithm>
 
 #include "catch.hpp"
 #include "measure/choice/file_rays.hpp"
+#include "measure/choice/margin.hpp"
 #include "measure/choice/obstacle.hpp"
-#include "measure/choice/room.hpp"
 #include "measure/rows.hpp"
 #include "measure/study/study.hpp"
 #include "number/error.hpp"
@@ -37,22 +37,22 @@ std::string written(const lostbits::test::Scratch& folder, const std::string& na
     return folder.write(name + ".csv", scene::test::as_csv(columns, [](double x) { return output::file::decimal(x); }));
 }
 
-std::unique_ptr<scene::dump::Dump> opened(const std::string& path, bool solids) {
+std::unique_ptr<scene::dump::Dump> opened(const std::string& path, bool primitives) {
     scene::dump::DumpOptions options;
     options.format = find_format("f32");
-    if (!solids) options.solid = Shape::sphere;
+    if (!primitives) options.primitive = Shape::sphere;
     return scene::dump::open_dump(path, options);
 }
 
-ChoiceRequest wish_of(double bits, std::vector<TestedForm> rows) {
+ChoiceRequest requirement_of(double bits, std::vector<TestedForm> rows) {
     ChoiceRequest request;
     request.rows = std::move(rows);
-    request.wish.bits = bits;
+    request.requirement.bits = bits;
     request.plan = {.repetitions = 1, .least_seconds = 1e-6};
     return request;
 }
 
-void require_same(const Worth& a, const Worth& b) {
+void require_same(const RowQuality& a, const RowQuality& b) {
     CHECK(a.rays == b.rays);
     CHECK(a.hits == b.hits);
     CHECK(a.wrong == b.wrong);
@@ -82,11 +82,12 @@ TEST_CASE("rays of files are worth what the scene is that they come from, whethe
     const lostbits::test::Scratch folder;
     const Scene scene = scene_of_choice("near-benign");
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);
-    ChoiceRequest request = wish_of(16, {test::row("sphere.schoolbook", "f32"), test::row("sphere.unified", "f64")});
+    ChoiceRequest request =
+        requirement_of(16, {test::row("sphere.schoolbook", "f32"), test::row("sphere.unified", "f64")});
     request.scene = &scene;
-    const auto expected = worth_of(request);
+    const auto expected = quality_of(request);
     request.scene = nullptr;
-    const FileTerms terms{.id = "rays", .solids = scene::rays::shared_solids(scene)};
+    const FileTerms terms{.id = "rays", .primitives = scene::rays::shared_primitives(scene)};
     const auto whole = opened(written(folder, "whole", columns_of(rays, 0, rays.size())), false);
     const FileRays one = judge_rays(*whole, terms, request);
     CHECK(one.rays == rays.size());
@@ -97,18 +98,18 @@ TEST_CASE("rays of files are worth what the scene is that they come from, whethe
     const FileRays two = judge_rays(*scene::dump::join_dumps(std::move(parts)), terms, request);
     CHECK(two.rays == rays.size());
     for (std::size_t r = 0; r < 2; ++r) {
-        require_same(one.worth[r], expected[r]);
-        require_same(two.worth[r], expected[r]);
+        require_same(one.quality[r], expected[r]);
+        require_same(two.quality[r], expected[r]);
     }
     CHECK(two.sample.rays.ox == one.sample.rays.ox);
     CHECK(two.sample.rays.dz == one.sample.rays.dz);
-    // Timed as candidates, against the scene's solids.
+    // Timed as candidates, against the scene's primitives.
     request.rays = &one;
     TimedRays timed;
     const auto all = measure_candidates(request, timed);
     REQUIRE(all.size() == 2);
     CHECK(timed.rays == rays.size());
-    CHECK(timed.solids == 3);  // one of the four is seen by no ray
+    CHECK(timed.primitives == 3);  // one of the four is seen by no ray
     for (const Candidate& c : all) CHECK(c.time.median > 0);
 }
 
@@ -122,17 +123,17 @@ TEST_CASE("the sample of a long file is every n-th ray") {
         for (std::size_t k = 0; k < 10; ++k) columns.numbers[k].push_back(numbers[k]);
     }
     const auto dump = opened(written(folder, "long", columns), true);
-    ChoiceRequest request = wish_of(8, {test::row("sphere.schoolbook", "f32")});
+    ChoiceRequest request = requirement_of(8, {test::row("sphere.schoolbook", "f32")});
     const FileRays judged = judge_rays(*dump, {.id = "long"}, request);
     CHECK(judged.rays == rays);
-    CHECK(judged.worth.front().hits == rays);
+    CHECK(judged.quality.front().hits == rays);
     const auto& sample = judged.sample;
     REQUIRE(sample.rays.size() == 2500);  // of 40000 every 16th: of 8 there were 5000
     CHECK(sample.paired);
-    REQUIRE(sample.solids.size() == 2500);
+    REQUIRE(sample.primitives.size() == 2500);
     for (std::size_t i = 0; i < 2500; ++i) {
         CHECK(sample.rays.ox[i] == 16 * static_cast<double>(i));
-        CHECK(sample.solids[i].numbers[0] == sample.rays.ox[i]);
+        CHECK(sample.primitives[i].numbers[0] == sample.rays.ox[i]);
     }
 }
 
@@ -140,17 +141,18 @@ TEST_CASE("files that are not alike are not taken together") {
     const lostbits::test::Scratch folder;
     const Scene scene = scene_of_choice("near-benign", {8, 6});
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);
-    Columns with_solids = columns_of(rays, 0, 10);
-    for (const char* name : {"cx", "cy", "cz", "radius"}) with_solids.add(name, std::vector<double>(10, 1));
+    Columns with_primitives = columns_of(rays, 0, 10);
+    for (const char* name : {"cx", "cy", "cz", "radius"}) with_primitives.add(name, std::vector<double>(10, 1));
     std::vector<std::unique_ptr<scene::dump::Dump>> files;
     files.push_back(opened(written(folder, "plain", columns_of(rays, 0, 10)), false));
-    files.push_back(opened(written(folder, "paired", with_solids), true));
+    files.push_back(opened(written(folder, "paired", with_primitives), true));
     CHECK_THROWS_AS(scene::dump::join_dumps(std::move(files)), InputError);
 }
 
 TEST_CASE("rays stretched start as they are, and meet the same points from farther away") {
     const Scene scene = scene_of_choice("near-benign", {16, 12});
-    const scene::rays::RayGroup group{scene::rays::make_shared_rays(scene, 0, 12), scene::rays::shared_solids(scene)};
+    const scene::rays::RayGroup group{scene::rays::make_shared_rays(scene, 0, 12),
+                                      scene::rays::shared_primitives(scene)};
     const IdealRays ideal = ideal_of(group);
     const measure::truth::Band here = ideal.band({});
     for (const Growth way : {Growth::distance, Growth::radius, Growth::offset}) {
@@ -160,7 +162,7 @@ TEST_CASE("rays stretched start as they are, and meet the same points from farth
         const auto back = stored(same->rays, binary32);
         CHECK(back.rays.ox == group.rays.ox);
         CHECK(back.rays.oz == group.rays.oz);
-        for (std::size_t s = 0; s < 4; ++s) CHECK(back.solids[s].numbers == group.solids[s].numbers);
+        for (std::size_t s = 0; s < 4; ++s) CHECK(back.primitives[s].numbers == group.primitives[s].numbers);
         // What is hit, and from farther away also the point: the origin moved along the ray alone.
         const auto there = stretched(ideal, way, 4);
         REQUIRE(there);
@@ -182,44 +184,44 @@ TEST_CASE("rays stretched start as they are, and meet the same points from farth
     CHECK(stretched(ideal, Growth::distance, 8)->value ==
           Approx(8 * stretched(ideal, Growth::distance, 1)->value).epsilon(1e-14));
     CHECK_FALSE(stretched(ideal, Growth::view, 2));
-    // One solid of all becomes one of each, and its point nearest to the origin stays.
+    // One primitive of all becomes one of each, and its point nearest to the origin stays.
     IdealRays one = ideal;
-    one.solids.resize(1);
+    one.primitives.resize(1);
     const auto large = stretched(one, Growth::radius, 100);
     REQUIRE(large);
     CHECK(large->rays.paired);
-    REQUIRE(large->rays.solids.size() == one.rays.size());
-    const auto gap = [](const IdealRays& rays, std::size_t i, std::size_t solid) {
-        const auto sphere = rays.solids[solid].sphere();
+    REQUIRE(large->rays.primitives.size() == one.rays.size());
+    const auto gap = [](const IdealRays& rays, std::size_t i, std::size_t primitive) {
+        const auto sphere = rays.primitives[primitive].sphere();
         return length(sphere.centre - rays.rays[i].origin) - sphere.radius;
     };
     CHECK(abs(gap(large->rays, 5, 5) - gap(one, 5, 0)) < 1e-40);
     CHECK(large->value == Approx(100).epsilon(1e-14));
 }
 
-TEST_CASE("at the edge of the room of rays the wish holds, and just beyond it fails") {
+TEST_CASE("at the edge of the margin of rays the requirement holds, and just beyond it fails") {
     const Scene scene = scene_of_choice("near-benign", {32, 24});
     FileRays rays;
     rays.format = *find_format("f32");
-    rays.sample = {scene::rays::make_shared_rays(scene, 0, 24), scene::rays::shared_solids(scene)};
+    rays.sample = {scene::rays::make_shared_rays(scene, 0, 24), scene::rays::shared_primitives(scene)};
     const TestedForm row = test::row("sphere.schoolbook", "f32");
-    ChoiceRequest request = wish_of(14, {row});
+    ChoiceRequest request = requirement_of(14, {row});
     request.rays = &rays;
-    const auto rooms = rooms_of(request, row);
-    REQUIRE(rooms.size() == 3);
-    for (const Room& room : rooms) {
-        INFO(growth_names[static_cast<std::size_t>(room.way)]);
-        CHECK(room.holds >= 1);
-        if (room.end != End::fails) continue;
-        CHECK(room.beyond / room.holds <= 1.02);
+    const auto margins = margins_of(request, row);
+    REQUIRE(margins.size() == 3);
+    for (const GrowthMargin& margin : margins) {
+        INFO(growth_names[static_cast<std::size_t>(margin.way)]);
+        CHECK(margin.holds >= 1);
+        if (margin.end != End::fails) continue;
+        CHECK(margin.beyond / margin.holds <= 1.02);
         const auto at = [&](double factor) {
-            const auto there = stretched(ideal_of(rays.sample), room.way, factor);
-            return worth_on(measure::truth::Band(stored(there->rays, binary32)), row, request.wish);
+            const auto there = stretched(ideal_of(rays.sample), margin.way, factor);
+            return quality_on(measure::truth::Band(stored(there->rays, binary32)), row, request.requirement);
         };
-        CHECK(at(room.holds).meets(request.wish));
-        CHECK_FALSE(at(room.beyond).meets(request.wish));
+        CHECK(at(margin.holds).meets(request.requirement));
+        CHECK_FALSE(at(margin.beyond).meets(request.requirement));
     }
-    CHECK(rooms.front().end == End::fails);
+    CHECK(margins.front().end == End::fails);
 }
 
 TEST_CASE("what stands in the way: the one input that is rounded far off") {
@@ -228,7 +230,7 @@ TEST_CASE("what stands in the way: the one input that is rounded far off") {
     // is known to 2^-11 of itself.
     const Scene scene = one_ray("999990.5", "1000000.03", "1");
     const TestedForm row = test::row("sphere.unified", "f32");
-    ChoiceRequest request = wish_of(16, {row});
+    ChoiceRequest request = requirement_of(16, {row});
     request.scene = &scene;
     const Obstacle found = find_obstacle(request, row);
     CHECK(found.cause == Obstacle::Cause::inputs);
@@ -240,7 +242,7 @@ TEST_CASE("what stands in the way: the one input that is rounded far off") {
     CHECK(enough.wide == 4);  // the centre alone
     CHECK(enough.exact.kept_bits > 30);
     REQUIRE(enough.form);
-    CHECK(enough.form->meets(request.wish));
+    CHECK(enough.form->meets(request.requirement));
     CHECK(found.trials[1].exact.kept_bits == found.exact.kept_bits);  // the origin is exact
     CHECK(found.least_precision == 32);  // with 31 bits of the centre 15.18 are left, with 32 18.06
 }
@@ -249,7 +251,7 @@ TEST_CASE("what stands in the way: format, problem and formula are told apart") 
     const TestedForm row = test::row("sphere.unified", "f32");
     // Every number is one of binary32, and the ray starts far away: half an ulp in the centre costs bits all the same.
     const Scene far = one_ray("0", "1048576", "1048575");
-    ChoiceRequest request = wish_of(16, {row});
+    ChoiceRequest request = requirement_of(16, {row});
     request.scene = &far;
     const Obstacle problem = find_obstacle(request, row);
     CHECK(problem.cause == Obstacle::Cause::inherent);
@@ -257,12 +259,12 @@ TEST_CASE("what stands in the way: format, problem and formula are told apart") 
     // t = 1 moves by half an ulp of 2^20, 2^-4, and of 2^20 - 1, 2^-5: 0.75·2^20 ulp, of which 20.585 bits are lost.
     CHECK(problem.inherent_kept == Approx(24 - 20.585).margin(0.001));
     CHECK(problem.inherent_kept_f64 == Approx(53 - 20.585).margin(0.001));
-    request.wish.bits = 30;
+    request.requirement.bits = 30;
     CHECK(find_obstacle(request, row).cause == Obstacle::Cause::width);
     // Some 18 bits are kept where half an ulp in each input would leave 20: neither is 23, but the formula loses more.
     const Scene benign = scene_of_choice("near-benign");
     const TestedForm lossy = test::row("sphere.schoolbook", "f32");
-    request = wish_of(23, {lossy});
+    request = requirement_of(23, {lossy});
     request.scene = &benign;
     const Obstacle loses = find_obstacle(request, lossy);
     CHECK(loses.cause == Obstacle::Cause::formula);
@@ -274,7 +276,7 @@ TEST_CASE("what stands in the way: format, problem and formula are told apart") 
     // Seen from 4100 radii, the quadratic formula decides wrongly what exact arithmetic decides rightly.
     const Scene oblique = scene_of_choice("rtg-fig-7-3-4100-oblique", {32, 32});
     const TestedForm schoolbook = test::row("sphere.schoolbook", "f32");
-    request = wish_of(4, {schoolbook});
+    request = requirement_of(4, {schoolbook});
     request.scene = &oblique;
     const Obstacle formula = find_obstacle(request, schoolbook);
     CHECK(formula.cause == Obstacle::Cause::formula);
@@ -285,7 +287,7 @@ TEST_CASE("what stands in the way: format, problem and formula are told apart") 
 TEST_CASE("inputs that binary64 cannot hold would have to come wider") {
     const Scene scene = one_ray("999990.5", "1000000.03", "1");
     const TestedForm row = test::row("sphere.unified", "f64");
-    ChoiceRequest request = wish_of(48, {row});
+    ChoiceRequest request = requirement_of(48, {row});
     request.scene = &scene;
     const Obstacle found = find_obstacle(request, row);
     CHECK(found.cause == Obstacle::Cause::inputs);
@@ -302,7 +304,7 @@ TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels")
     REQUIRE(safe);
     CHECK(safe->points > 100);
     REQUIRE_FALSE(safe->outside.empty());
-    CHECK(safe->outside.front().operations == 0);  // the solid is not asked, at the least
+    CHECK(safe->outside.front().operations == 0);  // the primitive is not asked, at the least
     CHECK(std::ranges::count(safe->outside, "offset.exclude", [](const auto& s) { return s.strategy->name; }) == 1);
     const measure::offset::OffsetStudy request{
         .scene = scene, .rows = {{row}}, .strategies = measure::offset::all_strategies(), .quiet = false};

@@ -3,7 +3,7 @@
 #include <numeric>
 
 #include "catch.hpp"
-#include "measure/choice/requirement.hpp"
+#include "measure/choice/requirement_map.hpp"
 #include "measure/rows.hpp"
 #include "scene/file/scene.hpp"
 
@@ -52,22 +52,22 @@ std::vector<Kept> maps_of(const scene::file::Scene& scene, const std::vector<Tes
 struct Asked {
     ChoiceRequest request;
     std::vector<Candidate> all;
-    Requirement requirement;
+    RequirementMap requirement_map;
 };
 
 /// With prices of its own for the rows, so that a test does not depend on the clock.
 Asked require(const scene::file::Scene& scene, const std::vector<TestedForm>& rows, const std::vector<double>& prices,
               double bits, const std::vector<TestedForm>& untimed = {}) {
-    Asked asked{.request = {.scene = &scene, .rows = rows, .untimed = untimed}, .all = {}, .requirement = {}};
-    asked.request.wish.bits = bits;
+    Asked asked{.request = {.scene = &scene, .rows = rows, .untimed = untimed}, .all = {}, .requirement_map = {}};
+    asked.request.requirement.bits = bits;
     Meetings meetings(asked.request, rows);
     asked.request.shows = meetings.shows();
-    const auto worth = worth_of(asked.request);
+    const auto quality = quality_of(asked.request);
     for (std::size_t r = 0; r < rows.size(); ++r) {
-        asked.all.push_back({.row = rows[r], .worth = worth[r]});
+        asked.all.push_back({.row = rows[r], .quality = quality[r]});
         asked.all.back().time.median = prices[r];
     }
-    asked.requirement = requirement_of(asked.request, asked.all, meetings);
+    asked.requirement_map = requirement_map_of(asked.request, asked.all, meetings);
     return asked;
 }
 
@@ -89,7 +89,7 @@ TEST_CASE("each pixel takes the cheapest row that is right there, and the narrow
         CHECK(r.formats[0].name == "fp16");
         CHECK(r.formats[3].name == "f64");
         for (std::size_t i = 0; i < r.pixels(); ++i) {
-            int cheapest = Requirement::none, narrowest = 1000;
+            int cheapest = RequirementMap::none, narrowest = 1000;
             for (std::size_t k = 0; k < every.size(); ++k) {
                 if (!maps[k].right(i, bits, every[k].format.parameters.precision)) continue;
                 narrowest = std::min(narrowest, every[k].format.parameters.precision);
@@ -105,7 +105,7 @@ TEST_CASE("each pixel takes the cheapest row that is right there, and the narrow
     }
 }
 
-TEST_CASE("pixels of a requirement add up, and a harder wish is met on fewer of them") {
+TEST_CASE("pixels of a requirement add up, and a harder requirement is met on fewer of them") {
     const auto scene = small_scene("rtg-fig-7-3-4100-oblique");
     const auto rows = rows_of({"sphere.schoolbook", "sphere.embree_point"}, {"f32", "f64"});
     std::vector<std::uint64_t> before(rows.size(), scene.pixels() + 1);

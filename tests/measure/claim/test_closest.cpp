@@ -21,7 +21,7 @@ TEST_CASE("passing on the closest t changes no answer of a closed form, and the 
                        const intersect::table::HitBatch<float>& hits) {
         for (std::size_t i = 0; i < rays.size(); ++i) {
             hits.hit[i] = rays.tmax.empty() || !(rays.tmax[i] < 1e30F);
-            hits.t[i] = hits.near[i] = hits.far[i] = -target.solids.front().numbers[0];
+            hits.t[i] = hits.near[i] = hits.far[i] = -target.primitives.front().numbers[0];
         }
     };
     CHECK(measure::claim::differs_with_closest({&shy, *find_format("f32")}, 8, 1, {}) > 0.5);

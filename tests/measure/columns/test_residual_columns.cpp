@@ -19,11 +19,11 @@ namespace {
 /// Where the numbers of a scene come from.
 enum class Range { near, far, extreme };
 
-/// Rays that point at solids from all sides, answers close to a surface or anywhere.
+/// Rays that point at primitives from all sides, answers close to a surface or anywhere.
 struct Scene {
     Format format;
     scene::rays::RayBlock rays;
-    std::vector<Solid<double>> solids;
+    std::vector<Primitive<double>> primitives;
     std::vector<std::int32_t> objects;
     std::vector<double> answers;
 
@@ -36,22 +36,22 @@ struct Scene {
         };
         for (int s = 0; s < (n % 2 == 0 ? 1 : 5); ++s) {
             if (shape == Shape::sphere) {
-                solids.emplace_back(Sphere<double>{{number(), number(), number()}, std::fabs(number())});
+                primitives.emplace_back(Sphere<double>{{number(), number(), number()}, std::fabs(number())});
             } else {
                 const auto pair = [&] { return std::minmax({number(), random.one_in(9) ? 0.0 : number()}); };
                 const auto x = pair(), y = pair(), z = pair();
-                solids.emplace_back(Box<double>{{x.first, y.first, z.first}, {x.second, y.second, z.second}});
+                primitives.emplace_back(Box<double>{{x.first, y.first, z.first}, {x.second, y.second, z.second}});
             }
         }
         for (std::size_t i = 0; i < n; ++i) {
-            const auto object = static_cast<std::size_t>(random.between(0, static_cast<long>(solids.size()) - 1));
-            const Solid<double>& solid = solids[object];
+            const auto object = static_cast<std::size_t>(random.between(0, static_cast<long>(primitives.size()) - 1));
+            const Primitive<double>& primitive = primitives[object];
             const auto corner = [&](std::size_t k) {
-                return solid.numbers[shape == Shape::box && random.one_in(2) ? k + 3 : k];
+                return primitive.numbers[shape == Shape::box && random.one_in(2) ? k + 3 : k];
             };
             Vec<double> o(number(), number(), number()), p(corner(0), corner(1), corner(2));
             if (shape == Shape::sphere)
-                p.x += random.sign() * solid.numbers[3] * (random.one_in(4) ? 1 : random.unit());
+                p.x += random.sign() * primitive.numbers[3] * (random.one_in(4) ? 1 : random.unit());
             if (random.one_in(6)) o.y = p.y;
             rays.push({o, {stored(p.x - o.x), stored(p.y - o.y), stored(p.z - o.z)}});
             double t = random.one_in(3)
@@ -71,8 +71,8 @@ struct Scene {
 double compare(const Scene& s) {
     std::vector<double> values(s.answers.size(), -77.0);
     std::vector<std::uint32_t> left;
-    const scene::rays::SolidList<double> solids(s.solids);
-    measure::columns::find_residuals(s.answers, {s.rays, solids, s.objects, s.format.engine}, values.data(), left);
+    const scene::rays::PrimitiveList<double> primitives(s.primitives);
+    measure::columns::find_residuals(s.answers, {s.rays, primitives, s.objects, s.format.engine}, values.data(), left);
     const measure::metric::Metric& metric = *measure::metric::find_metric("residual");
     std::size_t measured = 0, wrong = 0;
     auto next = left.begin();
@@ -90,7 +90,7 @@ double compare(const Scene& s) {
             want = metric.value({.t = s.answers[i],
                                  .format = &s.format,
                                  .ray = &ray,
-                                 .solid = &s.solids[static_cast<std::size_t>(s.objects[i])]});
+                                 .primitive = &s.primitives[static_cast<std::size_t>(s.objects[i])]});
         if (std::bit_cast<std::uint64_t>(values[i]) == std::bit_cast<std::uint64_t>(want)) continue;
         if (++wrong < 5) UNSCOPED_INFO("ray " << i << ": " << std::hexfloat << values[i] << ", not " << want);
     }
@@ -118,11 +118,12 @@ TEST_CASE("columns of residuals have the bits of the metric", "[measure][columns
     });
 }
 
-TEST_CASE("residuals in a format without registers, or of mixed solids, are left to the metric", "[measure][columns]") {
+TEST_CASE("residuals in a format without registers, or of mixed primitives, are left to the metric",
+          "[measure][columns]") {
     Random random(4);
     CHECK(compare(Scene("bf16", Shape::sphere, Range::near, 100, random)) == 1);
     Scene mixed("f32", Shape::sphere, Range::near, 101, random);
-    mixed.solids.back() = Solid<double>(Box<double>{{0, 0, 0}, {1, 1, 1}});
+    mixed.primitives.back() = Primitive<double>(Box<double>{{0, 0, 0}, {1, 1, 1}});
     CHECK(compare(mixed) == 1);
 }
 

@@ -17,15 +17,15 @@ using test::form_named;
 
 namespace {
 
-const Solid<double> unit_sphere(Sphere<double>{{0, 0, 0}, 1});
-const Solid<double> unit_box(Box<double>{{-1, -1, -1}, {1, 1, 1}});
+const Primitive<double> unit_sphere(Sphere<double>{{0, 0, 0}, 1});
+const Primitive<double> unit_box(Box<double>{{-1, -1, -1}, {1, 1, 1}});
 
 bool meets(std::string_view form, std::string_view format, const Ray<double>& ray, double end,
-           const std::vector<Solid<double>>& solids) {
-    const AskedForm asked(form_named(form), *find_format(format));
+           const std::vector<Primitive<double>>& primitives) {
+    const FormKernels asked(form_named(form), *find_format(format));
     auto rays = scene::rays::group_of(ray).rays;
     rays.tmax = {end};
-    return meets_before_end(asked, rays, solids).front() != 0;
+    return meets_before_end(asked, rays, primitives).front() != 0;
 }
 
 /// −h ∓ √(h² − a c), all over a, in 256 bits: another way than that of the library, which takes |f × d|².
@@ -53,8 +53,8 @@ TEST_CASE("any hit before an end: forms of spheres compare, forms of boxes decid
             CHECK(meets(form, format, ray, after, {unit_sphere}));
             CHECK_FALSE(meets(form, format, ray, 2, {unit_sphere}));
             CHECK_FALSE(meets(form, format, ray, before, {unit_sphere}));
-            // Any of several solids will do.
-            const Solid<double> far_away(Sphere<double>{{0, 50, 0}, 1});
+            // Any of several primitives will do.
+            const Primitive<double> far_away(Sphere<double>{{0, 50, 0}, 1});
             CHECK(meets(form, format, ray, after, {far_away, unit_sphere}));
             CHECK_FALSE(meets(form, format, ray, HUGE_VAL, {far_away}));
         }
@@ -74,9 +74,9 @@ TEST_CASE("any hit before an end: forms of spheres compare, forms of boxes decid
 
 TEST_CASE("what truly lies before an end is proved, also at the end itself", "[measure][consistency]") {
     using D = Truth::Decision;
-    const auto truly = [](const Ray<double>& ray, double end, const Solid<double>& solid,
+    const auto truly = [](const Ray<double>& ray, double end, const Primitive<double>& primitive,
                           intersect::Touching touching = intersect::Touching::hit) {
-        return truly_meets_before(ray, end, std::span(&solid, 1), touching);
+        return truly_meets_before(ray, end, std::span(&primitive, 1), touching);
     };
     const Ray<double> ray{{-3, 0, 0}, {1, 0, 0}};
     CHECK(truly(ray, 2, unit_sphere) == D::miss);
@@ -152,14 +152,14 @@ TEST_CASE("a chord from either end: against 256 bits, where the ends are not qui
             way[i] = in_float(q[i] - p[i]);
             back[i] = -way[i];
         }
-        const EitherEnd ends{{p, way}, {q, back}, Solid<double>(sphere)};
+        const EitherEnd ends{{p, way}, {q, back}, Primitive<double>(sphere)};
         const auto [near, far] = chord_in_real(ends.forth, sphere);
         const auto [near_back, far_back] = chord_in_real(ends.back, sphere);
         // The ends must lie outside, or a side is left out.
         if (!(near > 0 && near < 1 && near_back > 0 && near_back < 1)) continue;
         ++seen;
         const auto told = [](const Real& x) { return static_cast<double>(static_cast<float>(x)); };
-        const ToldChord chord{told(near), told(far), told(near_back), told(far_back)};
+        const ChordAnswer chord{told(near), told(far), told(near_back), told(far_back)};
         const double ulp = 0x1p-23;
         const auto error = chord_error(ends, chord, false, ulp);
         REQUIRE(error);

@@ -1,5 +1,5 @@
-// A tree of boxes never leaves out a solid that the ray meets: over all exponents, for every shape. And no form answers
-// otherwise.
+// A tree of boxes never leaves out a primitive that the ray meets: over all exponents, for every shape. And no form
+// answers otherwise.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,14 +16,14 @@
 #include "number/random.hpp"
 #include "number/rounded.hpp"
 #include "scene/rays/rays.hpp"
-#include "shapes/hull.hpp"
+#include "shapes/bounding_box.hpp"
 
 namespace lostbits::test::test_box_tree {
 
 using measure::culling::BoxTree;
 using measure::truth::find_truth;
 using measure::truth::Truth;
-using scene::rays::SolidList;
+using scene::rays::PrimitiveList;
 
 namespace {
 
@@ -43,59 +43,59 @@ private:
 };
 
 /// A third triangles, a third boxes, and of the last third each shape in turn.
-std::vector<Solid<double>> solids_of(Draw& draw, double size) {
-    std::vector<Solid<double>> all;
+std::vector<Primitive<double>> primitives_of(Draw& draw, double size) {
+    std::vector<Primitive<double>> all;
     while (all.size() < 96) {
         const Vec<double> at = draw.point(size);
         const double part = size * std::exp2(-draw.in(0, 6));
-        Solid<double> solid = solid_around(shape_rows[all.size() / 3 % shape_rows.size()].shape, at, part);
+        Primitive<double> primitive = primitive_around(shape_rows[all.size() / 3 % shape_rows.size()].shape, at, part);
         if (all.size() % 3 == 0) {
-            solid = Triangle<double>{at + draw.point(part), at + draw.point(part), at + draw.point(part)};
+            primitive = Triangle<double>{at + draw.point(part), at + draw.point(part), at + draw.point(part)};
         } else if (all.size() % 3 == 1) {
             const Vec<double> lo = at + draw.point(part), more = draw.point(part);
-            solid = Box<double>{lo, lo + Vec<double>(std::fabs(more.x), std::fabs(more.y), std::fabs(more.z))};
+            primitive = Box<double>{lo, lo + Vec<double>(std::fabs(more.x), std::fabs(more.y), std::fabs(more.z))};
         }
-        if (!broken_limit(solid)) all.push_back(solid);
+        if (!broken_limit(primitive)) all.push_back(primitive);
     }
     return all;
 }
 
 /// A corner of a triangle or a box, else a point on the way from the middle out.
-Vec<double> target(const Solid<double>& solid, bool first) {
-    if (has_hull(solid.shape) && !length_key(solid.shape)) return solid.point(first ? 0 : 3);
-    const auto ball = ball_around(solid);
+Vec<double> target(const Primitive<double>& primitive, bool first) {
+    if (has_bounding_box(primitive.shape) && !length_key(primitive.shape)) return primitive.point(first ? 0 : 3);
+    const auto ball = ball_around(primitive);
     return ball.centre + Vec<double>(0, first ? 0 : std::min(ball.radius, length(ball.centre)), 0);
 }
 
 }  // namespace
 
-TEST_CASE("a tree of boxes names every solid that a ray meets", "[culling]") {
+TEST_CASE("a tree of boxes names every primitive that a ray meets", "[culling]") {
     std::size_t met = 0, asked = 0, pairs = 0;
     for (int round = 0; round < 60; ++round) {
         Draw draw(static_cast<std::uint64_t>(round) + 1);
         // Squares of the truth's polynomials must not leave the doubles' range only in the tree: sizes 2^-90 to 2^90.
         const double size = std::exp2(std::floor(draw.in(-90, 90))), away = size * std::exp2(draw.in(-2, 20));
-        const std::vector<Solid<double>> solids = solids_of(draw, size);
+        const std::vector<Primitive<double>> primitives = primitives_of(draw, size);
         scene::rays::RayBlock rays;
         for (int i = 0; i < 40; ++i) {
             const Vec<double> origin =
-                i % 4 == 0 ? target(solids[static_cast<std::size_t>(i)], true) : draw.point(away);
+                i % 4 == 0 ? target(primitives[static_cast<std::size_t>(i)], true) : draw.point(away);
             const std::size_t at = static_cast<std::size_t>(draw.in(0, 95.9));
-            Vec<double> direction = i % 5 == 0 ? draw.point(1) : target(solids[at], i % 2 == 0) - origin;
+            Vec<double> direction = i % 5 == 0 ? draw.point(1) : target(primitives[at], i % 2 == 0) - origin;
             if (direction == Vec<double>(0, 0, 0)) direction = {0, 0, 1};
             rays.push({origin, direction * std::exp2(std::floor(draw.in(-60, 60)))});
         }
         rays.width = 40, rays.y1 = 1;
-        const auto tree = BoxTree::make(SolidList<double>(solids), measure::culling::bounds_of(rays), nullptr);
+        const auto tree = BoxTree::make(PrimitiveList<double>(primitives), measure::culling::bounds_of(rays), nullptr);
         REQUIRE(tree);
         std::vector<std::uint32_t> found;
         for (std::size_t i = 0; i < rays.size(); ++i) {
             tree->candidates(rays[i], found);
             CHECK(std::ranges::is_sorted(found));
             CHECK(std::ranges::adjacent_find(found) == found.end());
-            asked += found.size(), pairs += solids.size();
-            for (std::uint32_t s = 0; s < solids.size(); ++s) {
-                if (!find_truth(rays[i], solids[s]).is_hit()) continue;
+            asked += found.size(), pairs += primitives.size();
+            for (std::uint32_t s = 0; s < primitives.size(); ++s) {
+                if (!find_truth(rays[i], primitives[s]).is_hit()) continue;
                 ++met;
                 INFO("round " << round << ", ray " << i << ", solid " << s);
                 CHECK(std::ranges::binary_search(found, s));
@@ -106,16 +106,16 @@ TEST_CASE("a tree of boxes names every solid that a ray meets", "[culling]") {
     CHECK(asked < pairs / 2);  // and it spares most of the others
 }
 
-TEST_CASE("the truth through a tree is the truth among all solids", "[culling]") {
+TEST_CASE("the truth through a tree is the truth among all primitives", "[culling]") {
     Draw draw(7);
-    const std::vector<Solid<double>> solids = solids_of(draw, 1);
+    const std::vector<Primitive<double>> primitives = primitives_of(draw, 1);
     scene::rays::RayBlock rays;
     for (int i = 0; i < 500; ++i) {
-        const Vec<double> origin = draw.point(4), to = target(solids[static_cast<std::size_t>(i) % 96], i % 2 == 0);
+        const Vec<double> origin = draw.point(4), to = target(primitives[static_cast<std::size_t>(i) % 96], i % 2 == 0);
         if (to != origin) rays.push({origin, to - origin});
     }
     rays.width = static_cast<int>(rays.size()), rays.y1 = 1;
-    const SolidList<double> list(solids);
+    const PrimitiveList<double> list(primitives);
     const auto tree = BoxTree::make(list, measure::culling::bounds_of(rays), nullptr);
     measure::truth::RayTruths quick, slow;
     find_truths({rays, list, tree.get()}, {}, quick);
@@ -130,14 +130,14 @@ TEST_CASE("the truth through a tree is the truth among all solids", "[culling]")
 namespace {
 
 /// Many spheres, and of every other shape some.
-std::vector<Solid<double>> mixed_solids(Draw& draw) {
-    std::vector<Solid<double>> all;
-    for (int i = 0; i < 60; ++i) all.push_back(solid_around(Shape::sphere, draw.point(8), draw.in(0.1, 1)));
+std::vector<Primitive<double>> mixed_primitives(Draw& draw) {
+    std::vector<Primitive<double>> all;
+    for (int i = 0; i < 60; ++i) all.push_back(primitive_around(Shape::sphere, draw.point(8), draw.in(0.1, 1)));
     for (const ShapeRow& row : shape_rows)
         for (int i = 0; i < (row.round ? 0 : 4); ++i)
-            all.push_back(solid_around(row.shape, draw.point(8), draw.in(0.1, 1)));
+            all.push_back(primitive_around(row.shape, draw.point(8), draw.in(0.1, 1)));
     const auto as_float = [](double x) { return static_cast<double>(static_cast<float>(x)); };
-    for (Solid<double>& solid : all) solid = transformed(solid, as_float);
+    for (Primitive<double>& primitive : all) primitive = transformed(primitive, as_float);
     return all;
 }
 
@@ -162,7 +162,7 @@ std::size_t compare_sets(const measure::truth::Band& quick, const measure::truth
         const Format format = *find_format(name);
         const auto in = quick.inputs(format, {.unit_rays = true}), all = slow.inputs(format, {.unit_rays = true});
         REQUIRE(in.candidates);
-        CHECK(in.candidates->pairs() < in.rays.size() * in.solids.size() / 4);
+        CHECK(in.candidates->pairs() < in.rays.size() * in.primitives.size() / 4);
         for (std::size_t k = 0; k < 24; ++k) {
             const intersect::table::Intersector* const set = set_number(k);
             if (set == nullptr || !set->exists_in(format)) continue;
@@ -183,15 +183,16 @@ TEST_CASE("a tree over spheres, planes and all other shapes changes no answer", 
     for (const double away : {10.0, 200.0}) {
         Draw draw(11);
         scene::rays::RayGroup group;
-        group.solids = mixed_solids(draw);
+        group.primitives = mixed_primitives(draw);
         for (int i = 0; i < 600; ++i) {
-            const Vec<double> to = ball_around(group.solids[static_cast<std::size_t>(i) % 60]).centre + draw.point(1);
+            const Vec<double> to =
+                ball_around(group.primitives[static_cast<std::size_t>(i) % 60]).centre + draw.point(1);
             const Vec<double> origin = draw.point(away);
             group.rays.push({origin, to - origin});
         }
         group.rays = scene::rays::round_block(group.rays, binary32);
         group.rays.width = 600, group.rays.y1 = 1;
-        measure::culling::Culler culler(SolidList<double>(group.solids), group.rays);
+        measure::culling::Culler culler(PrimitiveList<double>(group.primitives), group.rays);
         REQUIRE(dynamic_cast<const BoxTree*>(culler.for_truth()));
         const measure::truth::Band quick(group, {}, &culler), slow(group);
         for (std::size_t i = 0; i < quick.pixels(); ++i) {
@@ -273,9 +274,9 @@ TEST_CASE("one tree over a mesh for all rays changes no truth, at any scale, nor
                 const auto face = static_cast<std::size_t>(draw.in(0, static_cast<double>(group.mesh->size()) - 0.5));
                 group.rays.push(ray_at(draw, group.mesh->mesh().triangle(face), std::ldexp(1.0, power), format));
             }
-            group.rays.be_list();
-            const SolidList<double> solids = scene::rays::solid_list_of(group);
-            const measure::culling::Culler of_all(solids);
+            group.rays.set_as_list();
+            const PrimitiveList<double> primitives = scene::rays::primitive_list_of(group);
+            const measure::culling::Culler of_all(primitives);
             measure::culling::Culler culler(of_all, group.rays);
             REQUIRE(culler.for_truth());
             const measure::truth::Band quick(group, {}, &culler), slow(group);
@@ -286,12 +287,12 @@ TEST_CASE("one tree over a mesh for all rays changes no truth, at any scale, nor
                 CHECK(a.decision == b.decision);
                 CHECK(a.object == b.object);
                 culler.for_truth()->candidates(group.rays[i], found);
-                asked += found.size(), pairs += solids.size();
+                asked += found.size(), pairs += primitives.size();
                 if (!a.is_hit() || !b.is_hit()) continue;
                 CHECK(compare(a.t, b.t) == 0);
                 ++hits;
-                for (std::uint32_t s = 0; s < solids.size(); ++s) {
-                    const Truth one = find_truth(group.rays[i], solids[s]);
+                for (std::uint32_t s = 0; s < primitives.size(); ++s) {
+                    const Truth one = find_truth(group.rays[i], primitives[s]);
                     if (!one.is_hit()) continue;
                     CHECK(std::ranges::binary_search(found, s));
                     ties += static_cast<int>(s) != a.object && compare(one.t, a.t) == 0;
@@ -304,19 +305,21 @@ TEST_CASE("one tree over a mesh for all rays changes no truth, at any scale, nor
     CHECK(asked < pairs / 4);
 }
 
-TEST_CASE("the nearest solid of a tree is the nearest of all", "[culling]") {
+TEST_CASE("the nearest primitive of a tree is the nearest of all", "[culling]") {
     Draw draw(21);
     for (const int power : {0, -60, 60}) {  // at 2^300 the squares of a distance overflow
         scene::rays::RayGroup group;
         group.mesh = mesh_of(draw, power, binary64);
-        const SolidList<double> solids = scene::rays::solid_list_of(group);
-        const auto tree = BoxTree::make(solids, {HUGE_VAL, 0, HUGE_VAL}, nullptr);
+        const PrimitiveList<double> primitives = scene::rays::primitive_list_of(group);
+        const auto tree = BoxTree::make(primitives, {HUGE_VAL, 0, HUGE_VAL}, nullptr);
         REQUIRE(tree);
         for (int i = 0; i < 200; ++i) {
             const Vec<double> p = draw.point(std::ldexp(draw.in(0, 3), power));
-            const auto distance = [&](std::size_t s) { return std::fabs(intersect::table::distance(solids[s], p)); };
+            const auto distance = [&](std::size_t s) {
+                return std::fabs(intersect::table::distance(primitives[s], p));
+            };
             std::uint32_t first = 0;
-            for (std::uint32_t s = 1; s < solids.size(); ++s)
+            for (std::uint32_t s = 1; s < primitives.size(); ++s)
                 if (distance(s) < distance(first)) first = s;
             CHECK(distance(tree->nearest(p, distance)) == distance(first));
         }
@@ -325,26 +328,26 @@ TEST_CASE("the nearest solid of a tree is the nearest of all", "[culling]") {
 
 TEST_CASE("what has no box is a candidate of every ray", "[culling]") {
     const Ray<double> away{{0, 0, 5}, {0, 0, 1}};
-    const Solid<double> flat = Triangle<double>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
-                        ground = Plane<double>{{0, 0, 0}, {0, 0, 1}}, ball = Sphere<double>{{0, 0, 0}, 1},
-                        huge = Sphere<double>{{0, 0, 0}, 1e200};
+    const Primitive<double> flat = Triangle<double>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                            ground = Plane<double>{{0, 0, 0}, {0, 0, 1}}, ball = Sphere<double>{{0, 0, 0}, 1},
+                            huge = Sphere<double>{{0, 0, 0}, 1e200};
     const measure::culling::RayBounds bounds{5, 1, 1};
     std::vector<std::uint32_t> found;
-    BoxTree::make(SolidList<double>({flat, ground, ball, huge}), bounds, &binary64)->candidates(away, found);
+    BoxTree::make(PrimitiveList<double>({flat, ground, ball, huge}), bounds, &binary64)->candidates(away, found);
     CHECK(found == std::vector<std::uint32_t>{1, 3});
-    CHECK_FALSE(BoxTree::make(SolidList<double>({ground}), bounds, nullptr));
+    CHECK_FALSE(BoxTree::make(PrimitiveList<double>({ground}), bounds, nullptr));
     // What bounds rays enters for forms that square lengths alone.
     const measure::culling::RayBounds none{HUGE_VAL, 0, HUGE_VAL};
-    BoxTree::make(SolidList<double>({flat, ball}), none, nullptr)->candidates(away, found);
+    BoxTree::make(PrimitiveList<double>({flat, ball}), none, nullptr)->candidates(away, found);
     CHECK(found.empty());
-    BoxTree::make(SolidList<double>({flat, ball}), none, &binary64)->candidates(away, found);
+    BoxTree::make(PrimitiveList<double>({flat, ball}), none, &binary64)->candidates(away, found);
     CHECK(found == std::vector<std::uint32_t>{1});
-    CHECK_FALSE(BoxTree::make(SolidList<double>(std::vector<Solid<double>>{}), bounds, nullptr));
-    std::vector<Solid<double>> grounds(BoxTree::most_asked_each, ground);
+    CHECK_FALSE(BoxTree::make(PrimitiveList<double>(std::vector<Primitive<double>>{}), bounds, nullptr));
+    std::vector<Primitive<double>> grounds(BoxTree::most_asked_each, ground);
     grounds.push_back(flat);
-    CHECK(BoxTree::make(SolidList<double>(grounds), bounds, nullptr));
+    CHECK(BoxTree::make(PrimitiveList<double>(grounds), bounds, nullptr));
     grounds.push_back(ground);
-    CHECK_FALSE(BoxTree::make(SolidList<double>(grounds), bounds, nullptr));
+    CHECK_FALSE(BoxTree::make(PrimitiveList<double>(grounds), bounds, nullptr));
 }
 
 }  // namespace lostbits::test::test_box_tree

@@ -64,7 +64,7 @@ Counts compare(const scene::file::Scene& scene, std::initializer_list<const char
         std::vector<std::uint32_t> found;
         for (std::size_t i = 0; in.index && i < in.rays.size(); ++i, ++counts.rays) {
             in.index->candidates(in.rays[i], found);
-            counts.few += found.size() <= std::max<std::size_t>(16, in.solids.size() / 32);
+            counts.few += found.size() <= std::max<std::size_t>(16, in.primitives.size() / 32);
         }
         if (!in.index) continue;  // both ask every sphere
         for (const intersect::table::Intersector& form : intersect::table::intersectors(Shape::sphere)) {
@@ -156,22 +156,22 @@ TEST_CASE("whole blocks hold the candidates, which are the spheres that the line
     }
 }
 
-TEST_CASE("no index where squares leave the format, where spheres are few, or solids no spheres",
+TEST_CASE("no index where squares leave the format, where spheres are few, or primitives no spheres",
           "[measure][culling]") {
     const measure::culling::RayBounds bounds{3, 1, 1};
-    std::vector<Solid<double>> solids;
-    for (int i = 0; i < 100; ++i) solids.emplace_back(Sphere<double>{{0.5 * i, 0, 0}, 0.25});
+    std::vector<Primitive<double>> primitives;
+    for (int i = 0; i < 100; ++i) primitives.emplace_back(Sphere<double>{{0.5 * i, 0, 0}, 0.25});
     const FloatFormat half = find_format("fp16")->parameters;
-    CHECK(SphereIndex::make(solids, bounds, &binary32) != nullptr);
-    CHECK(SphereIndex::make(solids, bounds, &binary64) != nullptr);
-    CHECK(SphereIndex::make(solids, bounds, &half) == nullptr);  // 64·50² > 65504
-    CHECK(SphereIndex::make(std::vector(solids.begin(), solids.begin() + 63), bounds, &binary32) == nullptr);
-    CHECK(SphereIndex::make(solids, {0x1p70, 1, 1}, &binary32) == nullptr);
-    CHECK(SphereIndex::make(solids, {3, 0x1p-70, 1}, &binary32) == nullptr);
-    CHECK(SphereIndex::make(solids, {3, 0, 1}, nullptr) == nullptr);
-    CHECK(SphereIndex::make(solids, {HUGE_VAL, 1, 1}, nullptr) == nullptr);
-    solids[7] = Box<double>{{0, 0, 0}, {1, 1, 1}};
-    CHECK(SphereIndex::make(solids, bounds, &binary64) == nullptr);
+    CHECK(SphereIndex::make(primitives, bounds, &binary32) != nullptr);
+    CHECK(SphereIndex::make(primitives, bounds, &binary64) != nullptr);
+    CHECK(SphereIndex::make(primitives, bounds, &half) == nullptr);  // 64·50² > 65504
+    CHECK(SphereIndex::make(std::vector(primitives.begin(), primitives.begin() + 63), bounds, &binary32) == nullptr);
+    CHECK(SphereIndex::make(primitives, {0x1p70, 1, 1}, &binary32) == nullptr);
+    CHECK(SphereIndex::make(primitives, {3, 0x1p-70, 1}, &binary32) == nullptr);
+    CHECK(SphereIndex::make(primitives, {3, 0, 1}, nullptr) == nullptr);
+    CHECK(SphereIndex::make(primitives, {HUGE_VAL, 1, 1}, nullptr) == nullptr);
+    primitives[7] = Box<double>{{0, 0, 0}, {1, 1, 1}};
+    CHECK(SphereIndex::make(primitives, bounds, &binary64) == nullptr);
 }
 
 }  // namespace lostbits::test::test_culling

@@ -1,4 +1,4 @@
-// The filter of rays that start inside, against whole numbers: it never denies that a ray starts in a solid or on
+// The filter of rays that start inside, against whole numbers: it never denies that a ray starts in a primitive or on
 // it, at sizes from the least subnormal number to the largest, under matrices too; and where doubles can tell it does.
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "catch.hpp"
 #include "counts.hpp"
-#include "exact/solids.hpp"
+#include "exact/primitives.hpp"
 #include "exact/whole.hpp"
 #include "measure/culling/box_tree.hpp"
 #include "measure/seeded.hpp"
@@ -38,7 +38,7 @@ bool is_in_ball(const Vector<Whole>& o, const Vector<Whole>& centre, const Whole
     return at_most(dot(o - centre, o - centre), r * r);
 }
 
-/// Decides if the closed solid holds the origin, written down from what the shapes are; nothing has no inside.
+/// Decides if the closed primitive holds the origin, written down from what the shapes are; nothing has no inside.
 bool holds(const std::string& shape, const Asked<Whole>& q) {
     const Vector<Whole>& o = q.o;
     const auto& n = q.n;
@@ -76,37 +76,40 @@ bool has_inside(const std::string& shape) {
     return shape != "triangle" && shape != "disc" && shape != "plane" && shape != "tube";
 }
 
-exact::Problem problem_of(const Ray<double>& ray, const Solid<double>& solid) {
+exact::Problem problem_of(const Ray<double>& ray, const Primitive<double>& primitive) {
     exact::Problem p{};
     for (int i = 0; i < 3; ++i) {
         p.ray[static_cast<std::size_t>(i)] = ray.origin[i];
         p.ray[static_cast<std::size_t>(3 + i)] = ray.direction[i];
     }
-    std::ranges::copy(solid.used(), p.solid.begin());
-    if (solid.placed) p.matrix = solid.placed->matrix, p.is_placed = true, p.is_inverse = solid.placed->is_inverse;
+    std::ranges::copy(primitive.used(), p.primitive.begin());
+    if (primitive.placed)
+        p.matrix = primitive.placed->matrix, p.is_placed = true, p.is_inverse = primitive.placed->is_inverse;
     return p;
 }
 
-/// A solid of random numbers, whole ones over 4 for half of them, that is what its shape asks.
-std::optional<Solid<double>> draw_solid(Seeded& rng, Shape shape) {
-    Solid<double> solid(shape);
+/// A primitive of random numbers, whole ones over 4 for half of them, that is what its shape asks.
+std::optional<Primitive<double>> draw_primitive(Seeded& rng, Shape shape) {
+    Primitive<double> primitive(shape);
     const double grid = rng.coin() ? 0.25 : 0x1p-40;
     for_each_key(shape, [&](const Key& key, std::size_t k) {
         for (std::size_t i = k; i < k + key.count(); ++i)
-            solid.numbers[i] = std::round((key.is_length() ? rng.uniform(0.05, 2) : rng.uniform(-2, 2)) / grid) * grid;
+            primitive.numbers[i] =
+                std::round((key.is_length() ? rng.uniform(0.05, 2) : rng.uniform(-2, 2)) / grid) * grid;
     });
-    if (shape == Shape::torus && solid.numbers[7] > solid.numbers[6]) std::swap(solid.numbers[6], solid.numbers[7]);
+    if (shape == Shape::torus && primitive.numbers[7] > primitive.numbers[6])
+        std::swap(primitive.numbers[6], primitive.numbers[7]);
     for (std::size_t i = 0; i < 3 && shape == Shape::box; ++i)
-        if (solid.numbers[i] > solid.numbers[i + 3]) std::swap(solid.numbers[i], solid.numbers[i + 3]);
-    return broken_limit(solid) ? std::nullopt : std::optional(solid);
+        if (primitive.numbers[i] > primitive.numbers[i + 3]) std::swap(primitive.numbers[i], primitive.numbers[i + 3]);
+    return broken_limit(primitive) ? std::nullopt : std::optional(primitive);
 }
 
 /// All lengths 2^e times as large, as doubles have them.
-Solid<double> scaled_by(const Solid<double>& solid, int e) {
-    Solid<double> to = solid;
-    for_each_key(solid.shape, [&](const Key& key, std::size_t k) {
+Primitive<double> scaled_by(const Primitive<double>& primitive, int e) {
+    Primitive<double> to = primitive;
+    for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
         for (std::size_t i = k; i < k + key.count(); ++i)
-            if (key.kind != Key::Kind::direction) to.numbers[i] = std::ldexp(solid.numbers[i], e);
+            if (key.kind != Key::Kind::direction) to.numbers[i] = std::ldexp(primitive.numbers[i], e);
     });
     return to;
 }
@@ -114,10 +117,10 @@ Vec<double> scaled_by(const Vec<double>& v, int e) {
     return {std::ldexp(v.x, e), std::ldexp(v.y, e), std::ldexp(v.z, e)};
 }
 
-/// A point in the solid, on it or near, on a coarse grid for half of them.
-Vec<double> draw_point(Seeded& rng, const Solid<double>& solid) {
+/// A point in the primitive, on it or near, on a coarse grid for half of them.
+Vec<double> draw_point(Seeded& rng, const Primitive<double>& primitive) {
     const Vec<double> share(rng.uniform(0, 1), rng.uniform(0, 1), rng.uniform(0, 1));
-    Vec<double> p = visit(solid, [&](const auto& s) { return Vec<double>(s.point_at(share)); });
+    Vec<double> p = visit(primitive, [&](const auto& s) { return Vec<double>(s.point_at(share)); });
     p = p + std::exp2(rng.uniform(-60, 2)) * rng.vec(-1, 1);
     if (rng.coin())
         for (int i = 0; i < 3; ++i) p[i] = std::round(p[i] * 4) / 4;
@@ -128,29 +131,29 @@ struct Tally {
     int held = 0, denied = 0;        ///< that start inside, and of which that is denied
     int outside = 0, undecided = 0;  ///< that do not, and of which that is not told
 
-    void take(const Ray<double>& ray, const Solid<double>& solid) {
-        const std::string shape(row_of(solid.shape).name);
-        const bool may = measure::culling::may_start_inside(ray, solid);
-        const bool in = has_inside(shape) && holds(shape, Asked<Whole>(problem_of(ray, solid)));
+    void take(const Ray<double>& ray, const Primitive<double>& primitive) {
+        const std::string shape(row_of(primitive.shape).name);
+        const bool may = measure::culling::may_start_inside(ray, primitive);
+        const bool in = has_inside(shape) && holds(shape, Asked<Whole>(problem_of(ray, primitive)));
         held += in, denied += in && !may, outside += !in, undecided += !in && may;
     }
 };
 
 }  // namespace
 
-TEST_CASE("no ray that starts in a solid is said to start outside, at any size", "[culling]") {
+TEST_CASE("no ray that starts in a primitive is said to start outside, at any size", "[culling]") {
     for (const ShapeRow& row : shape_rows) {
         Seeded rng(0x57a27 + static_cast<std::uint64_t>(row.shape));
         Tally wide, usual;
         for (int i = 0; i < test::draws(4000); ++i) {
-            const auto drawn = draw_solid(rng, row.shape);
+            const auto drawn = draw_primitive(rng, row.shape);
             if (!drawn) continue;
             const bool is_usual = i % 2 == 0;
             const int e = static_cast<int>(is_usual ? rng.integer(-20, 20) : rng.integer(-1074, 1020));
-            const Solid<double> solid = scaled_by(*drawn, e);
-            if (broken_limit(solid)) continue;
+            const Primitive<double> primitive = scaled_by(*drawn, e);
+            if (broken_limit(primitive)) continue;
             const Vec<double> direction = std::exp2(rng.uniform(-8, 8)) * rng.vec(-1, 1);
-            (is_usual ? usual : wide).take({scaled_by(draw_point(rng, *drawn), e), direction}, solid);
+            (is_usual ? usual : wide).take({scaled_by(draw_point(rng, *drawn), e), direction}, primitive);
         }
         INFO(row.name);
         CHECK(wide.denied + usual.denied == 0);
@@ -160,27 +163,27 @@ TEST_CASE("no ray that starts in a solid is said to start outside, at any size",
     }
 }
 
-TEST_CASE("no ray that starts in a solid under a matrix is said to start outside", "[culling]") {
+TEST_CASE("no ray that starts in a primitive under a matrix is said to start outside", "[culling]") {
     for (const ShapeRow& row : shape_rows) {
         Seeded rng(0x9147 + static_cast<std::uint64_t>(row.shape));
         Tally wide, usual;
         for (int i = 0; i < test::draws(4000); ++i) {
-            const auto drawn = draw_solid(rng, row.shape);
+            const auto drawn = draw_primitive(rng, row.shape);
             if (!drawn) continue;
             const bool is_usual = i % 2 == 0, is_inverse = rng.coin();
             const int most = is_usual ? 4 : 500, e = static_cast<int>(rng.integer(-most, most)),
                       stretch = static_cast<int>(rng.integer(-most, most));
-            Solid<double> solid = scaled_by(*drawn, e);
+            Primitive<double> primitive = scaled_by(*drawn, e);
             std::array<double, 12> m{};
             for (std::size_t k = 0; k < 12; ++k)
                 m[k] = std::ldexp(rng.uniform(-2, 2), k % 4 == 3 ? stretch + e : stretch);
-            solid.placed = transformed(Placement<double>{m, is_inverse, 1}, [](double x) { return x; });
-            if (broken_limit(solid) || !solid.placed->is_proper()) continue;
+            primitive.placed = transformed(Placement<double>{m, is_inverse, 1}, [](double x) { return x; });
+            if (broken_limit(primitive) || !primitive.placed->is_proper()) continue;
             const Vec<double> p = draw_point(rng, *drawn);
-            const Affine<double> map = solid.placed->map();
+            const Affine<double> map = primitive.placed->map();
             // Of an inverse anywhere near will do.
             const Vec<double> origin = is_inverse ? scaled_by(rng.vec(-2, 2), e) : map.point(scaled_by(p, e));
-            (is_usual ? usual : wide).take({origin, rng.vec(-1, 1)}, solid);
+            (is_usual ? usual : wide).take({origin, rng.vec(-1, 1)}, primitive);
         }
         INFO(row.name);
         CHECK(wide.denied + usual.denied == 0);
@@ -194,7 +197,7 @@ TEST_CASE("a ray that starts in a cone whose products leave the doubles begins t
     for (const int e : {258, -258}) {
         scene::rays::RayGroup group;
         const double size = std::ldexp(1.0, e);
-        group.solids.emplace_back(Cone<double>{{0, 0, -size}, {0, 0, size}, size, size / 4});
+        group.primitives.emplace_back(Cone<double>{{0, 0, -size}, {0, 0, size}, size, size / 4});
         group.rays.push({{size / 16, size / 32, 0}, {0, 1, 0}});
         group.rays.width = group.rays.y1 = 1;
         const measure::truth::Band band(group);
@@ -210,47 +213,47 @@ TEST_CASE("a ray that starts in a cone whose products leave the doubles begins t
     }
 }
 
-TEST_CASE("a tree of boxes names every solid that a ray meets where squares leave the doubles", "[culling]") {
+TEST_CASE("a tree of boxes names every primitive that a ray meets where squares leave the doubles", "[culling]") {
     using measure::culling::BoxTree;
     std::size_t met = 0, trees = 0;
     for (int round = 0; round < 60; ++round) {
         Seeded rng(0x7ee + static_cast<std::uint64_t>(round));
-        // Lengths as small as they get, and solids that a matrix makes as large as they are small.
+        // Lengths as small as they get, and primitives that a matrix makes as large as they are small.
         const bool is_placed = round % 2 == 1;
         const int own = static_cast<int>(is_placed ? rng.integer(-900, 900) : rng.integer(-1060, 100)),
                   stretch = is_placed ? -own + static_cast<int>(rng.integer(-4, 4)) : 0;
-        std::vector<Solid<double>> solids;
-        while (solids.size() < 96) {
-            const auto drawn = draw_solid(rng, shape_rows[solids.size() % shape_rows.size()].shape);
+        std::vector<Primitive<double>> primitives;
+        while (primitives.size() < 96) {
+            const auto drawn = draw_primitive(rng, shape_rows[primitives.size() % shape_rows.size()].shape);
             if (!drawn) continue;
-            Solid<double> solid = scaled_by(*drawn, own);
+            Primitive<double> primitive = scaled_by(*drawn, own);
             if (is_placed) {
                 std::array<double, 12> m{};
                 for (const std::size_t k : {0, 5, 10}) m[k] = std::ldexp(rng.uniform(0.5, 1), stretch);
                 for (const std::size_t k : {3, 7, 11}) m[k] = rng.uniform(-8, 8);
-                solid.placed = transformed(Placement<double>{m, false, 1}, [](double x) { return x; });
+                primitive.placed = transformed(Placement<double>{m, false, 1}, [](double x) { return x; });
             }
-            if (!broken_limit(solid)) solids.push_back(solid);
+            if (!broken_limit(primitive)) primitives.push_back(primitive);
         }
         scene::rays::RayBlock rays;
         for (int i = 0; i < 40; ++i) {
-            const Vec<double> to = solids[static_cast<std::size_t>(2 * i)].placed
-                                       ? solids[static_cast<std::size_t>(2 * i)].placed->map().shift
+            const Vec<double> to = primitives[static_cast<std::size_t>(2 * i)].placed
+                                       ? primitives[static_cast<std::size_t>(2 * i)].placed->map().shift
                                        : scaled_by(rng.vec(-2, 2), own);
             const Vec<double> direction = rng.vec(-1, 1);
             const double away = is_placed ? 16 : std::ldexp(8.0, i % 2 == 0 ? own : 0);
             rays.push({to - away * direction, direction});
         }
         rays.width = 40, rays.y1 = 1;
-        const scene::rays::SolidList<double> list(solids);
+        const scene::rays::PrimitiveList<double> list(primitives);
         const auto tree = BoxTree::make(list, measure::culling::bounds_of(rays), nullptr);
         if (!tree) continue;
         ++trees;
         std::vector<std::uint32_t> found;
         for (std::size_t i = 0; i < rays.size(); ++i) {
             tree->candidates(rays[i], found);
-            for (std::uint32_t s = 0; s < solids.size(); ++s) {
-                if (!measure::truth::find_truth(rays[i], solids[s]).is_hit()) continue;
+            for (std::uint32_t s = 0; s < primitives.size(); ++s) {
+                if (!measure::truth::find_truth(rays[i], primitives[s]).is_hit()) continue;
                 ++met;
                 INFO("round " << round << ", ray " << i << ", solid " << s);
                 CHECK(std::ranges::binary_search(found, s));

@@ -50,7 +50,7 @@ bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b)
 TEST_CASE("the nearest ray of a search cracks or is counted twice, triangle by triangle", "[edges]") {
     const Scratch folder;
     const auto search = search_of(folder, "scene = \"mesh-icosphere-near\"\ndistance = [1, 65536]\nrays = 32768\n");
-    const auto solids = scene::rays::shared_solids(search.scene);
+    const auto primitives = scene::rays::shared_primitives(search.scene);
     const std::vector rows{row("triangle.undivided", "f32"), row("triangle.havel_herout", "f32"),
                            row("triangle.plucker", "f32"), row("triangle.filtered", "f32")};
     const auto found = found_by(search, rows);
@@ -66,9 +66,9 @@ TEST_CASE("the nearest ray of a search cracks or is counted twice, triangle by t
             for (const Vec<double>& v : {ray.origin, ray.direction})
                 for (int axis = 0; axis < 3; ++axis) CHECK(rounding::to_format(v[axis], 0, binary32) == v[axis]);
             std::vector<std::size_t> claimed, met;
-            for (std::size_t s = 0; s < solids.size(); ++s) {
-                if (asked_alone(rows[r], ray, solids[s])) claimed.push_back(s);
-                if (measure::truth::find_truth(ray, solids[s], {}, rows[r].convention()).is_hit()) met.push_back(s);
+            for (std::size_t s = 0; s < primitives.size(); ++s) {
+                if (asked_alone(rows[r], ray, primitives[s])) claimed.push_back(s);
+                if (measure::truth::find_truth(ray, primitives[s], {}, rows[r].convention()).is_hit()) met.push_back(s);
             }
             const auto is_of_edge = [&](std::size_t s) {
                 return std::ranges::find(nearest->faces, static_cast<std::uint32_t>(s)) != nearest->faces.end();

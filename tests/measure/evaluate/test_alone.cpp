@@ -1,5 +1,5 @@
-// Rays that each have a primitive of their own, measured together and alone: in files of rays, and as families draw
-// them. Whatever a metric says of a ray, and whatever is counted, does not depend on the rays beside it.
+// Rays that each have a primitive of their own, measured together and alone: in files of rays, and as distributions
+// draw them. Whatever a metric says of a ray, and whatever is counted, does not depend on the rays beside it.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -8,7 +8,7 @@
 #include "measure/judge/judge.hpp"
 #include "measure/metric/metric_set.hpp"
 #include "measure/rows.hpp"
-#include "scene/sweep/families.hpp"
+#include "scene/sweep/distributions.hpp"
 #include "shapes/number_names.hpp"
 
 namespace test_alone {
@@ -22,15 +22,15 @@ namespace {
 RayGroup ray_of(const RayGroup& from, std::size_t i) {
     RayGroup one = scene::rays::group_of(from.rays[i]);
     one.rays.push_range(from.rays, i);
-    one.solids = {from.solids[from.paired ? i : 0]};
+    one.primitives = {from.primitives[from.paired ? i : 0]};
     return one;
 }
 
-/// A ray of the easy family, then some that miss another primitive, then more of both: what a miss is measured at is
-/// seldom that of the first ray.
-std::vector<RayGroup> rays_at(const scene::sweep::FamilyRow& family) {
-    const auto drawn = family.sets().front().groups();
-    const auto timed = family.timed();
+/// A ray of the easy distribution, then some that miss another primitive, then more of both: what a miss is measured at
+/// is seldom that of the first ray.
+std::vector<RayGroup> rays_at(const scene::sweep::DistributionRow& distribution) {
+    const auto drawn = distribution.sets().front().groups();
+    const auto timed = distribution.timed();
     std::vector<RayGroup> all{ray_of(drawn.at(0), 0)};
     for (std::size_t i = 0; i < 5; ++i) all.push_back(ray_of(timed.misses, i));
     for (std::size_t i = 1; i < 5; ++i) all.push_back(ray_of(drawn.at(i % drawn.size()), i / drawn.size()));
@@ -42,8 +42,8 @@ std::vector<RayGroup> rays_at(const scene::sweep::FamilyRow& family) {
 std::vector<const Metric*> all_of(const std::vector<TestedForm>& rows, const RayGroup& rays, metric::MetricSet& made) {
     std::vector<const Metric*> all;
     for (const Metric& m : metric::metrics())
-        if (m.over != metric::Over::pairs) all.push_back(&m);
-    return made.for_forms(all, evaluate::forms_of(rows), blame::SettingOf(rays).get());
+        if (m.over != metric::MetricDomain::pairs) all.push_back(&m);
+    return made.for_forms(all, evaluate::forms_of(rows), attribution::SettingOf(rays).get());
 }
 
 bool are_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
@@ -57,10 +57,10 @@ std::vector<FormSummary> judged(const std::vector<RayGroup>& rays, const std::ve
     scene::rays::RayBlock block;
     for (const RayGroup& one : rays) block.push(one.rays[0]);
     scene::test::Columns columns = test::ray_columns(block);
-    const Shape shape = rays.front().solids.front().shape;
+    const Shape shape = rays.front().primitives.front().shape;
     for (std::size_t k = 0; k < row_of(shape).numbers; ++k) {
         std::vector<double> column;
-        for (const RayGroup& one : rays) column.push_back(one.solids.front().numbers[k]);
+        for (const RayGroup& one : rays) column.push_back(one.primitives.front().numbers[k]);
         columns.add(column_names(shape)[k], column);
     }
     const scene::test::DumpFile file("own.bin", scene::test::as_bytes<float>(columns));
@@ -108,11 +108,11 @@ void require_sum(const FormSummary& together, const std::vector<FormSummary>& al
 
 }  // namespace
 
-TEST_CASE("a ray with a primitive of its own is measured as it is alone, in files and in families", "[alone]") {
+TEST_CASE("a ray with a primitive of its own is measured as it is alone, in files and in distributions", "[alone]") {
     std::uint64_t misses = 0, values = 0;
-    for (const scene::sweep::FamilyRow& family : scene::sweep::families()) {
-        const std::vector<RayGroup> rays = rays_at(family);
-        const auto rows = test::all_rows(family.shape, {"f32"});
+    for (const scene::sweep::DistributionRow& distribution : scene::sweep::distributions()) {
+        const std::vector<RayGroup> rays = rays_at(distribution);
+        const auto rows = test::all_rows(distribution.shape, {"f32"});
         metric::MetricSet made;
         const auto metrics = all_of(rows, rays.front(), made);
 
@@ -127,12 +127,12 @@ TEST_CASE("a ray with a primitive of its own is measured as it is alone, in file
                 of_groups[r].push_back(std::move(group[r]));
             }
         }
-        const auto of_family = evaluate::measure_groups(rays, rows, metrics, {});
+        const auto of_distribution = evaluate::measure_groups(rays, rows, metrics, {});
         for (std::size_t r = 0; r < rows.size(); ++r) {
             INFO(rows[r].form->info->name);
             misses += of_file[r].count(answer::Outcome::agree_miss);
             require_sum(of_file[r], of_rays[r]);
-            require_sum(of_family[r], of_groups[r]);
+            require_sum(of_distribution[r], of_groups[r]);
             for (std::size_t i = 0; i < rays.size(); ++i) {
                 const auto &a = together.at({r, i}), &b = alone.at({r, i});
                 REQUIRE(a.size() == metrics.size() + 1);

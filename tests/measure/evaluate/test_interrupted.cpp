@@ -93,7 +93,7 @@ TEST_CASE("whatever is asked for stops where its own request says so") {
     const test::TextFile file("ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\n");
     const auto open = [&](StopToken token) {
         return scene::dump::open_dump(
-            file.path(), {.container = scene::dump::Container::csv, .solid = Shape::sphere, .stop = token});
+            file.path(), {.container = scene::dump::Container::csv, .primitive = Shape::sphere, .stop = token});
     };
     const auto rays = open({});
     std::vector<scene::claim::Claim> claims{scene::claim::read_claims(data / "claims/sphere.toml").front()};
@@ -127,12 +127,12 @@ TEST_CASE("whatever is asked for stops where its own request says so") {
         {"judge",
          [&] {
              m::judge::run_judge(
-                 *rays, {.solids = {Sphere<double>{{0, 0, 0}, 1}}, .rows = rows, .metrics = metrics, .limit = limit},
-                 {});
+                 *rays,
+                 {.primitives = {Sphere<double>{{0, 0, 0}, 1}}, .rows = rows, .metrics = metrics, .limit = limit}, {});
          }},
         {"a file of rays", [&] { open(stop); }},
-        {"a flake", [&] { static_cast<void>(scene_named("sphereflake-near", stop).solids()); }},
-        {"choice", [&] { m::choice::worth_of({.scene = &scene, .rows = rows, .limit = limit}); }},
+        {"a flake", [&] { static_cast<void>(scene_named("sphereflake-near", stop).primitives()); }},
+        {"choice", [&] { m::choice::quality_of({.scene = &scene, .rows = rows, .limit = limit}); }},
         {"claims", [&] { m::claim::measure_claims(claims, {.data_dir = data, .stop = stop}); }},
         {"times",
          [&] {

@@ -112,7 +112,7 @@ TEST_CASE("refinement takes the model error away", "[measure][march]") {
     CHECK(plain < 1e-2 / 0x1p-51);
 }
 
-TEST_CASE("mixed solids are met by marches and by forms for all of their shapes", "[measure][march]") {
+TEST_CASE("mixed primitives are met by marches and by forms for all of their shapes", "[measure][march]") {
     const auto scene = scene_of("sdf-union", 8);
     CHECK(scene.meets(Shape::sdf));
     CHECK_FALSE(scene.meets(Shape::sphere));

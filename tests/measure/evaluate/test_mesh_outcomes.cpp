@@ -28,12 +28,12 @@ public:
 
     explicit Meetings(const scene::file::Scene& scene) {
         const measure::truth::Band band(scene, 0, scene.height);
-        const std::size_t triangles = scene::rays::SolidList(scene::rays::shared_solids(scene)).size();
+        const std::size_t triangles = scene::rays::PrimitiveList(scene::rays::shared_primitives(scene)).size();
         for (const AtOrigin word : {AtOrigin::hit, AtOrigin::miss}) met_[word].resize(band.pixels());
         intersect::process::in_parallel(std::size_t{0}, band.pixels(), [&](std::size_t i) {
             for (std::size_t s = 0; s < triangles; ++s) {
-                const Truth closed = band.truth_of_solid(i, s, AtOrigin::hit);
-                const Truth ahead = closed.on_surface ? band.truth_of_solid(i, s, AtOrigin::miss) : closed;
+                const Truth closed = band.truth_of_primitive(i, s, AtOrigin::hit);
+                const Truth ahead = closed.on_surface ? band.truth_of_primitive(i, s, AtOrigin::miss) : closed;
                 if (closed.is_hit()) met_.at(AtOrigin::hit)[i].emplace(s, closed);
                 if (ahead.is_hit()) met_.at(AtOrigin::miss)[i].emplace(s, ahead);
             }
@@ -46,7 +46,7 @@ private:
 };
 
 /// 1 from the side to which the corners turn left, −1 from the other, 0 along the plane.
-int facing_of(const Ray<double>& ray, const Solid<double>& triangle) {
+int facing_of(const Ray<double>& ray, const Primitive<double>& triangle) {
     const auto at = [&](std::size_t k) {
         const auto& numbers = triangle.numbers;
         return Vec<Real>(Real(numbers[3 * k]), Real(numbers[3 * k + 1]), Real(numbers[3 * k + 2]));
@@ -63,14 +63,14 @@ public:
 
     void band(const measure::evaluate::BandResult& result) {
         const auto& in = *result.inputs;
-        const auto& mesh = in.solids.mesh()->mesh();
+        const auto& mesh = in.primitives.mesh()->mesh();
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const Ray<double> ray = in.rays[i];
             std::vector<std::size_t> claimed;
             // A form is not asked about a triangle whose box the ray passes at a distance, which it may claim.
             for (std::size_t pair = in.candidates->first(i); pair < in.candidates->first(i + 1); ++pair) {
-                const std::size_t s = in.candidates->solid(pair);
-                if (test::asked_alone(row_, ray, in.solids[s])) claimed.push_back(s);
+                const std::size_t s = in.candidates->primitive(pair);
+                if (test::asked_alone(row_, ray, in.primitives[s])) claimed.push_back(s);
             }
             wrong += !(result.convention == intersect::Convention(result.convention.at_origin));
             const std::size_t place = static_cast<std::size_t>(result.y0 * result.width) + i;
@@ -82,7 +82,7 @@ public:
                     return compare(a.second.t, b.second.t) < 0;
                 });
             const auto beside = [&](std::size_t a, std::size_t b) { return mesh.share_a_vertex(a, b); };
-            const auto facing = [&](std::size_t s) { return facing_of(ray, in.solids[s]); };
+            const auto facing = [&](std::size_t s) { return facing_of(ray, in.primitives[s]); };
             const auto twice = [&](std::size_t s, std::size_t first) {
                 return s != first && beside(s, first) && facing(s) * facing(first) >= 0 &&
                        !(met.contains(s) && met.contains(first) && compare(met.at(s).t, met.at(first).t) != 0);
@@ -118,7 +118,7 @@ public:
                 const auto there = met.find(first);
                 wrong += truly == met.end() || !beside(first, truly->first) ||
                          (there != met.end() && compare(there->second.t, truly->second.t) == 0);
-            } else if (outcome == Outcome::out_of_order || outcome == Outcome::wrong_object) {
+            } else if (outcome == Outcome::out_of_order || outcome == Outcome::wrong_primitive) {
                 const auto first = static_cast<std::size_t>(result.answers->object[i]);
                 const auto nearer = [&](std::size_t s) {
                     return met.contains(s) && !beside(s, first) && compare(met.at(s).t, met.at(first).t) < 0;

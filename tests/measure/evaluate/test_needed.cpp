@@ -153,7 +153,7 @@ TEST_CASE("what suffices on one ray", "[needed]") {
     CHECK_FALSE(suffices(hit, any, 12, {true, 8}, 12));
     CHECK(suffices(hit, unit, 12, {true, 8}, 12));
     CHECK(suffices(hit, any, 12, {true, 4, hit.object}, 12));
-    CHECK_FALSE(suffices(hit, any, 12, {true, 4, hit.object + 1}, 12));  // t of another solid
+    CHECK_FALSE(suffices(hit, any, 12, {true, 4, hit.object + 1}, 12));  // t of another primitive
     CHECK_FALSE(suffices(hit, any, 53, {false, 4}, 12));
     CHECK_FALSE(suffices(hit, any, 53, {true, std::nan("")}, 12));
     CHECK(suffices(miss, any, 2, {false, std::nan("")}, 12));
@@ -174,8 +174,8 @@ TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[n
                                .dx = {0, 0},
                                .dy = {0, 0},
                                .dz = {1, 1}};
-    const Solid<double> solid = Sphere<double>{{0x1p-120, 0, 0}, 1};
-    const measure::truth::Band band(rays, {solid}, {.bits = 1});
+    const Primitive<double> primitive = Sphere<double>{{0x1p-120, 0, 0}, 1};
+    const measure::truth::Band band(rays, {primitive}, {.bits = 1});
     REQUIRE(band.truth(0, intersect::Touching::hit).decision == Truth::Decision::unresolved);
     const scene::file::Scene none;  // the band has its rays
     const auto results =

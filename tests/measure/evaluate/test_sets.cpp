@@ -1,4 +1,5 @@
-// Sets of forms, one a shape: they answer what their forms do, and each solid is judged by the words of its own form.
+// Sets of forms, one a shape: they answer what their forms do, and each primitive is judged by the words of its own
+// form.
 #include <array>
 #include <cmath>
 #include <optional>
@@ -23,10 +24,10 @@ using test::form_named;
 namespace {
 
 /// Three spheres and two boxes on a grid, and rays that start on it and go along it or nearly so: many touch, start on
-/// surfaces or inside, or meet two solids at one t.
+/// surfaces or inside, or meet two primitives at one t.
 struct Mixed {
     scene::rays::RayBlock rays;
-    std::vector<Solid<double>> spheres, boxes, all;
+    std::vector<Primitive<double>> spheres, boxes, all;
 
     explicit Mixed(unsigned seed) {
         std::mt19937 engine(seed);
@@ -55,9 +56,9 @@ struct Mixed {
     }
 };
 
-Answers answers_of(const Intersector& form, const Mixed& mixed, const std::vector<Solid<double>>& solids,
+Answers answers_of(const Intersector& form, const Mixed& mixed, const std::vector<Primitive<double>>& primitives,
                    const Format& format, bool unit) {
-    const Band band(mixed.rays, solids);
+    const Band band(mixed.rays, primitives);
     auto inputs = band.inputs(format, {.unit_rays = unit || form.info->direction == intersect::Direction::unit});
     // In a set for unit directions every form gets those.
     if (unit) inputs.rays = inputs.unit_rays;
@@ -119,7 +120,7 @@ TEST_CASE("a set answers the nearest of what its forms answer, in every format a
     CHECK(from_boxes > 1000);
 }
 
-TEST_CASE("in a set each solid is judged by the words of its own form", "[sets]") {
+TEST_CASE("in a set each primitive is judged by the words of its own form", "[sets]") {
     int apart = 0;
     for (unsigned seed = 0; seed < draws(20U); ++seed) {
         const Mixed mixed(seed);

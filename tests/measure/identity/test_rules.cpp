@@ -7,7 +7,7 @@
 
 #include "catch.hpp"
 #include "intersect/table/recording.hpp"
-#include "measure/mend/mend.hpp"
+#include "measure/repair/mend.hpp"
 #include "measure/rows.hpp"
 #include "scene/file/scene.hpp"
 
@@ -15,9 +15,9 @@ namespace lostbits::test::test_rules {
 
 using namespace lostbits::measure::identity;
 using intersect::table::Intersector;
-using measure::mend::divides_by_zero;
-using measure::mend::filled;
-using measure::mend::RaySample;
+using measure::repair::divides_by_zero;
+using measure::repair::filled;
+using measure::repair::RaySample;
 namespace tape = measure::tape;
 
 namespace {
@@ -37,9 +37,9 @@ private:
 };
 
 std::vector<double> inputs_of(const Intersector& form, Numbers& numbers, std::size_t axis) {
-    const Solid<double> solid(form.shape);
+    const Primitive<double> primitive(form.shape);
     std::vector<double> all;
-    for (std::size_t k = 0; k < intersect::table::input_names(form, intersect::Target<double>(solid)).size(); ++k)
+    for (std::size_t k = 0; k < intersect::table::input_names(form, intersect::Target<double>(primitive)).size(); ++k)
         all.push_back(numbers.next());
     if (form.info->direction == intersect::Direction::unit)
         for (std::size_t k = 0; k < 3; ++k) all[3 + k] = k == axis ? 1 : 0;
@@ -90,7 +90,7 @@ const Tape& tape_named(const char* name, Tape& kept) {
 TEST_CASE("no rule changes what a form of the catalogue answers without rounding", "[mend]") {
     std::map<std::string_view, int> applied, hits;
     for (const Intersector& form : intersect::table::catalogue()) {
-        if (!is_solid(form.shape) || !form.record || form.way || !form.exists_in(*find_format("f32"))) continue;
+        if (!is_primitive(form.shape) || !form.record || form.way || !form.exists_in(*find_format("f32"))) continue;
         const Tape before = tape::tape_of(form, *find_format("f32"));
         if (before.formats.size() > 1 || before.nodes.size() > 400) continue;
         Terms terms(before);

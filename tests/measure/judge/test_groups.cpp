@@ -12,7 +12,7 @@ using test::add_answers, test::all_metrics, test::ray_columns, test::require_sam
 
 TEST_CASE("what a summary has of a group is what it has of those rays alone") {
     const evaluate::TestedForm row = test::row("sphere.press", "f32");
-    const std::vector<Solid<double>> solids{Sphere<double>{{0, 0, 0}, 1}};
+    const std::vector<Primitive<double>> primitives{Sphere<double>{{0, 0, 0}, 1}};
     scene::rays::RayBlock rays;
     std::vector<double> kinds;
     for (int i = 0; i < 40000; ++i) {  // more than one piece
@@ -22,7 +22,7 @@ TEST_CASE("what a summary has of a group is what it has of those rays alone") {
     }
     rays.width = static_cast<int>(rays.size());
     rays.y1 = 1;
-    const truth::Band band(scene::rays::RayGroup{rays, solids, {}});
+    const truth::Band band(scene::rays::RayGroup{rays, primitives, {}});
     const auto answers = answer::evaluate(*row.form, band.inputs(row.format, {}));
     const auto judged = [&](const std::optional<double> only) {
         scene::rays::RayBlock some;
@@ -40,9 +40,9 @@ TEST_CASE("what a summary has of a group is what it has of those rays alone") {
         columns.add("kind", own);
         const scene::test::DumpFile file("kinds.bin", scene::test::as_bytes<float>(columns));
         const auto dump = scene::dump::open_dump(
-            file.path(), {.columns = columns.joined_names(":f32"), .solid = Shape::sphere, .keep = true});
+            file.path(), {.columns = columns.joined_names(":f32"), .primitive = Shape::sphere, .keep = true});
         const judge::FileForm form("kinds", Shape::sphere, *row.form->info);
-        JudgeRequest request{.solids = solids, .file_form = &form.form(), .metrics = all_metrics};
+        JudgeRequest request{.primitives = primitives, .file_form = &form.form(), .metrics = all_metrics};
         request.rows = {{&form.form(), row.format}};
         if (!only) request.by = 0;
         return judge::run_judge(*dump, request, {});

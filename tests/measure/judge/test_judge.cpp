@@ -1,5 +1,5 @@
-// The answers of a file measure as the form measures that gave them, and the truth of rays with solids of their own is
-// that of each alone.
+// The answers of a file measure as the form measures that gave them, and the truth of rays with primitives of their own
+// is that of each alone.
 #include "measure/judge/judge.hpp"
 
 #include <cmath>
@@ -29,7 +29,7 @@ namespace {
 /// The answers of these forms as a file, judged: what a map of the scene says of them.
 void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*> forms, const char* format) {
     const auto scene = test::scene_named(scene_id, std::pair{48, 40});
-    const std::vector<Solid<double>> solids = scene::rays::shared_solids(scene);
+    const std::vector<Primitive<double>> primitives = scene::rays::shared_primitives(scene);
     for (const char* name : forms) {
         INFO(scene_id << ": " << name);
         const evaluate::TestedForm row = test::row(name, format);
@@ -38,7 +38,7 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
         const scene::rays::RayBlock rays = scene::rays::make_shared_rays(scene, 0, scene.height);
         std::optional<intersect::MarchConstants<double>> march;
         if (scene.march) march = scene::file::round_march(*scene.march, binary32);
-        const truth::Band band(scene::rays::RayGroup{rays, solids, march});
+        const truth::Band band(scene::rays::RayGroup{rays, primitives, march});
         const auto answers = answer::evaluate(
             *row.form, band.inputs(row.format, {.unit_rays = row.form->info->direction == intersect::Direction::unit}));
         Columns columns = ray_columns(rays);
@@ -47,11 +47,11 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
         const scene::test::DumpFile file("a.bin", scene::test::as_bytes<double>(columns));
         const auto dump = scene::dump::open_dump(
             file.path(),
-            {.columns = columns.joined_names(":f64"), .format = row.format, .solid = solids.front().shape});
-        const judge::FileForm form("a", solids.front().shape, *row.form->info);
+            {.columns = columns.joined_names(":f64"), .format = row.format, .primitive = primitives.front().shape});
+        const judge::FileForm form("a", primitives.front().shape, *row.form->info);
         const JudgeResult result =
             judge::run_judge(*dump,
-                             {.solids = scene::rays::stored_beside_mesh(scene, row.format.parameters),
+                             {.primitives = scene::rays::stored_beside_mesh(scene, row.format.parameters),
                               .mesh = scene::rays::stored_mesh(scene, row.format.parameters),
                               .march = march,
                               .rows = {{&form.form(), row.format}, row},
@@ -82,21 +82,21 @@ scene::rays::RayGroup random_pairs(Shape shape, int count, std::uint64_t seed) {
     };
     scene::rays::RayGroup group;
     for (int i = 0; i < count; ++i) {
-        Solid<double> solid;
-        solid.shape = shape;
-        for (int k = 0; k < 3; ++k) solid.numbers[static_cast<std::size_t>(k)] = any(4);
-        for (std::size_t k = 3; k < solid.used().size(); ++k) {
+        Primitive<double> primitive;
+        primitive.shape = shape;
+        for (int k = 0; k < 3; ++k) primitive.numbers[static_cast<std::size_t>(k)] = any(4);
+        for (std::size_t k = 3; k < primitive.used().size(); ++k) {
             const double size = std::fabs(any(2)) + 0x1p-10;
-            solid.numbers[k] = shape == Shape::sphere ? size : static_cast<float>(solid.numbers[k - 3] + size);
+            primitive.numbers[k] = shape == Shape::sphere ? size : static_cast<float>(primitive.numbers[k - 3] + size);
         }
         const Vec<double> o(any(10), any(10), any(10));
         Vec<double> d;
         for (int k = 0; k < 3; ++k)
-            d[k] = static_cast<float>(solid.numbers[static_cast<std::size_t>(k)] + any(1.2) - o[k]);
+            d[k] = static_cast<float>(primitive.numbers[static_cast<std::size_t>(k)] + any(1.2) - o[k]);
         if (random.index(8) == 0) d[random.index(3)] = 0;
         if (d.x == 0 && d.y == 0 && d.z == 0) d.x = 1;
         group.rays.push({o, d});
-        group.solids.push_back(solid);
+        group.primitives.push_back(primitive);
         if (shape == Shape::box) group.rays.tmax.push_back(random.index(3) == 0 ? std::fabs(any(2)) : HUGE_VAL);
     }
     group.rays.width = count;
@@ -111,7 +111,7 @@ Columns columns_of_pairs(const scene::rays::RayGroup& group) {
     const char* const names[] = {"cx", "cy", "cz", "radius"};
     for (std::size_t k = 0; k < 4; ++k) {
         std::vector<double> column;
-        for (const Solid<double>& solid : group.solids) column.push_back(solid.numbers[k]);
+        for (const Primitive<double>& primitive : group.primitives) column.push_back(primitive.numbers[k]);
         columns.add(names[k], column);
     }
     return columns;
@@ -133,51 +133,52 @@ TEST_CASE("the answers of a form in a file measure as the form does in a map") {
 
 TEST_CASE("primitives of any kinds that are met at one t own the hit together") {
     // The ray goes down along z from 9. All but the last are met at z = 2, which is t = 7.
-    const std::vector<Solid<double>> solids{Sphere<double>{{0, 0, 0}, 2},
-                                            Box<double>{{-1, -1, -1}, {1, 1, 2}},
-                                            Triangle<double>{{-1, -1, 2}, {2, -1, 2}, {-1, 2, 2}},
-                                            Sphere<double>{{0, 0, 1}, 1},
-                                            Sphere<double>{{0, 0, 0}, 2},
-                                            Cylinder<double>{{0, 0, -3}, {0, 0, 2}, 1},
-                                            Disc<double>{{0, 0, 2}, {0, 0, 1}, 1, 0},
-                                            Plane<double>{{5, 5, 2}, {0, 0, 3}},
-                                            Capsule<double>{{0, 0, -1}, {0, 0, 1}, 1},
-                                            Ellipsoid<double>{{0, 0, 0}, {1, 3, 2}},
-                                            Sphere<double>{{0, 0, 0}, 1.9999999}};
-    const auto last = static_cast<double>(solids.size() - 1);
+    const std::vector<Primitive<double>> primitives{Sphere<double>{{0, 0, 0}, 2},
+                                                    Box<double>{{-1, -1, -1}, {1, 1, 2}},
+                                                    Triangle<double>{{-1, -1, 2}, {2, -1, 2}, {-1, 2, 2}},
+                                                    Sphere<double>{{0, 0, 1}, 1},
+                                                    Sphere<double>{{0, 0, 0}, 2},
+                                                    Cylinder<double>{{0, 0, -3}, {0, 0, 2}, 1},
+                                                    Disc<double>{{0, 0, 2}, {0, 0, 1}, 1, 0},
+                                                    Plane<double>{{5, 5, 2}, {0, 0, 3}},
+                                                    Capsule<double>{{0, 0, -1}, {0, 0, 1}, 1},
+                                                    Ellipsoid<double>{{0, 0, 0}, {1, 3, 2}},
+                                                    Sphere<double>{{0, 0, 0}, 1.9999999}};
+    const auto last = static_cast<double>(primitives.size() - 1);
     Columns columns;
-    for (const char* const name : {"ox", "oy", "dx", "dy"}) columns.add(name, std::vector<double>(solids.size(), 0));
-    columns.add("oz", std::vector<double>(solids.size(), 9));
-    columns.add("dz", std::vector<double>(solids.size(), -1));
-    columns.add("t", std::vector<double>(solids.size(), 7));
+    for (const char* const name : {"ox", "oy", "dx", "dy"})
+        columns.add(name, std::vector<double>(primitives.size(), 0));
+    columns.add("oz", std::vector<double>(primitives.size(), 9));
+    columns.add("dz", std::vector<double>(primitives.size(), -1));
+    columns.add("t", std::vector<double>(primitives.size(), 7));
     std::vector<double> objects;
     for (double k = 0; k <= last; ++k) objects.push_back(k);
     columns.add("object", objects);
     const scene::test::DumpFile file("a.bin", scene::test::as_bytes<double>(columns));
     const auto open = [&] {
         return scene::dump::open_dump(file.path(),
-                                      {.columns = columns.joined_names(":f64"), .solid = solids.front().shape});
+                                      {.columns = columns.joined_names(":f64"), .primitive = primitives.front().shape});
     };
     const judge::FileForm form("a", Shape::sphere, {});
-    JudgeRequest request{.solids = solids, .file_form = &form.form(), .metrics = all_metrics};
+    JudgeRequest request{.primitives = primitives, .file_form = &form.form(), .metrics = all_metrics};
     request.rows = {{&form.form(), *find_format("f64")}};
     const auto outcomes_are_right = [&](std::size_t, const scene::dump::Chunk&, const evaluate::BandResult& result) {
-        for (std::size_t i = 0; i < solids.size(); ++i) {
+        for (std::size_t i = 0; i < primitives.size(); ++i) {
             INFO(i);
             CHECK(result.outcomes[i] ==
-                  (static_cast<double>(i) < last ? answer::Outcome::agree_hit : answer::Outcome::wrong_object));
+                  (static_cast<double>(i) < last ? answer::Outcome::agree_hit : answer::Outcome::wrong_primitive));
         }
     };
     judge::run_judge(*open(), request, outcomes_are_right);
 
     // A primitive that is not there is refused, in its place.
-    request.solids.pop_back();
+    request.primitives.pop_back();
     CHECK_THROWS_WITH(judge::run_judge(*open(), request, {}),
                       Catch::Contains("record 11") && Catch::Contains("object is 10; there are 10 primitives, numbered "
                                                                       "from 0 to 9"));
 }
 
-TEST_CASE("a ray with a solid of its own has the truth of those two, and every form answers about them") {
+TEST_CASE("a ray with a primitive of its own has the truth of those two, and every form answers about them") {
     for (const Shape shape : {Shape::sphere, Shape::box}) {
         const auto count = static_cast<int>(lostbits::test::draws(50000));
         const scene::rays::RayGroup group = random_pairs(shape, count, 3);
@@ -187,7 +188,7 @@ TEST_CASE("a ray with a solid of its own has the truth of those two, and every f
              {intersect::Convention{}, intersect::Convention{intersect::Touching::miss}}) {
             for (std::size_t i = 0; i < group.rays.size(); ++i) {
                 const truth::Truth alone =
-                    truth::find_truth(group.rays[i], group.solids[i], {}, convention, group.rays.range(i));
+                    truth::find_truth(group.rays[i], group.primitives[i], {}, convention, group.rays.range(i));
                 const truth::Truth& found = band.truth(i, convention);
                 REQUIRE(found.decision == alone.decision);
                 REQUIRE(found.object == (alone.is_hit() ? static_cast<int>(i) : -1));
@@ -205,7 +206,7 @@ TEST_CASE("a ray with a solid of its own has the truth of those two, and every f
                 for (std::size_t i = 0; i < few; i += 1 + i / 20) {
                     scene::rays::RayGroup one = scene::rays::group_of(group.rays[i]);
                     if (!group.rays.tmax.empty()) one.rays.tmax = {group.rays.tmax[i]};
-                    one.solids = {group.solids[i]};
+                    one.primitives = {group.primitives[i]};
                     const truth::Band alone(one);
                     const auto answers = answer::evaluate(*row.form, alone.inputs(row.format, {.unit_rays = true}));
                     REQUIRE(answers.hit[0] == together.hit[i]);
@@ -281,8 +282,8 @@ TEST_CASE("the answers of a file are judged as those of the form, and the worst 
         if (k < 10) CHECK(std::fabs(noted[k].ulps) == Approx(errors[k]).epsilon(1e-9));
         const auto& given = *noted[k].given;
         CHECK(given.rays.ox[0] == group.rays.ox[noted[k].place]);
-        CHECK(given.solids.size() == 1);
-        CHECK(given.solids[0].numbers == group.solids[noted[k].place].numbers);
+        CHECK(given.primitives.size() == 1);
+        CHECK(given.primitives[0].numbers == group.primitives[noted[k].place].numbers);
     }
     CHECK(s.worst.x == static_cast<int>(noted[0].place));
     CHECK(s.worst.object == s.worst.x);
@@ -297,7 +298,7 @@ TEST_CASE("decisions without a t have outcomes and no errors") {
         const Ray<double> ray = group.rays[i];
         for (const Vec<double>& v : {ray.origin, ray.direction})
             for (int k = 0; k < 3; ++k) text += output::file::decimal(v[k]) + ",";
-        for (const double x : group.solids[i].used()) text += output::file::decimal(x) + ",";
+        for (const double x : group.primitives[i].used()) text += output::file::decimal(x) + ",";
         const bool lie = i % 10 == 3;
         wrong += lie;
         text += (band.truth(i, {}).is_hit() != lie) ? "1\n" : "0\n";
@@ -323,17 +324,17 @@ TEST_CASE("of equal errors and of wrong decisions the first are kept") {
     std::string text = "ox,oy,oz,dx,dy,dz,hit,t\n";
     for (int i = 0; i < 30; ++i) text += i % 3 == 2 ? "0,0,-5,0,0,1,0,\n" : "0,0,-5,0,0,1,1,4.5\n";
     const scene::test::DumpFile file("a.csv", text);
-    const auto dump = scene::dump::open_dump(file.path(), {.solid = Shape::sphere});
+    const auto dump = scene::dump::open_dump(file.path(), {.primitive = Shape::sphere});
     const judge::FileForm form("a", Shape::sphere, intersect::Info{});
     judge::WorstRays worst(5, 1);
     judge::run_judge(*dump,
-                     {.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, 1})},
+                     {.primitives = {Primitive<double>(Sphere<double>{{0, 0, 0}, 1})},
                       .rows = {{&form.form(), dump->format()}},
                       .file_form = &form.form(),
                       .metrics = all_metrics},
                      kept_in(worst));
     std::vector<std::uint64_t> places;
-    for (const judge::NotedRay& ray : worst.all()) places.push_back(ray.place);
+    for (const judge::ReportedRay& ray : worst.all()) places.push_back(ray.place);
     CHECK(places == std::vector<std::uint64_t>{0, 1, 3, 4, 6, 2, 5, 8, 11, 14});
 }
 

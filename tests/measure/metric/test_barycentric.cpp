@@ -14,7 +14,7 @@
 namespace lostbits::test::test_barycentric {
 
 using intersect::triangle::TriangleForms;
-using measure::blame::Blame;
+using measure::attribution::RayAttribution;
 using measure::metric::find_metric;
 using measure::metric::Sample;
 
@@ -37,8 +37,8 @@ Tape tape_of(const TriangleSample& s) {
 }
 
 /// One triangle of the plane z = 0 and what a form tells of the ray's weights, w of a, u of b, v of c.
-struct Told {
-    explicit Told(double w, double u, double v) {
+struct AnsweredHit {
+    explicit AnsweredHit(double w, double u, double v) {
         for (const auto& [name, x] : {std::pair("w", w), {"u", u}, {"v", v}}) {
             const NodeId one = tape.add(TapeOp::constant, binary32, 1);
             tape.name(tape.add(TapeOp::mul, binary32, x, {one, one}), name);
@@ -47,13 +47,13 @@ struct Told {
     Tape tape;
     Format format = *find_format("f32");
     Ray<double> ray{{0.25, 0.5, 3}, {0, 0, -1}};  // weights 1/4, 1/4, 1/2
-    Solid<double> solid = Solid<double>(Triangle<double>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
-    Blame blame{};
+    Primitive<double> primitive = Primitive<double>(Triangle<double>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+    RayAttribution blame{};
 
     [[nodiscard]] double of(double (*metric)(const Sample&)) {
         blame.tape = &tape;
-        return metric(
-            Sample{.format = &format, .ray = &ray, .solid = &solid, .blame = &blame, .weights = {"w", "u", "v"}});
+        return metric(Sample{
+            .format = &format, .ray = &ray, .primitive = &primitive, .blame = &blame, .weights = {"w", "u", "v"}});
     }
 };
 
@@ -62,11 +62,12 @@ struct Told {
 TEST_CASE("the error of weights is the one that fractions say, of every form", "[metric][triangle]") {
     const Format format = *find_format("f32");
     std::map<std::string_view, int> asked, wrong, exact;
-    for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleFamily& family, const TriangleSample& s) {
+    for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleDistribution& distribution,
+                                                         const TriangleSample& s) {
         const TriangleAnswer right = answer_of(s);
         if (!right.meets()) return;
         const std::array<Rational, 3> weights{right.u, right.v, right.w};
-        const Solid<double> solid(s.triangle);
+        const Primitive<double> primitive(s.triangle);
         TriangleForms::for_each([&]<class Form>() {
             const Tape tape = tape_of<Form>(s);
             Rational most(0);
@@ -78,16 +79,19 @@ TEST_CASE("the error of weights is the one that fractions say, of every form", "
                 finite = finite && std::isfinite(node->value);
                 if (finite) most = std::max(most, Rational(abs(Rational(node->value) - weights[k])));
             }
-            const Blame blame{.tape = &tape};
-            const double error = barycentric_error(Sample{
-                .format = &format, .ray = &s.ray, .solid = &solid, .blame = &blame, .weights = Form::info.weights});
+            const RayAttribution blame{.tape = &tape};
+            const double error = barycentric_error(Sample{.format = &format,
+                                                          .ray = &s.ray,
+                                                          .primitive = &primitive,
+                                                          .blame = &blame,
+                                                          .weights = Form::info.weights});
             ++asked[Form::info.name], exact[Form::info.name] += error == 0;
             const double truly = most.convert_to<double>() * 0x1p24;
             const bool same = !any      ? std::isnan(error)
                               : !finite ? error == HUGE_VAL
                                         : std::fabs(error - truly) <= 0x1p-30 * truly + 0x1p-60;
             if (!same && wrong[Form::info.name]++ == 0)
-                UNSCOPED_INFO(Form::info.name << ", " << family.name << ": " << error << ", and not " << truly);
+                UNSCOPED_INFO(Form::info.name << ", " << distribution.name << ": " << error << ", and not " << truly);
         });
     });
     for (const auto& [name, count] : asked) {
@@ -98,31 +102,31 @@ TEST_CASE("the error of weights is the one that fractions say, of every form", "
 }
 
 TEST_CASE("weights that are right have no error, and one that is no number an infinite one", "[metric][triangle]") {
-    CHECK(Told(0.25, 0.25, 0.5).of(barycentric_error) == 0);
-    CHECK(Told(0.25, 0.25, 0.5).of(barycentric_sum) == 0);
-    CHECK(Told(0.25, 0.25, 0.5 + 0x1p-24).of(barycentric_error) == 1);
-    CHECK(Told(0.25 - 0x1p-20, 0.25, 0.5).of(barycentric_error) == 16);
-    CHECK(Told(0.25 + 0x1p-24, 0.25, 0.5 + 0x1p-24).of(barycentric_sum) == 2);
-    CHECK(Told(0.25 - 0x1p-24, 0.25, 0.5 + 0x1p-24).of(barycentric_sum) == 0);
-    CHECK(Told(NAN, 0.25, 0.5).of(barycentric_error) == HUGE_VAL);
-    CHECK(Told(0.25, HUGE_VAL, 0.5).of(barycentric_sum) == HUGE_VAL);
-    Told placed(0.25, 0.25, 0.5);  // the same ray and triangle, moved and mirrored together
-    placed.solid.placed = placement_of(std::array<double, 12>{-2, 0, 0, 4, 0, 2, 0, 8, 0, 0, 2, 16});
+    CHECK(AnsweredHit(0.25, 0.25, 0.5).of(barycentric_error) == 0);
+    CHECK(AnsweredHit(0.25, 0.25, 0.5).of(barycentric_sum) == 0);
+    CHECK(AnsweredHit(0.25, 0.25, 0.5 + 0x1p-24).of(barycentric_error) == 1);
+    CHECK(AnsweredHit(0.25 - 0x1p-20, 0.25, 0.5).of(barycentric_error) == 16);
+    CHECK(AnsweredHit(0.25 + 0x1p-24, 0.25, 0.5 + 0x1p-24).of(barycentric_sum) == 2);
+    CHECK(AnsweredHit(0.25 - 0x1p-24, 0.25, 0.5 + 0x1p-24).of(barycentric_sum) == 0);
+    CHECK(AnsweredHit(NAN, 0.25, 0.5).of(barycentric_error) == HUGE_VAL);
+    CHECK(AnsweredHit(0.25, HUGE_VAL, 0.5).of(barycentric_sum) == HUGE_VAL);
+    AnsweredHit placed(0.25, 0.25, 0.5);  // the same ray and triangle, moved and mirrored together
+    placed.primitive.placed = placement_of(std::array<double, 12>{-2, 0, 0, 4, 0, 2, 0, 8, 0, 0, 2, 16});
     placed.ray = {{3.5, 9, 22}, {0, 0, -2}};
     CHECK(placed.of(barycentric_error) == 0);
-    Told ball(0.25, 0.25, 0.5);
-    ball.solid = Solid<double>(Sphere<double>{{0, 0, 0}, 1});
+    AnsweredHit ball(0.25, 0.25, 0.5);
+    ball.primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 1});
     CHECK(std::isnan(ball.of(barycentric_error)));
 }
 
 TEST_CASE("the normal of a triangle is off by what its edges lose", "[metric][triangle]") {
     const Format format = *find_format("f32");
     const auto error = [&](const Triangle<double>& triangle) {
-        const Solid<double> solid(triangle);
+        const Primitive<double> primitive(triangle);
         const Ray<double> ray{{0.25, 0.25, 5}, {0, 0, -1}};
         const auto truth = measure::truth::certified(5, 0, 0);
         return measure::metric::normal_error(
-            Sample{.t = 5, .format = &format, .truth = &truth, .ray = &ray, .solid = &solid});
+            Sample{.t = 5, .format = &format, .truth = &truth, .ray = &ray, .primitive = &primitive});
     };
     CHECK(error({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}) == 0);
     // b − a = (2^24 + 1, 0, 0) rounds and keeps its direction; (1, 0, 2^24 + 1) loses its 1.

@@ -3,7 +3,7 @@
 
 #include "catch.hpp"
 #include "counts.hpp"
-#include "measure/blame/recorded_rays.hpp"
+#include "measure/attribution/recorded_rays.hpp"
 #include "measure/metric/metrics.hpp"
 #include "measure/stability/stability.hpp"
 #include "measure/truth/conditioning.hpp"
@@ -18,8 +18,8 @@ using measure::stability::is_wrong_root;
 
 namespace {
 
-bool is_wrong(const Solid<double>& solid, const Ray<double>& ray, double exact, double t) {
-    return is_wrong_root(ray, solid, measure::truth::exactly(exact), t);
+bool is_wrong(const Primitive<double>& primitive, const Ray<double>& ray, double exact, double t) {
+    return is_wrong_root(ray, primitive, measure::truth::exactly(exact), t);
 }
 
 const Intersector& form_named(std::string_view name) {
@@ -41,7 +41,7 @@ void compare_derivatives() {
             const D x = input(v.x), y = input(v.y), z = input(v.z);
             return Vec<D>(x, y, z);
         };
-        const Sphere<double> at = s.solids.front().sphere();
+        const Sphere<double> at = s.primitives.front().sphere();
         const Vec<D> o = vec(s.ray.origin), d = vec(s.ray.direction), c = vec(at.centre);
         const Hit<D> hit = Form::template intersect<D>(Ray<D>{o, d}, Sphere<D>{c, input(at.radius)});
         if (!hit.hit) continue;
@@ -58,19 +58,19 @@ void compare_derivatives() {
 
 double derivative_error(const Intersector& form, const char* format, const Setting& s) {
     const Format in = *find_format(format);
-    measure::blame::Blamer blamer(form, in, {}, false);
-    const auto blame = blamer.of(s.ray, s.target(form));
+    measure::attribution::Attributor attributor(form, in, {}, false);
+    const auto blame = attributor.of(s.ray, s.target(form));
     return measure::metric::find_metric("derivative_error")
         ->value({.format = &in,
                  .ray = &s.ray,
-                 .solid = &s.solids.front(),
+                 .primitive = &s.primitives.front(),
                  .blame = &blame,
                  .direction = form.info->direction});
 }
 
 }  // namespace
 
-TEST_CASE("a wrong root is another crossing of the same solid, ahead or behind, and noise is none",
+TEST_CASE("a wrong root is another crossing of the same primitive, ahead or behind, and noise is none",
           "[measure][metric]") {
     Random random(11);
     for (int i = 0; i < 2000; ++i) {
@@ -99,11 +99,11 @@ TEST_CASE("a wrong root is another crossing of the same solid, ahead or behind, 
 TEST_CASE("an error at t* = 0 is measured by the size of the problem", "[measure][metric]") {
     const Format in = *find_format("f32");
     const Ray<double> ray{{3, 4, 0}, {-2, 0, 0}};
-    const Solid<double> sphere = Sphere<double>{{0, 0, 0}, 5};
+    const Primitive<double> sphere = Sphere<double>{{0, 0, 0}, 5};
     const auto error = [&](double t, double exact) {
         const auto truth = measure::truth::exactly(exact);
         return measure::metric::find_metric("error_at_zero")
-            ->value({.t = t, .format = &in, .truth = &truth, .ray = &ray, .solid = &sphere});
+            ->value({.t = t, .format = &in, .truth = &truth, .ray = &ray, .primitive = &sphere});
     };
     CHECK(error(0, 0) == 0);
     CHECK(error(0x1p-20, 0) == Approx(2 * 0x1p-20 / 5 * 0x1p24));
@@ -112,7 +112,7 @@ TEST_CASE("an error at t* = 0 is measured by the size of the problem", "[measure
 
 TEST_CASE("there is no gradient at a tangent, of a miss, or from inside of a box", "[measure][metric]") {
     const Ray<double> ray{{-8, 3, 0}, {1, 0, 0}};
-    const Solid<double> sphere = Sphere<double>{{0, 0, 0}, 5};
+    const Primitive<double> sphere = Sphere<double>{{0, 0, 0}, 5};
     CHECK(measure::truth::gradient(ray, sphere).size() == 10);
     CHECK(measure::truth::gradient({{-8, 5, 0}, {1, 0, 0}}, sphere).empty());
     CHECK(measure::truth::gradient({{-8, 6, 0}, {1, 0, 0}}, sphere).empty());

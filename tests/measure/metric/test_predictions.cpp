@@ -4,16 +4,16 @@
 #include <string_view>
 
 #include "catch.hpp"
-#include "measure/blame/recorded_rays.hpp"
+#include "measure/attribution/recorded_rays.hpp"
 #include "measure/metric/metrics.hpp"
 #include "measure/stability/stability.hpp"
 
 namespace lostbits::test::test_predictions {
 
 using measure::answer::Outcome;
-using measure::blame::attribute;
-using measure::blame::Attribution;
-using measure::blame::Blame;
+using measure::attribution::attribute;
+using measure::attribution::Attribution;
+using measure::attribution::RayAttribution;
 using measure::stability::RandomRuns;
 using measure::stability::statistical_bound;
 
@@ -24,11 +24,11 @@ struct Explained {
     Tape tape;
     Format format;
     Attribution attribution;
-    Blame blame;
+    RayAttribution blame;
     Outcome outcome = Outcome::agree_hit;
 
     Explained(Tape of, const Format& in)
-        : tape(std::move(of)), format(in), attribution(measure::blame::attribute(tape)) {
+        : tape(std::move(of)), format(in), attribution(measure::attribution::attribute(tape)) {
         const double exact = attribution.of[static_cast<std::size_t>(tape.outputs.t)].exact;
         blame = {.tape = &tape,
                  .attribution = &attribution,

@@ -7,15 +7,16 @@ namespace lostbits::test::test_residual {
 
 namespace {
 
-double residual(const Solid<double>& solid, const Ray<double>& ray, double t, const char* format = "f64") {
+double residual(const Primitive<double>& primitive, const Ray<double>& ray, double t, const char* format = "f64") {
     const Format in = find_format(format).value();
-    return measure::metric::find_metric("residual")->value({.t = t, .format = &in, .ray = &ray, .solid = &solid});
+    return measure::metric::find_metric("residual")
+        ->value({.t = t, .format = &in, .ray = &ray, .primitive = &primitive});
 }
 
 }  // namespace
 
 TEST_CASE("residual of a sphere: (|P - G| - r)/r, negative inside", "[measure][metric]") {
-    const Solid<double> sphere(Sphere<double>{{1, 0, 0}, 2});
+    const Primitive<double> sphere(Sphere<double>{{1, 0, 0}, 2});
     const Ray<double> ray{{-3, 0, 0}, {1, 0, 0}};
     CHECK(residual(sphere, ray, 2) == 0);
     CHECK(residual(sphere, ray, 1) == 0.5);                        // P = (−2, 0, 0), 3 from the centre
@@ -25,7 +26,7 @@ TEST_CASE("residual of a sphere: (|P - G| - r)/r, negative inside", "[measure][m
 
 TEST_CASE("residual of a box: the largest of lo - P and P - hi, in longest sides, negative inside",
           "[measure][metric]") {
-    const Solid<double> box(Box<double>{{0, 0, 0}, {4, 2, 1}});
+    const Primitive<double> box(Box<double>{{0, 0, 0}, {4, 2, 1}});
     const Ray<double> ray{{-1, 1, 0.5}, {1, 0, 0}};
     CHECK(residual(box, ray, 1) == 0);                              // in the face x = 0, inside of the other slabs
     CHECK(residual(box, ray, 0.25) == 0.75 / 4);                    // 0.75 short of it
@@ -36,12 +37,13 @@ TEST_CASE("residual of a box: the largest of lo - P and P - hi, in longest sides
     // Beside a corner it is the largest of 3, 4 and 1 beyond, and not the distance √26.
     CHECK(residual(box, {{0, 0, 0}, {-3, 6, 2}}, 1) == 4.0 / 4);
     // A box in the plane z = 0 has no inside; nor has a point a size.
-    CHECK(residual(Solid<double>(Box<double>{{0, 0, 0}, {4, 2, 0}}), {{1, 1, -3}, {0, 0, 1}}, 3) == 0);
-    CHECK_FALSE(std::isfinite(residual(Solid<double>(Box<double>{{1, 1, 1}, {1, 1, 1}}), {{1, 1, 0}, {0, 0, 1}}, 1)));
+    CHECK(residual(Primitive<double>(Box<double>{{0, 0, 0}, {4, 2, 0}}), {{1, 1, -3}, {0, 0, 1}}, 3) == 0);
+    CHECK_FALSE(
+        std::isfinite(residual(Primitive<double>(Box<double>{{1, 1, 1}, {1, 1, 1}}), {{1, 1, 0}, {0, 0, 1}}, 1)));
 }
 
 TEST_CASE("residual is of the point that the format computes, and tables have its magnitude", "[measure][metric]") {
-    const Solid<double> box(Box<double>{{256, 0, 0}, {320, 64, 64}});
+    const Primitive<double> box(Box<double>{{256, 0, 0}, {320, 64, 64}});
     const Ray<double> ray{{256, 32, 32}, {1, 0, 0}};
     CHECK(residual(box, ray, 1, "f32") == -1.0 / 64);
     CHECK(residual(box, ray, 1, "bf16") == 0);  // 257 takes nine bits, and bf16 has eight: a tie to 256
@@ -52,12 +54,13 @@ TEST_CASE("residual is of the point that the format computes, and tables have it
     CHECK(tabled.quantile(1) == 0.5);
 }
 
-TEST_CASE("the error of a normal is the angle to the one where the ray truly meets the solid", "[measure][metric]") {
-    const auto error = [](const Solid<double>& solid, const Ray<double>& ray, double t, double exact) {
+TEST_CASE("the error of a normal is the angle to the one where the ray truly meets the primitive",
+          "[measure][metric]") {
+    const auto error = [](const Primitive<double>& primitive, const Ray<double>& ray, double t, double exact) {
         const Format in = *find_format("f64");
         const measure::truth::Certified truth = measure::truth::exactly(exact);
         return measure::metric::find_metric("normal_error")
-            ->value({.t = t, .format = &in, .truth = &truth, .ray = &ray, .solid = &solid});
+            ->value({.t = t, .format = &in, .truth = &truth, .ray = &ray, .primitive = &primitive});
     };
     const Sphere<double> sphere{{0, 0, 0}, 5};
     const Ray<double> ray{{-8, 3, 0}, {1, 0, 0}};  // meets it at (-4, 3, 0), t = 4
@@ -71,9 +74,9 @@ TEST_CASE("a wrong decision is forgiven within u, and none that is right is look
     const Format in = *find_format("f32");
     const Ray<double> ray{{0, 0, 0}, {0, 0, 1}};
     const auto wrong = [&](double centre, measure::answer::Outcome outcome) {
-        const Solid<double> sphere = Sphere<double>{{centre, 0, 4}, 1};
+        const Primitive<double> sphere = Sphere<double>{{centre, 0, 4}, 1};
         return measure::metric::find_metric("wrong_decision")
-            ->value({.format = &in, .ray = &ray, .solid = &sphere, .outcome = outcome});
+            ->value({.format = &in, .ray = &ray, .primitive = &sphere, .outcome = outcome});
     };
     using measure::answer::Outcome;
     CHECK(wrong(1 - 0x1p-20, Outcome::false_miss) == 2);  // 2^-21 of centre and radius: 8 u

@@ -1,4 +1,4 @@
-// What an exact half-line does with a solid, in rationals: a second opinion that shares no code with the first.
+// What an exact half-line does with a primitive, in rationals: a second opinion that shares no code with the first.
 #pragma once
 
 #include "intersect/exact.hpp"
@@ -12,16 +12,16 @@ struct ExactMeeting {
 
 /// From the definition: inner points of a sphere have |o + t w − G|² < r², a parabola in t; those of a box lie strictly
 /// between its planes.
-inline ExactMeeting exact_meeting(const measure::offset::HalfLine& line, const Solid<double>& solid) {
+inline ExactMeeting exact_meeting(const measure::offset::HalfLine& line, const Primitive<double>& primitive) {
     Rational q[3], w[3];
     for (int i = 0; i < 3; ++i) {
         w[i] = Rational(line.ray.direction[i]);
         q[i] = Rational(line.ray.origin[i]) + Rational(line.from) * w[i];
     }
-    if (solid.shape == Shape::sphere) {
-        Rational a = 0, half_b = 0, c = -Rational(solid.numbers[3]) * Rational(solid.numbers[3]);
+    if (primitive.shape == Shape::sphere) {
+        Rational a = 0, half_b = 0, c = -Rational(primitive.numbers[3]) * Rational(primitive.numbers[3]);
         for (int i = 0; i < 3; ++i) {
-            const Rational f = q[i] - Rational(solid.numbers[static_cast<std::size_t>(i)]);
+            const Rational f = q[i] - Rational(primitive.numbers[static_cast<std::size_t>(i)]);
             a += w[i] * w[i];
             half_b += f * w[i];
             c += f * f;
@@ -33,7 +33,7 @@ inline ExactMeeting exact_meeting(const measure::offset::HalfLine& line, const S
     bool inside = true, outside = false, any = true;
     Rational from = 0, to = -1;  // t > from, and t < to unless to < 0
     for (std::size_t i = 0; i < 3; ++i) {
-        const Rational lo(solid.numbers[i]), hi(solid.numbers[i + 3]);
+        const Rational lo(primitive.numbers[i]), hi(primitive.numbers[i + 3]);
         inside = inside && q[i] > lo && q[i] < hi;
         outside = outside || q[i] < lo || q[i] > hi;
         if (w[i] == 0) {

@@ -18,20 +18,20 @@ using test::row;
 
 namespace {
 
-const Solid<double> ring(Torus<double>{{0, 0, 0}, {0, 0, 1}, 139, 40});
-const Solid<double> pipe(Tube<double>{{0, 0, -4}, {0, 0, 4}, 1});
+const Primitive<double> ring(Torus<double>{{0, 0, 0}, {0, 0, 1}, 139, 40});
+const Primitive<double> pipe(Tube<double>{{0, 0, -4}, {0, 0, 4}, 1});
 
 /// Everything that is measured where a form meets one primitive.
 struct Measured {
     std::array<SideOfPoint, 2> sides;
     std::vector<StrategyAtPoint> at = std::vector<StrategyAtPoint>(2 * all_strategies().size());
 
-    Measured(std::string_view form, const char* format, const Solid<double>& solid, const Ray<double>& ray, double t,
-             const std::optional<Vec<double>>& light = std::nullopt) {
+    Measured(std::string_view form, const char* format, const Primitive<double>& primitive, const Ray<double>& ray,
+             double t, const std::optional<Vec<double>>& light = std::nullopt) {
         const measure::evaluate::TestedForm of = row(form, format);
-        const std::vector<Solid<double>> solids{solid};
+        const std::vector<Primitive<double>> primitives{primitive};
         const auto strategies = all_strategies();
-        const PointWork work(of, HitPoint::computed, solids, light, strategies);
+        const PointWork work(of, HitPoint::computed, primitives, light, strategies);
         REQUIRE(work.measure({ray, t, 0}, sides, at));
     }
     [[nodiscard]] const SideOfPoint& on(Side side) const { return sides[static_cast<std::size_t>(side)]; }
@@ -124,8 +124,8 @@ TEST_CASE("offsets: the next wall of a tube is across it, between the rims", "[m
     CHECK(meets_before({{{1, 0, 0}, {-3, 4, 0}}, 0}, 0.25, pipe));
     CHECK_FALSE(meets_before({{{1, 0, 0}, {-3, 4, 0}}, 0}, 0.23, pipe));
     CHECK_FALSE(meets_before({{{1, 0, 0}, {-3, 4, 0}}, 0.5}, 0.25, pipe));
-    CHECK(far_side({{1, 0, 0}, {-1, 0, 0}}, Solid<double>(Sphere<double>{{0, 0, 0}, 1})) == FarSide{});
-    CHECK(far_side({{0, 0, 0}, {0, 0, 1}}, Solid<double>(Disc<double>{{0, 0, 0}, {0, 0, 1}, 1, 0})) == FarSide{});
+    CHECK(far_side({{1, 0, 0}, {-1, 0, 0}}, Primitive<double>(Sphere<double>{{0, 0, 0}, 1})) == FarSide{});
+    CHECK(far_side({{0, 0, 0}, {0, 0, 1}}, Primitive<double>(Disc<double>{{0, 0, 0}, {0, 0, 1}, 1, 0})) == FarSide{});
 }
 
 TEST_CASE("offsets: the far wall of a torus is a true hit, and to leave out the torus loses it", "[measure][offset]") {
@@ -158,7 +158,7 @@ TEST_CASE("offsets: within a tube the next wall is a true hit, and on either sid
         CHECK(m.by("offset.exclude", Side::inside).bad == 0);  // out of the tube nothing of it lies ahead
     }
     // A pipe that is thinner than the move across it: the new origin is past the other wall.
-    const Solid<double> hair(Tube<double>{{0, 0, -4}, {0, 0, 4}, 0x1p-12});
+    const Primitive<double> hair(Tube<double>{{0, 0, -4}, {0, 0, 4}, 0x1p-12});
     const Measured past("tube.framed", "f64", hair, {{0, 0, 0}, {1, 0, 0}}, 0x1p-12);
     CHECK(past.by("offset.epsilon", Side::outside)[Fault::lost_occluder] > 0);
     CHECK(past.by("offset.bound", Side::outside).bad == 0);
@@ -194,11 +194,11 @@ TEST_CASE("offsets: a far wall that only the moved ray meets is no self-hit", "[
 TEST_CASE("offsets: a way out that t_min skips is lost, even where the ray begins in the ring again",
           "[measure][offset]") {
     // From the outer rim to the axis: out after 2^-11, in again after 2^-10, out after 3/2 of that.
-    const Solid<double> small(Torus<double>{{0, 0, 0}, {0, 0, 1}, 0x1p-11, 0x1p-12});
-    const std::vector<Solid<double>> solids{small};
+    const Primitive<double> small(Torus<double>{{0, 0, 0}, {0, 0, 1}, 0x1p-11, 0x1p-12});
+    const std::vector<Primitive<double>> primitives{small};
     const measure::evaluate::TestedForm of = row("torus.closest_approach", "f64");
     const auto strategies = all_strategies();
-    const PointWork work(of, HitPoint::computed, solids, std::nullopt, strategies);
+    const PointWork work(of, HitPoint::computed, primitives, std::nullopt, strategies);
     const double rim = 0x1p-11 + 0x1p-12;
     const auto tmin = std::ranges::find(strategies, "offset.tmin", &Strategy::name);
     bool asked = false;
@@ -213,13 +213,13 @@ TEST_CASE("offsets: a way out that t_min skips is lost, even where the ray begin
 
 TEST_CASE("offsets: a flat piece is left to either side, and not asking it is right", "[measure][offset]") {
     const Ray<double> down{{0.25, 0.125, 3}, {0, 0, -1}};
-    const std::pair<const char*, Solid<double>> flat[] = {
-        {"disc.framed", Solid<double>(Disc<double>{{0, 0, 0}, {0, 0, 1}, 1, 0})},
-        {"plane.quotient", Solid<double>(Plane<double>{{0, 0, 0}, {0, 0, 1}})},
-        {"triangle.moller_trumbore", Solid<double>(Triangle<double>{{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}})}};
-    for (const auto& [form, solid] : flat) {
+    const std::pair<const char*, Primitive<double>> flat[] = {
+        {"disc.framed", Primitive<double>(Disc<double>{{0, 0, 0}, {0, 0, 1}, 1, 0})},
+        {"plane.quotient", Primitive<double>(Plane<double>{{0, 0, 0}, {0, 0, 1}})},
+        {"triangle.moller_trumbore", Primitive<double>(Triangle<double>{{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}})}};
+    for (const auto& [form, primitive] : flat) {
         for (const double t : {3.0, 3.0 - 0x1p-20, 3.0 + 0x1p-20}) {
-            const Measured m(form, "f32", solid, down, t);
+            const Measured m(form, "f32", primitive, down, t);
             for (const Side side : both_sides) {
                 CAPTURE(form, t, name_of(side));
                 CHECK(m.by("offset.exclude", side).bad == 0);

@@ -16,11 +16,11 @@ using test::Seeded;
 
 namespace {
 
-/// Solids and half-lines that start within some units in the last place of a surface, exactly on it, or anywhere; into,
-/// out of and along it.
+/// Primitives and half-lines that start within some units in the last place of a surface, exactly on it, or anywhere;
+/// into, out of and along it.
 struct Hostile {
     HalfLine line;
-    Solid<double> solid;
+    Primitive<double> primitive;
 };
 
 Hostile hostile(Seeded& random, bool box, const FloatFormat& format) {
@@ -31,13 +31,13 @@ Hostile hostile(Seeded& random, bool box, const FloatFormat& format) {
     Vec<double> n = random.vec(-1, 1);
     if (box) {
         const Vec<double> half = stored(Vec<double>(random.magnitude(-3, 3), random.magnitude(-10, 3), size));
-        h.solid = Solid<double>(Box<double>{stored(centre - half), stored(centre + half)});
+        h.primitive = Primitive<double>(Box<double>{stored(centre - half), stored(centre + half)});
     }
     const double long_n = length(n);
     n = Vec<double>(n.x / long_n, n.y / long_n, n.z / long_n);
     Vec<double> p = stored(centre + size * n);
     if (box) {
-        const Box<double> b = h.solid.box();
+        const Box<double> b = h.primitive.box();
         for (int i = 0; i < 3; ++i) p[i] = test::stored(random.uniform(b.lo[i], b.hi[i]), format);
         const int axis = random.index(3);
         p[axis] = random.coin() ? b.lo[axis] : b.hi[axis];
@@ -64,8 +64,8 @@ TEST_CASE("half-lines: the enclosures and rationals say the same", "[measure][of
         for (int k = 0; k < 40000; ++k) {
             const Hostile h = hostile(random, k % 2 == 1, format);
             if (!h.line.is_proper()) continue;
-            const Meeting met = find_meeting(h.line, h.solid);
-            const auto exact = test::exact_meeting(h.line, h.solid);
+            const Meeting met = find_meeting(h.line, h.primitive);
+            const auto exact = test::exact_meeting(h.line, h.primitive);
             INFO(k);
             REQUIRE(met.inside == exact.inside);
             REQUIRE(met.outside == exact.outside);
@@ -76,9 +76,9 @@ TEST_CASE("half-lines: the enclosures and rationals say the same", "[measure][of
     for (const int n : kinds) CHECK(n > 500);  // inside, on the surface, entering, missing
 }
 
-TEST_CASE("the way between two points goes through a solid or not", "[measure][offset]") {
+TEST_CASE("the way between two points goes through a primitive or not", "[measure][offset]") {
     using measure::offset::passes_through;
-    const Solid<double> unit(Sphere<double>{{0, 0, 0}, 1}), pane(Box<double>{{-1, -1, 0}, {1, 1, 0x1p-40}});
+    const Primitive<double> unit(Sphere<double>{{0, 0, 0}, 1}), pane(Box<double>{{-1, -1, 0}, {1, 1, 0x1p-40}});
     CHECK(passes_through({-2, 0, 0}, {2, 0, 0}, unit));
     CHECK_FALSE(passes_through({-2, 0, 0}, {-1, 0, 0}, unit));  // ends on the surface
     CHECK(passes_through({-2, 0, 0}, {-0x1.fffffffffffffp-1, 0, 0}, unit));
@@ -134,7 +134,7 @@ TEST_CASE("bisection finds the least float that is enough, and says where none i
     }
 }
 
-TEST_CASE("half-lines meet a solid under a matrix where they meet the one whose numbers were moved",
+TEST_CASE("half-lines meet a primitive under a matrix where they meet the one whose numbers were moved",
           "[measure][offset]") {
     // A quarter turn about z, a doubling and a shift: no number is rounded.
     const Vec<double> shift(16, -32, 8);
@@ -148,7 +148,7 @@ TEST_CASE("half-lines meet a solid under a matrix where they meet the one whose 
             Vec<double> w(small(), small(), small());
             if (w == Vec<double>(0, 0, 0)) w.x = 1;
             const double r = std::max(0.25, std::fabs(small()));
-            Solid<double> placed(Sphere<double>{centre, r}), moved(Sphere<double>{turned(centre) + shift, 2 * r});
+            Primitive<double> placed(Sphere<double>{centre, r}), moved(Sphere<double>{turned(centre) + shift, 2 * r});
             placed.placed = Placement<double>{{0, -2, 0, 16, 2, 0, 0, -32, 0, 0, 2, 8}, false, 1};
             if (inverse) placed.placed = Placement<double>{{0, 0.5, 0, 16, -0.5, 0, 0, 8, 0, 0, 0.5, -4}, true, 1};
             const HalfLine line{{turned(p) + shift, turned(w)}, random.coin() ? 0.5 : 0};

@@ -44,7 +44,7 @@ bool is_truly_safe(const PointWork& work, const ScenePoints& points, std::size_t
     const PointWork::Start start = work.start(points.met[k]).value();
     for (const NewRay& r : work.rays(points.met[k], *all_strategies().front(), side)) {
         const Ray<double> ray{moved_in_float(start, side, e), r.ray.direction};
-        const auto exact = test::exact_meeting({ray, 0}, points.solids[points.met[k].own]);
+        const auto exact = test::exact_meeting({ray, 0}, points.primitives[points.met[k].own]);
         if (side == Side::outside ? exact.meets : exact.outside || !exact.meets) return false;
     }
     return true;
@@ -60,7 +60,7 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not, by ra
             const ScenePoints points(scene, form, format);
             for (const HitPoint point : {HitPoint::computed, HitPoint::projected}) {
                 const auto strategies = all_strategies();
-                const PointWork work(points.of, point, points.solids, Vec<double>(3, 9, 4), strategies);
+                const PointWork work(points.of, point, points.primitives, Vec<double>(3, 9, 4), strategies);
                 for (std::size_t k = 0; k < points.met.size(); k += 7) {
                     std::array<SideOfPoint, 2> sides;
                     std::vector<StrategyAtPoint> at(2 * strategies.size());
@@ -103,9 +103,9 @@ TEST_CASE("faults of respawned rays are those that rationals find", "[measure][o
     for (const auto& [scene, form] : scenes) {
         const ScenePoints points(scene, form, "f32");
         const auto strategies = all_strategies();
-        const PointWork work(points.of, HitPoint::computed, points.solids, std::nullopt, strategies);
+        const PointWork work(points.of, HitPoint::computed, points.primitives, std::nullopt, strategies);
         for (std::size_t k = 0; k < points.met.size(); k += 9) {
-            const Solid<double>& own = points.solids[points.met[k].own];
+            const Primitive<double>& own = points.primitives[points.met[k].own];
             for (const Strategy* s : strategies) {
                 for (const Side side : both_sides) {
                     for (const NewRay& r : work.rays(points.met[k], *s, side)) {
@@ -146,7 +146,7 @@ TEST_CASE("the cheapest safe strategies are safe, and those left out are not", "
         INFO(request.strategies[k]->name);
         CHECK(right == safe.contains(request.strategies[k]));
     }
-    // Where nothing has to go into the solid, it is enough not to ask it.
+    // Where nothing has to go into the primitive, it is enough not to ask it.
     const auto out = safe_strategies(summary, request.strategies, Shape::sphere, std::array{Side::outside});
     CHECK(out.front().strategy->name == "offset.exclude");
     CHECK(out.front().operations == 0);

@@ -25,7 +25,7 @@ TEST_CASE("strategies: none moves nothing, exclude does not ask its own, constan
     const auto rule = [](std::string_view name) { return *std::ranges::find(strategies(), name, &Strategy::name); };
     Leaving<float> l{.ray = {{0, 0, 9}, {0, 0, -1}},
                      .t = 8,
-                     .solid = Sphere<float>{{0, 0, 0}, 1},
+                     .primitive = Sphere<float>{{0, 0, 0}, 1},
                      .p = {0.01F, -3, 1},
                      .n = {0.5F, -0.5F, 0.70710678F},
                      .w = {0, 0, 1},
@@ -59,7 +59,7 @@ TEST_CASE("strategies: none moves nothing, exclude does not ask its own, constan
 TEST_CASE("the constants of double are those of float, as its u is to that of float", "[measure][offset]") {
     Leaving<double> l{.ray = {{0, 0, 9}, {0, 0, -1}},
                       .t = 8,
-                      .solid = Sphere<double>{{0, 0, 0}, 1},
+                      .primitive = Sphere<double>{{0, 0, 0}, 1},
                       .p = {0.01, -3, 1},
                       .n = {0.5, -0.5, 0.7},
                       .w = {0, 0, 1},
@@ -81,7 +81,7 @@ TEST_CASE("the rays that leave a point: to the light, mirrored, refracted by Sne
     const Vec<double> n(0.48, -0.6, 0.64), p(1, 2, 3);
     const auto angle = [&](const Vec<double>& w) { return dot(n, w) / length(w); };
     const auto ways_of = [&](const Vec<double>& d, const std::optional<Vec<double>>& light) {
-        return ways_from<double>({p, d}, p, n, HUGE_VAL, light);
+        return departures_from<double>({p, d}, p, n, HUGE_VAL, light);
     };
     const Vec<double> along(0.8, 0, -0.6);  // perpendicular to n
     REQUIRE(dot(along, n) == Approx(0).margin(1e-15));
@@ -124,10 +124,11 @@ TEST_CASE("a bead above a sphere: jumped over, started in, or kept in sight", "[
         return *std::ranges::find(measure::offset::strategies(), name, &Strategy::name);
     };
     // At the pole of a unit sphere; t is exact, and so is the point.
-    const MetPoint pole{{{0, 0, 5}, {0, 0, -1}}, 4, 0};
+    const FormHit pole{{{0, 0, 5}, {0, 0, -1}}, 4, 0};
     const auto count = [&](double above, double radius, std::string_view name, Fault fault) {
-        const std::vector<Solid<double>> solids{Sphere<double>{{0, 0, 0}, 1}, Sphere<double>{{0, 0, above}, radius}};
-        const PointWork work(of, HitPoint::computed, solids, std::nullopt, strategies);
+        const std::vector<Primitive<double>> primitives{Sphere<double>{{0, 0, 0}, 1},
+                                                        Sphere<double>{{0, 0, above}, radius}};
+        const PointWork work(of, HitPoint::computed, primitives, std::nullopt, strategies);
         const auto rays = work.rays(pole, named(name), Side::outside);
         CHECK(rays.size() == 18);
         return std::ranges::count_if(rays, [&](const NewRay& r) { return r.has(fault); });

@@ -1,6 +1,6 @@
 // Rendered pictures of spheres under matrices: against the same spheres where their numbers say, and against the map.
-#include "intersect/space/spaced.hpp"
-#include "intersect/ways.hpp"
+#include "intersect/methods.hpp"
+#include "intersect/transform/spaced.hpp"
 #include "measure/picture/rendered.hpp"
 #include "number/real.hpp"
 #include "shapes/lift.hpp"
@@ -17,16 +17,17 @@ TEST_CASE("spheres under matrices are painted as those whose numbers stand where
     const auto& form = *rows_of({"f64"}, "sphere.unified").front().form;
     for (const int mirror : {1, -1}) {
         scene::file::Scene placed = bare;
-        for (auto& solid : placed.listed) {
-            const Sphere<Real> s = solid.sphere();
+        for (auto& primitive : placed.listed) {
+            const Sphere<Real> s = primitive.sphere();
             const Real r = rounded(s.radius), zero(0);
             const Vec<Real> c = rounded(s.centre);
-            solid = Solid<Real>(Sphere<Real>{{zero, zero, zero}, Real(1)});
-            solid.placed = {{Real(mirror * r), zero, zero, c.x, zero, r, zero, c.y, zero, zero, r, c.z}, false, mirror};
+            primitive = Primitive<Real>(Sphere<Real>{{zero, zero, zero}, Real(1)});
+            primitive.placed = {
+                {Real(mirror * r), zero, zero, c.x, zero, r, zero, c.y, zero, zero, r, c.z}, false, mirror};
         }
         for (const char* space : {"plain", "relative", "adjugate"}) {
             CAPTURE(mirror, space);
-            const auto& row = intersect::space::through(test::space_named(space), form);
+            const auto& row = intersect::transform::through(test::transform_method_named(space), form);
             const Collected found(
                 {.scene = placed, .stages = all_stages, .rows = {{.form = &row, .format = *find_format("f64")}}});
             std::size_t normals = 0;
@@ -50,15 +51,15 @@ TEST_CASE("spheres under matrices are painted as those whose numbers stand where
 TEST_CASE("a stretched sphere's normal is that of the surface, whatever way leads to it") {
     // Against what finite differences of the map say: the normal is across every way along the surface.
     scene::file::Scene scene = load("raycast-course.pixels", 32, 32);
-    auto& solid = scene.listed.front();
-    const Vec<Real> c = rounded(solid.sphere().centre);
-    const Real r = rounded(solid.sphere().radius), zero(0), half = r / 2, twice = 2 * r;
-    solid = Solid<Real>(Sphere<Real>{{zero, zero, zero}, Real(1)});
-    solid.placed = {{half, r / 4, zero, c.x, zero, twice, zero, c.y, r / 8, zero, r, c.z}, false, 1};
+    auto& primitive = scene.listed.front();
+    const Vec<Real> c = rounded(primitive.sphere().centre);
+    const Real r = rounded(primitive.sphere().radius), zero(0), half = r / 2, twice = 2 * r;
+    primitive = Primitive<Real>(Sphere<Real>{{zero, zero, zero}, Real(1)});
+    primitive.placed = {{half, r / 4, zero, c.x, zero, twice, zero, c.y, r / 8, zero, r, c.z}, false, 1};
     scene.listed.resize(1);
     scene.appearance.materials.resize(1);
-    const auto& form =
-        intersect::space::through(test::space_named("relative"), *rows_of({"f64"}, "sphere.unified").front().form);
+    const auto& form = intersect::transform::through(test::transform_method_named("relative"),
+                                                     *rows_of({"f64"}, "sphere.unified").front().form);
     const Collected found(
         {.scene = scene, .stages = all_stages, .rows = {{.form = &form, .format = *find_format("f64")}}});
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);
@@ -66,7 +67,7 @@ TEST_CASE("a stretched sphere's normal is that of the surface, whatever way lead
     for (std::size_t i = 0; i < found.truth.size(); ++i) {
         if (!found.truth[i].has_normal) continue;
         const Ray<Real> world = lift_ray<Real>(rays[i]);
-        const auto in = in_object(world, *solid.placed);
+        const auto in = in_object(world, *primitive.placed);
         const auto t = first(in.ray.origin, in.ray.direction, {zero, zero, zero}, in.scale);
         REQUIRE(t);
         const Vec<Real> q = (1 / in.scale) * (in.ray.origin + *t * in.ray.direction);
@@ -74,10 +75,10 @@ TEST_CASE("a stretched sphere's normal is that of the surface, whatever way lead
         const Vec<Real> normal(Real(n[0].hi), Real(n[1].hi), Real(n[2].hi));
         for (const Vec<Real>& along :
              {cross(q, Vec<Real>(Real(1), zero, zero)), cross(q, Vec<Real>(zero, Real(1), zero))}) {
-            const Vec<Real> way = solid.placed->map().linear(along);
+            const Vec<Real> way = primitive.placed->map().linear(along);
             CHECK(abs(dot(way, normal)) < Real(0x1p-45) * length(way));
         }
-        CHECK(dot(solid.placed->map().linear(q), normal) > 0);  // outward
+        CHECK(dot(primitive.placed->map().linear(q), normal) > 0);  // outward
         ++normals;
     }
     CHECK(normals > 50);

@@ -83,7 +83,7 @@ TEST_CASE("a byte is 255 times the channel, rounded half up and clamped") {
 TEST_CASE(
     "what blocks the light: between the point and the light, not behind either, and not the own sphere unless it "
     "counts") {
-    const std::vector<Solid<double>> solids{Sphere<double>{{0, 0, 0}, 1}, Sphere<double>{{5, 0, 0}, 1}};
+    const std::vector<Primitive<double>> primitives{Sphere<double>{{0, 0, 0}, 1}, Sphere<double>{{5, 0, 0}, 1}};
     ShadowRays rays;
     const auto ray = [&rays](Vec<double> from, Vec<double> to, std::int32_t own) { rays.add(from, to - from, 1, own); };
     ray({1, 0, 0}, {10, 0, 0}, 0);   // through the second
@@ -99,7 +99,7 @@ TEST_CASE(
             const Format format = *find_format(name);
             if (!f.exists_in(format)) continue;
             CAPTURE(f.info->name, name);
-            const measure::truth::FormatInputs among{.format = format, .solids = solids};
+            const measure::truth::FormatInputs among{.format = format, .primitives = primitives};
             const auto skipped = find_blockers(f, format, rays, among, false);
             CHECK(skipped == std::vector<std::uint8_t>{blocked_by_other, 0, 0, blocked_by_other, 0, 0, 0});
             const auto held = find_blockers(f, format, rays, among, true);
@@ -110,7 +110,7 @@ TEST_CASE(
     }
     // From below the surface the far root lies ahead; the form that knows the near one only sees nothing. Exactly on it
     // the first root is 0 and no obstacle.
-    const measure::truth::FormatInputs in_f64{.format = *find_format("f64"), .solids = solids};
+    const measure::truth::FormatInputs in_f64{.format = *find_format("f64"), .primitives = primitives};
     const auto unified = find_blockers(test::form_named("sphere.unified"), in_f64.format, rays, in_f64, true);
     const auto expanded = find_blockers(test::form_named("sphere.expanded"), in_f64.format, rays, in_f64, true);
     CHECK(unified[6] == blocked_by_own);

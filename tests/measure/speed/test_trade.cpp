@@ -25,9 +25,9 @@ OperationCounts operations(std::string_view form) {
     const auto narrow = [](const Vec<double>& v) {
         return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
     };
-    const Solid<float> solid = transformed(pool.solid, [](double x) { return static_cast<float>(x); });
+    const Primitive<float> primitive = transformed(pool.primitive, [](double x) { return static_cast<float>(x); });
     return form_named(form).count({narrow(pool.hits[0].origin), narrow(pool.hits[0].direction)},
-                                  intersect::Target<float>(solid), HUGE_VALF);
+                                  intersect::Target<float>(primitive), HUGE_VALF);
 }
 
 OperationCounts counts(std::initializer_list<std::pair<Operation, std::uint64_t>> some) {
@@ -138,12 +138,13 @@ TEST_CASE("stores hold the stated share of hits", "[trade]") {
     check_store<double>(form_named("box.divide").native64, measure::speed::ray_pool(Shape::box));
 }
 
-TEST_CASE("rays of a scene are taken evenly over it, and held against the solids that most of them hit", "[trade]") {
+TEST_CASE("rays of a scene are taken evenly over it, and compared with the primitives that most of them hit",
+          "[trade]") {
     const auto scene = scene_named("near-benign");
     measure::speed::SceneWork work(scene);
     CHECK(work.rays() > 1800);
     CHECK(work.rays() <= 2100);
-    CHECK(work.solids() == 3);  // the fourth is hidden behind the first
+    CHECK(work.primitives() == 3);  // the fourth is hidden behind the first
     CHECK(work.hit_rate() > 0.05);
     CHECK(work.hit_rate() < 0.95);
     for (const auto& [format, size] : {std::pair{"f32", std::size_t{4}}, {"f64", std::size_t{8}}}) {
@@ -159,7 +160,7 @@ TEST_CASE("rays of a scene are taken evenly over it, and held against the solids
         0, {away.listed.front().numbers[0], away.listed.front().numbers[1], Real(50)});  // behind the eye
     measure::speed::SceneWork missing(away);
     CHECK(missing.hit_rate() == 0);
-    CHECK(missing.solids() == 1);
+    CHECK(missing.primitives() == 1);
 }
 
 TEST_CASE("a kernel for every row and width", "[trade]") {

@@ -10,25 +10,25 @@
 namespace lostbits::test {
 
 /// LOSTBITS_RAYS says how many.
-inline const std::size_t rays_per_family = [] {
+inline const std::size_t rays_per_distribution = [] {
     const char* const asked = std::getenv("LOSTBITS_RAYS");
     return asked ? std::strtoull(asked, nullptr, 10) : std::size_t{500};
 }();
 
-/// So many of each family.
+/// So many of each distribution.
 inline std::vector<HardRay> problems_of(Shape shape, const FloatFormat& storage, std::size_t each) {
     Seeded rng(14);
     std::vector<HardRay> problems;
-    for (const HardFamily& f : hard_families(shape, {storage}, Wide::yes))
+    for (const HardDistribution& f : hard_distributions(shape, {storage}, Wide::yes))
         for (std::size_t i = 0; i < each; ++i) problems.push_back(f.draw(rng));
     return problems;
 }
 
-/// Of the random family alone.
+/// Of the random distribution alone.
 inline std::vector<HardRay> random_problems(Shape shape, const FloatFormat& storage) {
     Seeded rng(17);
     std::vector<HardRay> problems;
-    const HardFamily random = hard_families(shape, {storage}).front();
+    const HardDistribution random = hard_distributions(shape, {storage}).front();
     while (problems.size() < 20'000) problems.push_back(random.draw(rng));
     return problems;
 }

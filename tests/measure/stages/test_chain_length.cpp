@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "catch.hpp"
-#include "measure/stages/met_spans.hpp"
-#include "shapes/solid.hpp"
+#include "measure/stages/span_hits.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::test::test_chain_length {
 
@@ -92,18 +92,19 @@ E lifted(double x) { return E(Word(x)); }
 
 int longest_of(Shape shape, bool placed, bool ranged) {
     longest = 0;
-    Solid<double> stored = solid_around(shape, Vec<double>(0.25, -0.5, 0.125), 2.0);
+    Primitive<double> stored = primitive_around(shape, Vec<double>(0.25, -0.5, 0.125), 2.0);
     if (placed) {
         const std::array<double, 12> matrix{1.5, 0.25, 0, 1, -0.5, 1, 0.125, 2, 0.25, 0, 0.75, -1};
         stored.placed = Placement<double>{matrix, false, 1};
     }
-    const Solid<E> solid = transformed(stored, lifted);
+    const Primitive<E> primitive = transformed(stored, lifted);
     for (const double away : {-8.0, 0.5}) {
         const auto vec = [](double x, double y, double z) { return Vec<E>(lifted(x), lifted(y), lifted(z)); };
         const Ray<E> ray{vec(0.75 + away, 0.5 - away / 2, away), vec(-0.25, 0.125, 1.5)};
-        with_span(ray, solid, [&](const auto& span) {
+        with_span(ray, primitive, [&](const auto& span) {
             const RangeOfSpan<E> range{lifted(0.125), {lifted(64), lifted(1)}, {}};
-            const auto met = ranged ? measure::stages::first_met(span, range) : measure::stages::first_met(span);
+            const auto met =
+                ranged ? measure::stages::first_span_hit(span, range) : measure::stages::first_span_hit(span);
             return (met.t * sqrt(span.d2)).radius().x;
         });
     }

@@ -1,4 +1,4 @@
-// Truths of many rays among solids are those of each ray alone, in doubles and in numbers that no double holds.
+// Truths of many rays among primitives are those of each ray alone, in doubles and in numbers that no double holds.
 #include <optional>
 
 #include "catch.hpp"
@@ -24,10 +24,10 @@ Real between_doubles(Seeded& rng, double x) {
     return Real(x) + Real(second) + Real(rest);
 }
 
-/// Such rays, each with its own solid.
+/// Such rays, each with its own primitive.
 struct Ideal {
     scene::rays::BasicRayBlock<Real> rays;
-    std::vector<Solid<Real>> solids;
+    std::vector<Primitive<Real>> primitives;
 
     Ideal(std::span<const HardRay> problems, std::optional<OpenEnds> ranged) {
         Seeded rng(16);
@@ -39,15 +39,15 @@ struct Ideal {
         for (const HardRay& p : problems) {
             const Vec<Real> origin = vec(p.ray.origin), direction = vec(p.ray.direction);
             rays.push({origin, direction});
-            solids.push_back(transformed(p.solid, moved));
-            const Range<double> range = ranged ? range_about_solid(rng, p.ray, p.solid, binary64) : p.range;
+            primitives.push_back(transformed(p.primitive, moved));
+            const Range<double> range = ranged ? range_about_primitive(rng, p.ray, p.primitive, binary64) : p.range;
             rays.tmin.push_back(range.tmin), rays.tmax.push_back(range.tmax);
         }
         rays.open = ranged.value_or(OpenEnds{});
     }
     StageCounts find(measure::truth::RayTruths& found) const {
-        const scene::rays::SolidList<Real> list(solids);
-        return find_truths(measure::truth::RaysAndSolids<Real>{rays, list, nullptr, true}, {}, found);
+        const scene::rays::PrimitiveList<Real> list(primitives);
+        return find_truths(measure::truth::RaysAndPrimitives<Real>{rays, list, nullptr, true}, {}, found);
     }
 };
 
@@ -62,13 +62,13 @@ TEST_CASE("truth columns: numbers that no double holds, with ranges and without,
         const double share = shape == Shape::sphere ? 0.999 : 0.99, count = static_cast<double>(random.size());
         CHECK(static_cast<double>(Ideal(random, {}).find(settled).double_double) >= share * count);
         for (const auto& ranged : ranges) {
-            const Ideal ideal(problems_of(shape, binary64, ranged ? 60 : rays_per_family), ranged);
+            const Ideal ideal(problems_of(shape, binary64, ranged ? 60 : rays_per_distribution), ranged);
             measure::truth::RayTruths found;
             const StageCounts counts = ideal.find(found);
-            CHECK(counts.double_double > ideal.solids.size() / 4);
+            CHECK(counts.double_double > ideal.primitives.size() / 4);
             std::size_t different = 0;
-            for (std::size_t i = 0; i < ideal.solids.size(); ++i) {
-                Truth alone = find_truth(ideal.rays[i], ideal.solids[i], {}, {}, ideal.rays.range(i));
+            for (std::size_t i = 0; i < ideal.primitives.size(); ++i) {
+                Truth alone = find_truth(ideal.rays[i], ideal.primitives[i], {}, {}, ideal.rays.range(i));
                 if (alone.is_hit()) alone.object = static_cast<int>(i);
                 different += !agree(found[i], alone);
             }
@@ -80,11 +80,11 @@ TEST_CASE("truth columns: numbers that no double holds, with ranges and without,
 TEST_CASE("truths of rays among spheres and boxes are those of each ray alone") {
     std::vector<HardRay> problems = problems_of(Shape::sphere, binary32, 40);
     for (const HardRay& p : problems_of(Shape::box, binary32, 40)) problems.push_back(p);
-    std::vector<Solid<double>> solids;
-    for (std::size_t i = 0; i < problems.size(); i += 97) solids.push_back(problems[i].solid);
+    std::vector<Primitive<double>> primitives;
+    for (std::size_t i = 0; i < problems.size(); i += 97) primitives.push_back(problems[i].primitive);
     // Several that no ray can tell apart, and one that does not exist.
-    solids.push_back(solids[2]);
-    solids.insert(solids.begin() + 1, Solid<double>(Sphere<double>{{0, 0, 0}, -1}));
+    primitives.push_back(primitives[2]);
+    primitives.insert(primitives.begin() + 1, Primitive<double>(Sphere<double>{{0, 0, 0}, -1}));
     scene::rays::RayBlock rays;
     for (const HardRay& p : problems) {
         rays.push(p.ray);
@@ -92,13 +92,13 @@ TEST_CASE("truths of rays among spheres and boxes are those of each ray alone") 
         rays.tmax.push_back(p.range.tmax);
     }
     measure::truth::RayTruths found;
-    const scene::rays::SolidList<double> list(solids);
-    const StageCounts counts = find_truths(measure::truth::RaysAndSolids<double>{rays, list}, {}, found);
-    CHECK(counts.rays() == problems.size() * solids.size());
+    const scene::rays::PrimitiveList<double> list(primitives);
+    const StageCounts counts = find_truths(measure::truth::RaysAndPrimitives<double>{rays, list}, {}, found);
+    CHECK(counts.rays() == problems.size() * primitives.size());
     std::size_t different = 0, hits = 0;
     for (std::size_t i = 0; i < problems.size(); ++i) {
         const Truth alone =
-            find_truth(problems[i].ray, std::span<const Solid<double>>(solids), {}, {}, problems[i].range);
+            find_truth(problems[i].ray, std::span<const Primitive<double>>(primitives), {}, {}, problems[i].range);
         hits += alone.is_hit();
         const Truth there = found[i];
         different += !agree(there, alone);

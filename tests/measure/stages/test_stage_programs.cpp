@@ -9,7 +9,7 @@
 #include "measure/stages/stage_formula.hpp"
 #include "measure/stages/stages.hpp"
 #include "measure/widths.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace test_stage_programs {
 
@@ -25,7 +25,7 @@ double drawn(std::mt19937_64& from, double low, double high) {
     return low + (high - low) * static_cast<double>(from() >> 11) * 0x1p-53;
 }
 
-/// Rays at a solid near the origin from everywhere: some begin inside, some pass by, some run along an axis. Every
+/// Rays at a primitive near the origin from everywhere: some begin inside, some pass by, some run along an axis. Every
 /// fifth points away, and so do all of the second block, behind which a program skips what no ray wants.
 std::vector<std::array<double, stage_inputs>> problems_at(Shape shape) {
     std::mt19937_64 from(23);
@@ -33,10 +33,10 @@ std::vector<std::array<double, stage_inputs>> problems_at(Shape shape) {
     for (std::size_t i = 0; i < rays; ++i) {
         auto& p = all[i];
         const auto spread = [&](double size) { return drawn(from, -size, size); };
-        Solid<double> solid(shape);
-        Solids::each([&]<template <class> class Of>() {
+        Primitive<double> primitive(shape);
+        Primitives::each([&]<template <class> class Of>() {
             if (shape_as<Of> == shape)
-                solid = Solid<double>(
+                primitive = Primitive<double>(
                     Of<double>::around(Vec<double>(spread(0.5), spread(0.5), spread(0.5)), drawn(from, 1, 2)));
         });
         const Vec<double> origin(spread(4), spread(4), spread(4)), aim(spread(1.5), spread(1.5), spread(1.5));
@@ -47,26 +47,27 @@ std::vector<std::array<double, stage_inputs>> problems_at(Shape shape) {
             p[at] = away ? 3 * origin[k] : origin[k];
             p[at + 3] = away ? p[at] : i % 8 == 7 ? along : aim[k] - origin[k];
         }
-        for (std::size_t k = 0; k < solid.used().size(); ++k) p[input_of_solid + k] = solid.numbers[k];
+        for (std::size_t k = 0; k < primitive.used().size(); ++k) p[input_of_primitive + k] = primitive.numbers[k];
         for (std::size_t k = 0; k < Affine<double>::numbers; ++k)
-            p[input_of_solid + most_numbers + k] = (k % 5 == 0 ? 1.0 : 0.0) + spread(0.2);
+            p[input_of_primitive + most_numbers + k] = (k % 5 == 0 ? 1.0 : 0.0) + spread(0.2);
         for (std::size_t k = 0; k < 6; ++k) p[input_of_ray_low + k] = p[input_of_ray + k] * 0x1p-55;
-        for (std::size_t k = 0; k < most_stored; ++k) p[input_of_solid_low + k] = p[input_of_solid + k] * -0x1.8p-56;
+        for (std::size_t k = 0; k < most_stored; ++k)
+            p[input_of_primitive_low + k] = p[input_of_primitive + k] * -0x1.8p-56;
         p[input_of_tmin] = i % 3 == 0 ? 0 : drawn(from, 0, 3);
         p[input_of_tmax] = i % 4 == 0 ? HUGE_VAL : p[input_of_tmin] + drawn(from, 0.5, 6);
     }
     return all;
 }
 
-/// The numbers of problems as columns; a column of one number where `one_solid`.
+/// The numbers of problems as columns; a column of one number where `one_primitive`.
 template <class S>
 class ColumnsOfProblems {
 public:
-    ColumnsOfProblems(std::span<const std::array<double, stage_inputs>> problems, bool one_solid) {
+    ColumnsOfProblems(std::span<const std::array<double, stage_inputs>> problems, bool one_primitive) {
         for (std::size_t k = 0; k < stage_inputs; ++k)
             for (const auto& p : problems)
-                columns_[k].push_back(static_cast<S>(is_of_solid(k) && one_solid ? problems.front()[k] : p[k]));
-        one_solid_ = one_solid;
+                columns_[k].push_back(static_cast<S>(is_of_primitive(k) && one_primitive ? problems.front()[k] : p[k]));
+        one_primitive_ = one_primitive;
     }
     [[nodiscard]] RawProblems<S> raw(const StageTerms& terms) {
         RawFindings out{settled.data(), hit.data(), {}, {}};
@@ -74,12 +75,13 @@ public:
         if (terms.distance) out.distance = {distance[0].data(), distance[1].data(), distance[2].data()};
         auto p = raw_problems<S>(rays, out);
         const auto column = [this](std::size_t k) {
-            return RawColumn<S>{columns_[k].data(), is_of_solid(k) && one_solid_ ? std::size_t{0} : std::size_t{1}};
+            return RawColumn<S>{columns_[k].data(),
+                                is_of_primitive(k) && one_primitive_ ? std::size_t{0} : std::size_t{1}};
         };
         for (std::size_t k = 0; k < 6; ++k)
             p.ray[k] = column(input_of_ray + k), p.ray_low[k] = column(input_of_ray_low + k);
         for (std::size_t k = 0; k < most_stored; ++k)
-            p.solid[k] = column(input_of_solid + k), p.solid_low[k] = column(input_of_solid_low + k);
+            p.primitive[k] = column(input_of_primitive + k), p.primitive_low[k] = column(input_of_primitive_low + k);
         p.tmin = column(input_of_tmin), p.tmax = column(input_of_tmax);
         p.two_words = terms.two_words, p.ranged = terms.ranged, p.open = terms.open, p.matrix = terms.matrix;
         return p;
@@ -92,11 +94,11 @@ public:
                                        distance = t;
 
 private:
-    static bool is_of_solid(std::size_t k) {
-        return (k >= input_of_solid && k < input_of_ray_low) || (k >= input_of_solid_low && k < input_of_tmin);
+    static bool is_of_primitive(std::size_t k) {
+        return (k >= input_of_primitive && k < input_of_ray_low) || (k >= input_of_primitive_low && k < input_of_tmin);
     }
     std::array<std::vector<S>, stage_inputs> columns_;
-    bool one_solid_ = false;
+    bool one_primitive_ = false;
 };
 
 bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
@@ -107,9 +109,9 @@ struct Counts {
 
 /// The stage of a shape in columns of S, against its formula over words of W.
 template <template <class> class Of, class S, class W>
-Counts compare(const StageTerms& terms, bool one_solid, const ShapeStage<S>& stage,
+Counts compare(const StageTerms& terms, bool one_primitive, const ShapeStage<S>& stage,
                std::span<const std::array<double, stage_inputs>> problems) {
-    ColumnsOfProblems<S> columns(problems, one_solid);
+    ColumnsOfProblems<S> columns(problems, one_primitive);
     stage(columns.raw(terms));
     Counts counts;
     for (std::size_t i = 0; i < rays; ++i) {
@@ -148,24 +150,24 @@ std::vector<StageTerms> terms_of(Shape shape, int words) {
 
 TEST_CASE("stage programs: every shape gives the words and bounds of its formula at every width") {
     test::at_every_width([](intersect::simd::Isa isa) {
-        Solids::each([&]<template <class> class Of>() {
+        Primitives::each([&]<template <class> class Of>() {
             constexpr Shape shape = shape_as<Of>;
             const auto problems = problems_at(shape);
             const Stages stages = stages_of(shape, isa);
-            for (const bool one_solid : {false, true}) {
+            for (const bool one_primitive : {false, true}) {
                 for (const StageTerms& terms : terms_of(shape, 1)) {
-                    INFO(row_of(shape).name << ", one word, one solid " << one_solid << ", ranged " << terms.ranged
+                    INFO(row_of(shape).name << ", one word, one solid " << one_primitive << ", ranged " << terms.ranged
                                             << ", matrix " << terms.matrix.placed << terms.matrix.is_inverse);
-                    const Counts found = compare<Of, float, double>(terms, one_solid, stages.binary64, problems);
+                    const Counts found = compare<Of, float, double>(terms, one_primitive, stages.binary64, problems);
                     CHECK(found.different == 0);
                     CHECK(found.settled > rays / 2);
                 }
                 for (const StageTerms& terms : terms_of(shape, 2)) {
-                    INFO(row_of(shape).name << ", two words, one solid " << one_solid << ", ranged " << terms.ranged
+                    INFO(row_of(shape).name << ", two words, one solid " << one_primitive << ", ranged " << terms.ranged
                                             << ", matrix " << terms.matrix.placed << terms.matrix.is_inverse
                                             << ", two words each " << terms.two_words);
                     const Counts found =
-                        compare<Of, double, TwoWords<double>>(terms, one_solid, stages.double_double, problems);
+                        compare<Of, double, TwoWords<double>>(terms, one_primitive, stages.double_double, problems);
                     CHECK(found.different == 0);
                     CHECK(found.settled > rays / 2);
                 }

@@ -1,7 +1,7 @@
 // Truths of many rays at once are those of the same rays alone: the same decisions, and the same two words; and packs
 // settle nearly all, but nothing of what is not proper.
 //
-//   LOSTBITS_RAYS=100000 build/test_truth "truth columns*"      so many rays of each of 21 or 19 families
+//   LOSTBITS_RAYS=100000 build/test_truth "truth columns*"      so many rays of each of 21 or 19 distributions
 #include <algorithm>
 
 #include "catch.hpp"
@@ -34,24 +34,24 @@ public:
                 numbers_[static_cast<std::size_t>(k)].push_back(static_cast<S>(p.ray.origin[k]));
                 numbers_[static_cast<std::size_t>(k) + 3].push_back(static_cast<S>(p.ray.direction[k]));
             }
-            for (std::size_t k = 0; k < 6; ++k) numbers_[6 + k].push_back(static_cast<S>(p.solid.numbers[k]));
+            for (std::size_t k = 0; k < 6; ++k) numbers_[6 + k].push_back(static_cast<S>(p.primitive.numbers[k]));
             numbers_[12].push_back(static_cast<S>(p.range.tmax));
             numbers_[13].push_back(static_cast<S>(p.range.tmin));
         }
         open_ = problems.front().range.open;
-        shape_ = problems.front().solid.shape;
+        shape_ = problems.front().primitive.shape;
     }
     [[nodiscard]] ProblemColumns<S> get() const {
         ProblemColumns<S> p{.size = size_,
                             .ray = {},
                             .shape = shape_,
-                            .solid = {},
+                            .primitive = {},
                             .tmin = numbers_[13],
                             .tmax = numbers_[12],
                             .open = open_};
         for (std::size_t k = 0; k < 6; ++k) {
             p.ray[k] = numbers_[k];
-            p.solid[k] = numbers_[6 + k];
+            p.primitive[k] = numbers_[6 + k];
         }
         return p;
     }
@@ -63,9 +63,9 @@ private:
     OpenEnds open_;
 };
 
-/// One of the numbers of a problem: of its ray, then of its solid.
+/// One of the numbers of a problem: of its ray, then of its primitive.
 double& number_of(Problem& p, std::size_t k) {
-    if (k >= 6) return p.solid.numbers[k - 6];
+    if (k >= 6) return p.primitive.numbers[k - 6];
     return k < 3 ? p.ray.origin[static_cast<int>(k)] : p.ray.direction[static_cast<int>(k) - 3];
 }
 
@@ -78,7 +78,7 @@ std::size_t count_different(std::span<const Problem> problems, const TruthColumn
     std::size_t different = 0;
     for (std::size_t i = 0; i < problems.size(); ++i) {
         const Problem& p = problems[i];
-        const Truth alone = find_truth(p.ray, p.solid, {}, {}, p.range);
+        const Truth alone = find_truth(p.ray, p.primitive, {}, {}, p.range);
         if (found.decision[i] != alone.decision) {
             ++different;
             continue;
@@ -101,7 +101,7 @@ std::size_t count_different(std::span<const Problem> problems, const TruthColumn
 TEST_CASE("truth columns: the same as ray by ray, however tight") {
     for (const Shape shape : {Shape::sphere, Shape::box}) {
         for (const FloatFormat& storage : {binary32, binary64}) {
-            const std::vector<Problem> problems = problems_of(shape, storage, rays_per_family);
+            const std::vector<Problem> problems = problems_of(shape, storage, rays_per_distribution);
             TruthColumns found;
             for (const Length length : {Length::parameter, Length::distance}) {
                 find_truth_columns(Columns<double>(problems).get(), {.length = length}, found);
@@ -148,7 +148,7 @@ TEST_CASE("truth columns: every width finds the same bits") {
             Seeded rng(15);
             std::vector<Problem> problems = problems_of(shape, binary32, 97);
             for (Problem& p : problems)
-                if (ranged) p.range = range_about_solid(rng, p.ray, p.solid, binary32), p.range.open = {};
+                if (ranged) p.range = range_about_primitive(rng, p.ray, p.primitive, binary32), p.range.open = {};
             for (const Length length : {Length::parameter, Length::distance}) {
                 std::optional<TruthColumns> floats, doubles;
                 at_every_width([&](intersect::simd::Isa isa) {
@@ -175,7 +175,7 @@ TEST_CASE("truth columns: every width finds the same bits") {
     }
 }
 
-TEST_CASE("truth columns: nothing is said of what is no ray and no solid") {
+TEST_CASE("truth columns: nothing is said of what is no ray and no primitive") {
     constexpr double inf = HUGE_VAL, none = std::numeric_limits<double>::quiet_NaN();
     const auto says = []<class S>(const Problem& p, S) {
         TruthColumns found;
@@ -201,11 +201,11 @@ TEST_CASE("truth columns: nothing is said of what is no ray and no solid") {
     };
     for (const Problem& p : {ball, box}) {
         CHECK((says(p, float{}) && says(p, double{})));
-        for (std::size_t k = 0; k < 6 + p.solid.used().size(); ++k)
+        for (std::size_t k = 0; k < 6 + p.primitive.used().size(); ++k)
             for (const double bad : {none, inf, -inf}) check_none(with(p, k, bad));
-        check_none({{ray.origin, {0, 0, 0}}, p.solid});
-        for (const double bad : {none, -1.0, inf}) check_none({ray, p.solid, {.tmin = bad}});
-        for (const double end : {none, -1.0, 0.0}) check_none({ray, p.solid, {.tmax = end}});
+        check_none({{ray.origin, {0, 0, 0}}, p.primitive});
+        for (const double bad : {none, -1.0, inf}) check_none({ray, p.primitive, {.tmin = bad}});
+        for (const double end : {none, -1.0, 0.0}) check_none({ray, p.primitive, {.tmax = end}});
     }
     for (const double radius : {0.0, -1.0}) check_none(with(ball, 9, radius));
     check_none(with(box, 6, 2));  // lo > hi
@@ -226,10 +226,10 @@ TEST_CASE("truth columns: any number of rays at every width, and one number for 
     });
     // One sphere for all rays, as one number a column and as many.
     std::vector<Problem> same = problems;
-    for (Problem& p : same) p.solid = Sphere<double>{{1, 2, 3}, 4};
+    for (Problem& p : same) p.primitive = Sphere<double>{{1, 2, 3}, 4};
     const Columns<double> columns(same);
     auto narrow = columns.get();
-    for (auto& column : narrow.solid) column = column.first(std::min<std::size_t>(column.size(), 1));
+    for (auto& column : narrow.primitive) column = column.first(std::min<std::size_t>(column.size(), 1));
     narrow.tmax = {};
     find_truth_columns(columns.get(), {}, all);
     find_truth_columns(narrow, {}, some);

@@ -135,7 +135,7 @@ TEST_CASE("wrong decisions come before wrong values, the most frequent of them c
     CHECK(verdict({{O::agree_hit, 9}, {O::false_hit, 9}, {O::unresolved, 1}}, 0) == Verdict::unresolved);
 }
 
-TEST_CASE("no solid is hit that is none") {
+TEST_CASE("no primitive is hit that is none") {
     const Ray<double> ray{{0, 0, -8}, {0, 0, 1}};
     constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
     CHECK(measure::truth::is_proper(ray));
@@ -146,22 +146,22 @@ TEST_CASE("no solid is hit that is none") {
     CHECK_FALSE(measure::truth::is_proper(Ray<Real>{{Real(0), Real(0), Real(0)}, {Real(0), Real(0), Real(0)}}));
     CHECK(measure::truth::is_proper(
         Ray<Real>{{Real(0), Real(0), Real(0)}, {Real(0), Real(0), Real(ldexp(Real(1), -5000))}}));
-    const Solid<double> good = Sphere<double>{{0, 0, 0}, 2};
+    const Primitive<double> good = Sphere<double>{{0, 0, 0}, 2};
     CHECK(measure::truth::find_truth(ray, good).is_hit());
     for (const double radius : {0.0, -2.0, nan, infinity}) {
-        const Solid<double> bad = Sphere<double>{{0, 0, 0}, radius};
+        const Primitive<double> bad = Sphere<double>{{0, 0, 0}, radius};
         CHECK_FALSE(measure::truth::is_proper(bad));
         CHECK(measure::truth::find_truth(ray, bad).decision == measure::truth::Truth::Decision::miss);
         // It does not hide what lies beside it, and is not named.
-        const std::vector<Solid<double>> both{bad, good};
+        const std::vector<Primitive<double>> both{bad, good};
         CHECK(measure::truth::find_truth(ray, both).is_hit());
         CHECK(measure::truth::find_truth(ray, both).object == 1);
     }
-    CHECK_FALSE(measure::truth::is_proper(Solid<double>(Sphere<double>{{nan, 0, 0}, 2})));
-    CHECK(measure::truth::is_proper(Solid<double>(Box<double>{{0, 0, 0}, {0, 1, 1}})));
-    CHECK_FALSE(measure::truth::is_proper(Solid<double>(Box<double>{{0, 0, 0}, {-1, 1, 1}})));
-    CHECK_FALSE(measure::truth::is_proper(Solid<double>(Box<double>{{0, 0, 0}, {1, nan, 1}})));
-    CHECK(measure::truth::find_truth(ray, Solid<double>(Box<double>{{-1, -1, 1}, {1, 1, -1}})).decision ==
+    CHECK_FALSE(measure::truth::is_proper(Primitive<double>(Sphere<double>{{nan, 0, 0}, 2})));
+    CHECK(measure::truth::is_proper(Primitive<double>(Box<double>{{0, 0, 0}, {0, 1, 1}})));
+    CHECK_FALSE(measure::truth::is_proper(Primitive<double>(Box<double>{{0, 0, 0}, {-1, 1, 1}})));
+    CHECK_FALSE(measure::truth::is_proper(Primitive<double>(Box<double>{{0, 0, 0}, {1, nan, 1}})));
+    CHECK(measure::truth::find_truth(ray, Primitive<double>(Box<double>{{-1, -1, 1}, {1, 1, -1}})).decision ==
           measure::truth::Truth::Decision::miss);
 }
 

@@ -7,7 +7,7 @@
 
 #include "catch.hpp"
 #include "counts.hpp"
-#include "intersect/hull/behind.hpp"
+#include "intersect/bounding_box/behind.hpp"
 #include "measure/metric/values.hpp"
 #include "measure/rows.hpp"
 #include "measure/truth/lost_bits.hpp"
@@ -21,7 +21,7 @@ using namespace lostbits::test;
 using measure::evaluate::TestedForm;
 using scene::sweep::ExhaustiveFile;
 using scene::sweep::float_at;
-using scene::sweep::place_of;
+using scene::sweep::index_of;
 namespace answer = measure::answer;
 namespace sweep = measure::sweep;
 namespace truth = measure::truth;
@@ -29,10 +29,10 @@ using answer::Outcome;
 
 namespace {
 
-std::string sweep_text(const std::string& axis, const std::string& rays, const std::string& solid) {
+std::string sweep_text(const std::string& axis, const std::string& rays, const std::string& primitive) {
     return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[axis]\nname = \"x\"\nspacing = "
            "\"every_float\"\n" +
-           axis + "\n" + rays + solid + "\n";
+           axis + "\n" + rays + primitive + "\n";
 }
 std::string ray(const std::string& name, const std::string& origin, const std::string& direction) {
     return "[[ray]]\nname = \"" + name + "\"\norigin = [" + origin + "]\ndirection = [" + direction + "]\n";
@@ -50,13 +50,13 @@ Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const TestedForm& r
     const Ray<float> there = file.ray_at(ray, value);
     const auto wide = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
     const Ray<double> given{wide(there.origin), wide(there.direction)};
-    const Solid<float> narrow = file.solid_at(value);
-    const Solid<double> solid = transformed(narrow, [](float x) { return static_cast<double>(x); });
+    const Primitive<float> narrow = file.primitive_at(value);
+    const Primitive<double> primitive = transformed(narrow, [](float x) { return static_cast<double>(x); });
     const auto end = static_cast<double>(file.rays[ray].tmax);
-    const truth::Truth t = truth::find_truth(given, solid, {}, row.convention(), {.tmax = end});
+    const truth::Truth t = truth::find_truth(given, primitive, {}, row.convention(), {.tmax = end});
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     const Vec<double> d = unit ? truth::unit_direction(given.direction, binary32) : given.direction;
-    const auto answer = asked_alone(row, {given.origin, d}, solid, end);
+    const auto answer = asked_alone(row, {given.origin, d}, primitive, end);
     Alone found{answer::classify(t.decision, answer.has_value(), answer.value_or(0))};
     if (found.outcome == Outcome::agree_hit) found.ulps = truth::ulp_error(*answer, unit ? t.distance : t.t, binary32);
     if (found.outcome == Outcome::false_miss && narrow.is<Box>())
@@ -187,7 +187,7 @@ TEST_CASE("all bit patterns: the rows of infinities, NaNs and zeros, and every f
     const auto request = request_of(file, {row("box.signs", "f32"), row("box.baseline", "f32")});
     for (const float x : {0.0F, -0.0F, 1e-45F, HUGE_VALF, -HUGE_VALF, std::nanf("")}) {
         for (std::size_t k = 0; k < request.rows.size(); ++k) {
-            const auto there = sweep::answer_at(request, 0, k, place_of(x));
+            const auto there = sweep::answer_at(request, 0, k, index_of(x));
             CHECK(there.outcome == try_alone(file, 0, request.rows[k], x).outcome);
         }
     }
@@ -223,7 +223,7 @@ TEST_CASE("the padding that no float needs more of is that of the slabs, behind 
     CHECK(most(boxes, 0, form("box.max_mult")) > 4);
     CHECK(most(boxes, 0, form("box.pbrt_padded")) == 0);
     CHECK(most(boxes, 2, form("box.signs")) == 0);
-    const auto& outward = intersect::hull::usual_hull();
+    const auto& outward = intersect::bounding_box::usual_box_method();
     CHECK(most(triangles, 0, behind(outward, form("box.signs"), form("triangle.filtered"))) > 5.99);
     CHECK(most(triangles, 0, behind(outward, form("box.embree_robust"), form("triangle.filtered"))) == 0);
     CHECK(std::isnan(most(triangles, 0, form("triangle.filtered"))));

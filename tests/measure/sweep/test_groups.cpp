@@ -1,4 +1,5 @@
-// The rays of a family have a solid for each view: measured together they are what they are one view at a time.
+// The rays of a distribution have a primitive for each view: measured together they are what they are one view at a
+// time.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -35,14 +36,14 @@ void check_same(const WorstRay& a, const WorstRay& b) {
     CHECK(same(a.truth, b.truth));
     CHECK(a.ray.origin == b.ray.origin);
     CHECK(a.ray.direction == b.ray.direction);
-    CHECK(std::ranges::equal(a.solid.used(), b.solid.used()));
+    CHECK(std::ranges::equal(a.primitive.used(), b.primitive.used()));
     REQUIRE((a.given == nullptr) == (b.given == nullptr));
     if (!a.given) return;
     CHECK(a.given->rays[0].origin == b.given->rays[0].origin);
     CHECK(a.given->rays.tmax == b.given->rays.tmax);
-    REQUIRE(a.given->solids.size() == b.given->solids.size());
-    for (std::size_t s = 0; s < a.given->solids.size(); ++s)
-        CHECK(std::ranges::equal(a.given->solids[s].used(), b.given->solids[s].used()));
+    REQUIRE(a.given->primitives.size() == b.given->primitives.size());
+    for (std::size_t s = 0; s < a.given->primitives.size(); ++s)
+        CHECK(std::ranges::equal(a.given->primitives[s].used(), b.given->primitives[s].used()));
 }
 
 /// What a summary of all views says against the sum of one summary a view.

@@ -40,12 +40,12 @@ TEST_CASE("every hard ray measures what its name says") {
                 const auto exact = file.rays(i, binary64).front();
                 CHECK(group.rays.ox == exact.rays.ox);
                 CHECK(group.rays.dz == exact.rays.dz);
-                CHECK(group.solids[0].numbers == exact.solids[0].numbers);
+                CHECK(group.primitives[0].numbers == exact.primitives[0].numbers);
             }
             if (part[4].matched) {
                 ++distances;
                 const auto group = file.rays(i, binary64).front();
-                const double radii = scene::sweep::distance_in_radii(group.rays[0], group.solids[0].sphere());
+                const double radii = scene::sweep::distance_in_radii(group.rays[0], group.primitives[0].sphere());
                 CHECK(fmt::format("{:.6g}", radii) == part[4].str());
             }
             const measure::evaluate::FormSummary s = measure::sweep::run_cases_together(request, 0, {i});

@@ -34,7 +34,7 @@ Counted count_at(const ExhaustiveFile& file, const measure::evaluate::TestedForm
     Counted counted;
     std::vector<measure::truth::Certified> apart;
     for (std::size_t s = 0; s < file.mesh->size(); ++s) {
-        const Solid<double> triangle = (*file.mesh)[s];
+        const Primitive<double> triangle = (*file.mesh)[s];
         counted.claimed += asked_alone(row, ray, triangle).has_value();
         const auto truth = measure::truth::find_truth(ray, triangle, {}, row.convention());
         const auto same = [&](const measure::truth::Certified& other) { return compare(other, truth.t) == 0; };
@@ -73,7 +73,7 @@ std::vector<sweep::FloatTally> check_counts(const ExhaustiveFile& file) {
             CHECK(tally.outcomes[o] == counts[static_cast<Outcome>(o)]);
         CHECK(tally.count(Outcome::crack) <= odd);
         CHECK(tally.wrong() == counts[Outcome::crack] + counts[Outcome::double_hit] + counts[Outcome::false_miss] +
-                                   counts[Outcome::false_hit] + counts[Outcome::wrong_object]);
+                                   counts[Outcome::false_hit] + counts[Outcome::wrong_primitive]);
         all.push_back(tally);
     }
     return all;

@@ -15,8 +15,8 @@ using namespace lostbits::test;
 using measure::answer::Outcome;
 using measure::evaluate::TestedForm;
 using measure::sweep::find_worst;
-using measure::sweep::WorstFound;
 using measure::sweep::WorstRequest;
+using measure::sweep::WorstResult;
 using scene::sweep::SearchFile;
 
 namespace {
@@ -34,14 +34,14 @@ std::vector<const measure::metric::Metric*> metrics_of(const SearchFile& search)
             measure::metric::find_metric(search.metric)};
 }
 
-std::optional<WorstFound> worst_of(const SearchFile& search, const TestedForm& row) {
+std::optional<WorstResult> worst_of(const SearchFile& search, const TestedForm& row) {
     return find_worst({.search = search, .rows = {row}, .metrics = metrics_of(search)})[0];
 }
 
-bool equal(const std::optional<WorstFound>& a, const std::optional<WorstFound>& b) {
+bool equal(const std::optional<WorstResult>& a, const std::optional<WorstResult>& b) {
     if (a.has_value() != b.has_value()) return false;
     return !a || (a->outcome == b->outcome && a->value == b->value && a->ray.origin == b->ray.origin &&
-                  a->ray.direction == b->ray.direction && a->solid.numbers == b->solid.numbers &&
+                  a->ray.direction == b->ray.direction && a->primitive.numbers == b->primitive.numbers &&
                   (a->t == b->t || std::isnan(a->t)) && a->evaluations == b->evaluations);
 }
 
@@ -49,9 +49,9 @@ bool is_of(double x, const FloatFormat& f) { return rounding::to_format(x, 0, f)
 
 /// One ray through one form alone, and the truth found anew.
 struct Alone {
-    Alone(const TestedForm& row, const Ray<double>& ray, const Solid<double>& solid)
-        : truth(measure::truth::find_truth(ray, solid, {}, row.form->info->touching)) {
-        const auto answer = asked_alone(row, ray, solid);
+    Alone(const TestedForm& row, const Ray<double>& ray, const Primitive<double>& primitive)
+        : truth(measure::truth::find_truth(ray, primitive, {}, row.form->info->touching)) {
+        const auto answer = asked_alone(row, ray, primitive);
         hit = answer.has_value(), t = answer.value_or(0);
         if (!hit || !truth.is_hit()) return;
         const std::int64_t ulp = ulp_exponent(row.format.parameters, truth.t.floor_log2());
@@ -79,11 +79,11 @@ TEST_CASE(
         // A row's result does not depend on its neighbours.
         if (i % 7 == 0) CHECK(equal(worst_of(search, request.rows[i]), found[i]));
         REQUIRE(found[i].has_value());
-        const WorstFound& w = *found[i];
+        const WorstResult& w = *found[i];
         const FloatFormat& f = request.rows[i].format.parameters;
-        CHECK(search.holds(w.ray, w.solid));
+        CHECK(search.holds(w.ray, w.primitive));
         for (int k = 0; k < 3; ++k) CHECK((is_of(w.ray.origin[k], f) && is_of(w.ray.direction[k], f)));
-        for (const double x : w.solid.used()) CHECK(is_of(x, f));
+        for (const double x : w.primitive.used()) CHECK(is_of(x, f));
         CHECK(w.evaluations <= 2 * 12 * 32);
         if (w.outcome == Outcome::agree_hit) CHECK(w.evaluations == 2 * 12 * 32);
     }
@@ -102,7 +102,7 @@ TEST_CASE("a search at edges parts slabs further than random rays do") {
                                .metrics = metrics_of(search)};
     for (const auto& found : find_worst(request)) {
         REQUIRE(found);
-        CHECK(search.holds(found->ray, found->solid));
+        CHECK(search.holds(found->ray, found->primitive));
         CHECK(found->value > 2.5);  // box-edge-inside shows 2 u
         CHECK(found->value < 6);    // docs/bounds.md: the padding that slabs need
     }
@@ -147,15 +147,15 @@ TEST_CASE("what a search says of its worst ray is what that ray measures alone")
             CAPTURE(name, r.form->info->name, r.format.name);
             const auto found = worst_of(search, r);
             REQUIRE(found.has_value());
-            const Alone alone(r, found->ray, found->solid);
-            CHECK(search.holds(found->ray, found->solid));
+            const Alone alone(r, found->ray, found->primitive);
+            CHECK(search.holds(found->ray, found->primitive));
             const bool agrees = found->outcome == Outcome::agree_hit;
             (agrees ? hits : wrong) += 1;
             if (agrees) {
                 CHECK(alone.hit);
                 CHECK(alone.t == found->t);
                 CHECK(alone.lost == Approx(found->value).epsilon(1e-9));
-                CHECK(found->truth == measure::truth::round_truth(alone.truth, found->ray, found->solid, binary64));
+                CHECK(found->truth == measure::truth::round_truth(alone.truth, found->ray, found->primitive, binary64));
             } else {
                 CHECK(alone.hit != alone.truth.is_hit());
                 CHECK(std::isinf(found->value));
@@ -177,7 +177,7 @@ TEST_CASE("a search of ranges that hold no ray comes to nothing, one that meets 
     REQUIRE(found.has_value());
     CHECK(found->outcome != Outcome::agree_hit);
     CHECK(found->evaluations < 64 * 64 * 32);
-    const Alone alone(row("sphere.schoolbook", "p5"), found->ray, found->solid);
+    const Alone alone(row("sphere.schoolbook", "p5"), found->ray, found->primitive);
     CHECK(alone.hit == (found->outcome == Outcome::false_hit));
     CHECK(alone.truth.is_hit() == (found->outcome == Outcome::false_miss));
 }
@@ -204,8 +204,8 @@ TEST_CASE("the nearest miss of the schoolbook form is no nearer than the errors 
         const double floor = std::sqrt((1 - 0.99 * 0.99) / 15 * std::ldexp(1.0, what.format.parameters.precision));
         CHECK(found[r]->distance > floor);
         CHECK(found[r]->distance < 4 * floor);  // and near to it: the search is good
-        CHECK(found[r]->distance == scene::sweep::distance_in_radii(found[r]->ray, found[r]->solid.sphere()));
-        const Alone alone(what, found[r]->ray, found[r]->solid);
+        CHECK(found[r]->distance == scene::sweep::distance_in_radii(found[r]->ray, found[r]->primitive.sphere()));
+        const Alone alone(what, found[r]->ray, found[r]->primitive);
         CHECK((!alone.hit && alone.truth.is_hit()));
     }
 }

@@ -2,7 +2,7 @@
 #include "measure/tape/contracted_width.hpp"
 
 #include "intersect/catalogue.hpp"
-#include "intersect/takes.hpp"
+#include "intersect/form_shape.hpp"
 
 namespace lostbits::test::test_contraction {
 

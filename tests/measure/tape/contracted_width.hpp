@@ -5,11 +5,11 @@ namespace lostbits::test::test_contraction {
 
 /// A form on one ray and the numbers of one primitive behind it.
 template <class F>
-using AskPlain = void (*)(const F* in, F* t, F* near, F* far, unsigned char* hit);
+using EvaluatePlain = void (*)(const F* in, F* t, F* near, F* far, unsigned char* hit);
 
 struct PlainRow {
-    AskPlain<float> f32 = nullptr;
-    AskPlain<double> f64 = nullptr;
+    EvaluatePlain<float> f32 = nullptr;
+    EvaluatePlain<double> f64 = nullptr;
 };
 
 /// A row for each form, in the order of the catalogue; null for those that march or filter.

@@ -9,7 +9,7 @@
 #include "catch.hpp"
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/packed.hpp"
-#include "measure/blame/recorded_rays.hpp"
+#include "measure/attribution/recorded_rays.hpp"
 #include "measure/rows.hpp"
 #include "measure/tape/contracted_width.hpp"
 #include "measure/tape/tape_form.hpp"
@@ -90,11 +90,11 @@ namespace {
 
 /// What compiled code answers about one ray.
 template <class F>
-Hit<double> compiled(AskPlain<F> ask, const Setting& s) {
+Hit<double> compiled(EvaluatePlain<F> ask, const Setting& s) {
     const auto &o = s.ray.origin, &d = s.ray.direction;
     std::vector<F> in;
     for (const double x : {o.x, o.y, o.z, d.x, d.y, d.z}) in.push_back(static_cast<F>(x));
-    for (const double x : s.solids.front().used()) in.push_back(static_cast<F>(x));
+    for (const double x : s.primitives.front().used()) in.push_back(static_cast<F>(x));
     F t, near, far;
     unsigned char hit = 0;
     ask(in.data(), &t, &near, &far, &hit);
@@ -103,7 +103,7 @@ Hit<double> compiled(AskPlain<F> ask, const Setting& s) {
 
 /// Rays of a form on which compiled code answers otherwise than its contracted tape, of so many.
 template <class F>
-int differing(const Intersector& form, const Format& format, AskPlain<F> ask, int count) {
+int differing(const Intersector& form, const Format& format, EvaluatePlain<F> ask, int count) {
     const Intersector& row = contracted_row(form);
     Random random(7);
     int apart = 0;

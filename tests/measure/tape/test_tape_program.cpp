@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "catch.hpp"
-#include "intersect/hull/behind.hpp"
-#include "intersect/space/space.hpp"
-#include "intersect/space/spaced.hpp"
-#include "measure/blame/operation_error.hpp"
-#include "measure/blame/operations.hpp"
-#include "measure/blame/recorded_rays.hpp"
+#include "intersect/bounding_box/behind.hpp"
+#include "intersect/transform/space.hpp"
+#include "intersect/transform/spaced.hpp"
+#include "measure/attribution/operation_error.hpp"
+#include "measure/attribution/operations.hpp"
+#include "measure/attribution/recorded_rays.hpp"
 #include "measure/rows.hpp"
 #include "measure/tape/tape_form.hpp"
 #include "number/oracle.hpp"
@@ -33,23 +33,23 @@ std::vector<Setting> draw(const Intersector& form, const Format& format) {
     return all;
 }
 
-/// One call over all the rays, to each its own solid.
+/// One call over all the rays, to each its own primitive.
 template <class S>
 std::vector<Hit<double>> in_columns(const TapeProgram& program, const std::vector<Setting>& settings) {
     const std::size_t n = settings.size();
     std::array<std::vector<S>, 9> x;
     for (auto& column : x) column.resize(n);
     std::vector<std::uint8_t> hit(n);
-    std::vector<Solid<S>> solids;
+    std::vector<Primitive<S>> primitives;
     for (std::size_t i = 0; i < n; ++i) {
         for (int k = 0; k < 3; ++k) {
             x[static_cast<std::size_t>(k)][i] = static_cast<S>(settings[i].ray.origin[k]);
             x[static_cast<std::size_t>(3 + k)][i] = static_cast<S>(settings[i].ray.direction[k]);
         }
-        solids.push_back(transformed(settings[i].solids.front(), [](double v) { return static_cast<S>(v); }));
+        primitives.push_back(transformed(settings[i].primitives.front(), [](double v) { return static_cast<S>(v); }));
     }
-    program.run<S>({x[0], x[1], x[2], x[3], x[4], x[5]}, intersect::Target<S>(std::span<const Solid<S>>(solids)),
-                   {x[6], x[7], x[8], hit});
+    program.run<S>({x[0], x[1], x[2], x[3], x[4], x[5]},
+                   intersect::Target<S>(std::span<const Primitive<S>>(primitives)), {x[6], x[7], x[8], hit});
     std::vector<Hit<double>> all;
     for (std::size_t i = 0; i < n; ++i) all.push_back({hit[i] != 0, x[6][i], x[7][i], x[8][i]});
     return all;
@@ -63,10 +63,10 @@ std::vector<Hit<double>> in_columns(const Format& format, const TapeProgram& pro
 
 /// A tape of float and double node by node, by the rounding that the emulated formats use.
 Hit<double> node_by_node(const Tape& tape, const Setting& s) {
-    namespace blame = measure::blame;
+    namespace attribution = measure::attribution;
     std::vector<double> inputs{s.ray.origin.x,    s.ray.origin.y,    s.ray.origin.z,
                                s.ray.direction.x, s.ray.direction.y, s.ray.direction.z};
-    for (const double x : s.solids.front().used()) inputs.push_back(x);
+    for (const double x : s.primitives.front().used()) inputs.push_back(x);
     inputs.push_back(HUGE_VAL);
     std::vector<double> value(tape.nodes.size());
     const auto at = [&](NodeId i) -> double& { return value[static_cast<std::size_t>(i)]; };
@@ -83,13 +83,13 @@ Hit<double> node_by_node(const Tape& tape, const Setting& s) {
         const Judge judge{value, n};
         if (n.op == TapeOp::input) at(i) = inputs.at(static_cast<std::size_t>(n.operands[0]));
         else if (n.op == TapeOp::constant) at(i) = n.value;
-        else if (is_decision(n.op)) at(i) = blame::holds(n.op, judge) ? 1 : 0;
-        else if (kind_of(n.op) == OperationKind::choice) at(i) = at(blame::side_taken(n, judge));
+        else if (is_decision(n.op)) at(i) = attribution::holds(n.op, judge) ? 1 : 0;
+        else if (kind_of(n.op) == OperationKind::choice) at(i) = at(attribution::side_taken(n, judge));
         else {
             std::array<double, 3> operands{};
             for (std::size_t k = 0; k < 3; ++k)
                 if (n.operands[k] != no_node) operands[k] = at(n.operands[k]);
-            at(i) = blame::result_of(n.op, operands, tape.format_of(i));
+            at(i) = attribution::result_of(n.op, operands, tape.format_of(i));
         }
     }
     const auto [hit, t, near, far] = tape.outputs;
@@ -103,7 +103,7 @@ TEST_CASE("a form's tape over columns has its bits", "[tape]") {
     for (const char* name : {"f32", "f64"}) {
         const Format format = *find_format(name);
         for (const Intersector& form : intersect::table::catalogue()) {
-            if (!form.exists_in(format) || !is_solid(form.shape) || form.way) continue;
+            if (!form.exists_in(format) || !is_primitive(form.shape) || form.way) continue;
             const auto rays = draw(form, format);
             const auto found = in_columns(format, TapeProgram(tape_of(form, format)), rays);
             for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -121,7 +121,7 @@ TEST_CASE("wider operations have the bits of the tape that says so", "[tape]") {
     Random random(7);
     std::size_t changed = 0;
     for (const Intersector& form : intersect::table::catalogue()) {
-        if (!form.exists_in(format) || !is_solid(form.shape) || form.way) continue;
+        if (!form.exists_in(format) || !is_primitive(form.shape) || form.way) continue;
         const Tape tape = tape_of(form, format);
         const auto rays = draw(form, format);
         for (int k = 0; k < 4; ++k) {
@@ -167,8 +167,9 @@ TEST_CASE("what a program cannot be made of is refused in words", "[tape]") {
     const Format format = *find_format("f32");
     CHECK_THROWS_WITH(tape_of(test::form_named("sdf.sphere_trace"), format), Catch::Contains("it marches"));
     const Intersector &filtered = test::form_named("triangle.filtered"), &box = test::form_named("box.signs");
-    for (const Intersector* form : {&filtered, &intersect::space::through(intersect::space::usual_space(), filtered),
-                                    &intersect::hull::behind(intersect::hull::usual_hull(), box, filtered)})
+    for (const Intersector* form :
+         {&filtered, &intersect::transform::through(intersect::transform::usual_transform_method(), filtered),
+          &intersect::bounding_box::behind(intersect::bounding_box::usual_box_method(), box, filtered)})
         CHECK_THROWS_WITH(tape_of(*form, format), Catch::Contains("decides by itself"));
     CHECK_THROWS_WITH(tape_of(test::form_named("sphere.press+box.signs"), format), Catch::Contains("several forms"));
     CHECK_THROWS(word_of(bfloat16));

@@ -1,11 +1,11 @@
-// Pieces that the families of rays and boxes share: integer boxes, points on their planes, rays that reach a point
+// Pieces that the distributions of rays and boxes share: integer boxes, points on their planes, rays that reach a point
 // exactly.
 #pragma once
 
 #include <array>
 #include <utility>
 
-#include "measure/truth/box_families.hpp"
+#include "measure/truth/box_distributions.hpp"
 
 namespace lostbits::test {
 

@@ -47,7 +47,7 @@ std::array<Slab<N>, 3> slabs_of(const NumbersOf<N>& x) {
     return {Slab<N>(x, 0), Slab<N>(x, 1), Slab<N>(x, 2)};
 }
 
-/// What decides whether the ray meets the solid: the signs of these.
+/// What decides whether the ray meets the primitive: the signs of these.
 template <class N>
 std::vector<N> deciding(Shape shape, const NumbersOf<N>& x) {
     if (shape == Shape::sphere) {
@@ -147,8 +147,8 @@ using Way = std::array<signed char, most_of_problem>;
 template <class N>
 class Problem {
 public:
-    Problem(const Ray<double>& ray, const Solid<double>& solid)
-        : shape(solid.shape), x(numbers_of<N>(ray, solid)), count_(6 + solid.used().size()) {
+    Problem(const Ray<double>& ray, const Primitive<double>& primitive)
+        : shape(primitive.shape), x(numbers_of<N>(ray, primitive)), count_(6 + primitive.used().size()) {
         for (std::size_t i = 0; i < count_; ++i) sizes_[i] = std::fabs(static_cast<double>(x[i]));
     }
 

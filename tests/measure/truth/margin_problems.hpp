@@ -10,30 +10,32 @@
 #include "measure/seeded.hpp"
 #include "measure/truth/truth.hpp"
 #include "shapes/lift.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::test {
 
 struct MarginProblem {
     Ray<double> ray;
-    Solid<double> solid;
+    Primitive<double> primitive;
 
-    [[nodiscard]] bool is_proper() const { return measure::truth::is_proper(ray) && measure::truth::is_proper(solid); }
+    [[nodiscard]] bool is_proper() const {
+        return measure::truth::is_proper(ray) && measure::truth::is_proper(primitive);
+    }
     /// Whether the ray hits; nothing where this is no problem.
     [[nodiscard]] std::optional<bool> hits() const {
         if (!is_proper()) return std::nullopt;
-        return measure::truth::find_truth(ray, solid).is_hit();
+        return measure::truth::find_truth(ray, primitive).is_hit();
     }
     [[nodiscard]] std::vector<double> numbers() const {
         std::vector<double> x;
         for (const Vec<double>& v : {ray.origin, ray.direction})
             for (int i = 0; i < 3; ++i) x.push_back(v[i]);
-        x.insert(x.end(), solid.used().begin(), solid.used().end());
+        x.insert(x.end(), primitive.used().begin(), primitive.used().end());
         return x;
     }
     [[nodiscard]] MarginProblem with(const std::vector<double>& x) const {
-        MarginProblem to{{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}, solid};
-        std::copy(x.begin() + 6, x.end(), to.solid.used().begin());
+        MarginProblem to{{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}, primitive};
+        std::copy(x.begin() + 6, x.end(), to.primitive.used().begin());
         return to;
     }
 };
@@ -48,12 +50,12 @@ public:
     MarginProblems(Shape shape, Seeded& rng) : shape_(shape), rng_(rng) {}
 
     std::optional<MarginProblem> draw(int kind) {
-        MarginProblem p{{}, solid(kind == whole)};
-        if (!measure::truth::is_proper(p.solid)) return std::nullopt;
-        Sphere<double> ball = ball_around(p.solid);
+        MarginProblem p{{}, primitive(kind == whole)};
+        if (!measure::truth::is_proper(p.primitive)) return std::nullopt;
+        Sphere<double> ball = ball_around(p.primitive);
         if (shape_ == Shape::plane) ball.radius = 2;
         if (kind == whole) p.ray = whole_ray(ball.centre);
-        else if (kind == across || kind == across_near) p.ray = across_ray(p.solid, ball);
+        else if (kind == across || kind == across_near) p.ray = across_ray(p.primitive, ball);
         else {
             const double away =
                 kind == inside ? rng_.uniform(0, 0.5) : std::exp2(rng_.uniform(0.1, kind == far ? 12 : 4));
@@ -81,12 +83,12 @@ private:
     }
     Vec<double> about(const Sphere<double>& ball) { return ball.centre + (ball.radius * rng_.uniform(0, 1.3)) * way(); }
 
-    Solid<double> solid(bool of_whole_numbers) {
+    Primitive<double> primitive(bool of_whole_numbers) {
         const auto one = [&] { return static_cast<double>(rng_.integer(-2, 2)); };
         const Vec<double> near_0 = rng_.vec(-3, 3), whole_numbers{one(), one(), one()};
         const double half = std::exp2(rng_.uniform(-2, 2));
-        if (of_whole_numbers) return solid_around<double>(shape_, whole_numbers, 1);
-        Solid<double> made = solid_around<double>(shape_, near_0, half);
+        if (of_whole_numbers) return primitive_around<double>(shape_, whole_numbers, 1);
+        Primitive<double> made = primitive_around<double>(shape_, near_0, half);
         for_each_key(shape_, [&](const Key& key, std::size_t at) {
             for (std::size_t i = at; i < at + key.count(); ++i) {
                 double& x = made.numbers[i];
@@ -105,7 +107,7 @@ private:
         return {centre + off + -4.0 * d, d};
     }
     /// v·d is 0, or what rounding leaves of it.
-    Ray<double> across_ray(const Solid<double>& of, const Sphere<double>& ball) {
+    Ray<double> across_ray(const Primitive<double>& of, const Sphere<double>& ball) {
         Vec<double> axis{0, 0, 1};
         std::vector<Vec<double>> points;
         for_each_key(shape_, [&](const Key& key, std::size_t at) {
@@ -121,7 +123,7 @@ private:
     std::optional<Vec<double>> grazing(const MarginProblem& p, const Sphere<double>& ball) {
         Vec<double> a = p.ray.origin + (4 * ball.radius / length(p.ray.direction)) * p.ray.direction, b = about(ball);
         const auto hits = [&](const Vec<double>& to) {
-            return MarginProblem{{p.ray.origin, to - p.ray.origin}, p.solid}.hits();
+            return MarginProblem{{p.ray.origin, to - p.ray.origin}, p.primitive}.hits();
         };
         const auto at_a = hits(a), at_b = hits(b);
         if (!at_a || !at_b || *at_a == *at_b) return std::nullopt;

@@ -47,13 +47,13 @@ inline Range<double> range_about(Seeded& rng, std::span<const double> roots, con
     return range;
 }
 
-/// The same about where a ray meets a solid first and where its line leaves it, or as far again.
-inline Range<double> range_about_solid(Seeded& rng, const Ray<double>& ray, const Solid<double>& solid,
-                                       const FloatFormat& storage) {
-    const measure::truth::Truth truth = measure::truth::find_truth(ray, solid);
-    const double t = truth.is_hit() ? measure::truth::round_truth(truth, ray, solid, binary64) : 1;
+/// The same about where a ray meets a primitive first and where its line leaves it, or as far again.
+inline Range<double> range_about_primitive(Seeded& rng, const Ray<double>& ray, const Primitive<double>& primitive,
+                                           const FloatFormat& storage) {
+    const measure::truth::Truth truth = measure::truth::find_truth(ray, primitive);
+    const double t = truth.is_hit() ? measure::truth::round_truth(truth, ray, primitive, binary64) : 1;
     const double least = storage == binary32 ? 0x1p-149 : 0x1p-1074, most = storage == binary32 ? 0x1p126 : 0x1p1022;
-    const auto ends = with_span(ray, solid, [](const auto& span) { return ends_of(span); });
+    const auto ends = with_span(ray, primitive, [](const auto& span) { return ends_of(span); });
     const double other = ends && std::isfinite(ends->far) ? std::fabs(ends->far) : 2 * t;
     const std::array roots{std::clamp(t, 0.0, most), std::clamp(other, least, most)};
     return range_about(rng, roots, storage);

@@ -1,7 +1,7 @@
-// Pieces that the families share: integer frames in which tangency and contact are exact, scaling, permuting.
+// Pieces that the distributions share: integer frames in which tangency and contact are exact, scaling, permuting.
 #pragma once
 
-#include "measure/truth/ray_families.hpp"
+#include "measure/truth/ray_distributions.hpp"
 
 namespace lostbits::test {
 
@@ -21,7 +21,7 @@ struct Triple {
 };
 Triple triple(Seeded& rng, std::int64_t largest_scale);
 
-/// a·u + b·v + c·w, exactly (the families keep within 2^53).
+/// a·u + b·v + c·w, exactly (the distributions keep within 2^53).
 Vec<double> combine(std::int64_t a, const Integers& u, std::int64_t b, const Integers& v, std::int64_t c,
                     const Integers& w);
 

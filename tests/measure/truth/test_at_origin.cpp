@@ -53,8 +53,8 @@ bool is_asked(const intersect::Info& info, double h) { return info.roots != inte
 
 TEST_CASE("of several spheres the one that the eye lies on is passed over alone", "[measure][truth]") {
     const Ray<double> ray{{3, 0, 0}, {1, 0, 0}};
-    const Solid<double> two[] = {Solid<double>(Sphere<double>{{0, 0, 0}, 3}),
-                                 Solid<double>(Sphere<double>{{10, 0, 0}, 2})};
+    const Primitive<double> two[] = {Primitive<double>(Sphere<double>{{0, 0, 0}, 3}),
+                                     Primitive<double>(Sphere<double>{{10, 0, 0}, 2})};
     const Truth closed = find_truth(ray, two), ahead = find_truth(ray, two, {}, {Touching::hit, AtOrigin::miss});
     CHECK(closed.object == 0);
     CHECK(closed.t.is_zero());
@@ -95,7 +95,7 @@ TEST_CASE("every sphere form without rounding decides eyes on the surface as its
                         continue;
                     }
                     const Truth truth =
-                        find_truth({x.origin, d}, Solid<double>(sphere_of(x)), {}, Form::info.convention());
+                        find_truth({x.origin, d}, Primitive<double>(sphere_of(x)), {}, Form::info.convention());
                     CHECK(got.hit == truth.is_hit());
                     // pbrt_interval takes the root of a length that is not a square.
                     const Exact want(truth.is_hit() && !truth.t.is_zero() ? -2 * h / a : 0);
@@ -118,7 +118,7 @@ TEST_CASE("every sphere form without rounding decides eyes on the surface as its
 
 TEST_CASE("every box form without rounding meets a box that the eye lies on at t = 0", "[measure][truth]") {
     using Exact = BasicReal<2048>;
-    const Solid<double> box(Box<double>{{-1, -2, -3}, {1, 2, 3}});
+    const Primitive<double> box(Box<double>{{-1, -2, -3}, {1, 2, 3}});
     const Vec<double> eyes[] = {{1, 0.5, 1}, {-1, 0.5, -2}, {0.25, 2, 1}, {0.5, 1, -3}, {1, 2, 0.5}, {-1, -2, -3}};
     int hits = 0, misses = 0;
     intersect::box::BoxForms::for_each([&]<class Form>() {
@@ -148,7 +148,7 @@ TEST_CASE("a form that passes over t = 0 is judged so by its own word, and not b
         group.rays.push({x.origin, x.direction});
         group.rays.width = 1;
         group.rays.y1 = 1;
-        group.solids = {Solid<double>(sphere_of(x))};
+        group.primitives = {Primitive<double>(sphere_of(x))};
         const double h = dot(x.origin, x.direction);
         const auto outcome = [&](std::optional<Touching> judged, const char* format) {
             auto summaries = measure::evaluate::measure_groups(
@@ -186,7 +186,7 @@ TEST_CASE("what rounded inputs touch counts as what the ideal ones touch does", 
     group.rays.push({{-5, 1 - 0x1p-20, 0}, {1, 0, 0}});  // a tangent in bf16
     group.rays.width = 1;
     group.rays.y1 = 1;
-    group.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, 1})};
+    group.primitives = {Primitive<double>(Sphere<double>{{0, 0, 0}, 1})};
     const measure::truth::Band band(group);
     const measure::truth::FormatInputs inputs = band.inputs(*find_format("bf16"), {.own_truth = true});
     CHECK(band.truth(0, Touching::miss).is_hit());

@@ -87,7 +87,7 @@ TEST_CASE("scaled_difference goes to infinity and to zero with its scale") {
 
 TEST_CASE("compare tells only what both bounds allow, and tells it where they are apart") {
     Seeded rng(12);
-    int told = 0, untold = 0;
+    int told = 0, value_of = 0;
     for (int i = 0; i < 200'000; ++i) {
         const Certified x = any_certified(rng, 3);
         Certified y = rng.index(3) == 0 ? any_certified(rng, 3) : close_to(rng, x);
@@ -102,10 +102,10 @@ TEST_CASE("compare tells only what both bounds allow, and tells it where they ar
         const Dyadic sum = Dyadic(x.bound).scaled(x.exponent) + Dyadic(y.bound).scaled(y.exponent);
         const Dyadic bounds = sum.scaled(1) + Dyadic(1.0).scaled(-990);
         if (order == 0 && compare(gap * gap, bounds * bounds) > 0) FAIL("says nothing");
-        ++(order == 0 ? untold : told);
+        ++(order == 0 ? value_of : told);
     }
     CHECK(told > 10'000);
-    CHECK(untold > 1'000);
+    CHECK(value_of > 1'000);
 }
 
 TEST_CASE("nearer encloses the smaller of any two numbers within the bounds") {

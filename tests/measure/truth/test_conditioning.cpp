@@ -10,7 +10,7 @@
 #include "measure/truth/truth.hpp"
 #include "number/dual.hpp"
 #include "number/real.hpp"
-#include "scene/sweep/families.hpp"
+#include "scene/sweep/distributions.hpp"
 
 namespace test_conditioning {
 
@@ -22,21 +22,22 @@ namespace {
 
 using Wide = BasicReal<1024>;
 
-/// Number i of a ray and its solid.
-double& number_of(Ray<double>& ray, Solid<double>& solid, std::size_t i) {
-    if (i >= 6) return solid.numbers[i - 6];
+/// Number i of a ray and its primitive.
+double& number_of(Ray<double>& ray, Primitive<double>& primitive, std::size_t i) {
+    if (i >= 6) return primitive.numbers[i - 6];
     return i < 3 ? ray.origin[static_cast<int>(i)] : ray.direction[static_cast<int>(i) - 3];
 }
 
-/// Central differences of t, which is known to 2^-72, for steps of 2^-40; nothing where one of them leaves the solid.
-std::vector<double> by_differences(const Ray<double>& ray, const Solid<double>& solid) {
+/// Central differences of t, which is known to 2^-72, for steps of 2^-40; nothing where one of them leaves the
+/// primitive.
+std::vector<double> by_differences(const Ray<double>& ray, const Primitive<double>& primitive) {
     std::vector<double> slopes;
-    for (std::size_t i = 0; i < 6 + solid.used().size(); ++i) {
+    for (std::size_t i = 0; i < 6 + primitive.used().size(); ++i) {
         measure::truth::Truth aside[2];
         double at[2];
         for (const int side : {0, 1}) {
             Ray<double> r = ray;
-            Solid<double> s = solid;
+            Primitive<double> s = primitive;
             double& x = number_of(r, s, i);
             x += (side == 0 ? -0x1p-40 : 0x1p-40) * std::max(std::fabs(x), 0x1p-6);
             at[side] = x, aside[side] = measure::truth::find_truth(r, s);
@@ -68,26 +69,26 @@ TEST_CASE("on the surface the condition is infinite, for a miss there is none") 
 }
 
 TEST_CASE("the gradient agrees with central differences, and the condition is its sum, of every shape") {
-    for (const auto& family : scene::sweep::families()) {
-        INFO(family.table);
+    for (const auto& distribution : scene::sweep::distributions()) {
+        INFO(distribution.table);
         int asked = 0, compared = 0;
-        for (const auto& group : family.sets().front().groups()) {
+        for (const auto& group : distribution.sets().front().groups()) {
             if (asked == 400) break;
             Ray<double> ray = group.rays[0];
-            Solid<double> solid = group.solids.front();
-            const measure::truth::Truth truth = measure::truth::find_truth(ray, solid);
-            const auto gradient = measure::truth::gradient(ray, solid);
+            Primitive<double> primitive = group.primitives.front();
+            const measure::truth::Truth truth = measure::truth::find_truth(ray, primitive);
+            const auto gradient = measure::truth::gradient(ray, primitive);
             if (gradient.empty()) continue;
             ++asked;
-            const auto slopes = by_differences(ray, solid);
-            const double kappa = measure::truth::condition(ray, solid);
+            const auto slopes = by_differences(ray, primitive);
+            const double kappa = measure::truth::condition(ray, primitive);
             if (slopes.empty() || kappa > 0x1p14) continue;
             ++compared;
             double sum = 0, largest = 0;
             for (const double slope : gradient) largest = std::max(largest, std::fabs(slope));
             for (std::size_t i = 0; i < gradient.size(); ++i) {
                 CHECK(std::fabs(gradient[i] - slopes[i]) <= 1e-5 * largest);
-                sum += std::fabs(number_of(ray, solid, i) * gradient[i]);
+                sum += std::fabs(number_of(ray, primitive, i) * gradient[i]);
             }
             CHECK(kappa == Approx(sum / measure::truth::scaled_difference(truth.t, {}, 0)).epsilon(1e-5));
         }

@@ -113,9 +113,9 @@ constexpr std::array origins{AtOrigin::hit, AtOrigin::exit, AtOrigin::miss};
 constexpr std::array insides{Inside::usual, Inside::exit, Inside::zero, Inside::miss};
 
 Truth truth_of(const Example& e, const Convention& asked) {
-    Solid<double> solid(e.shape);
-    std::ranges::copy(e.numbers, solid.numbers.begin());
-    return find_truth(e.ray, solid, {}, asked, {0, e.tmax});
+    Primitive<double> primitive(e.shape);
+    std::ranges::copy(e.numbers, primitive.numbers.begin());
+    return find_truth(e.ray, primitive, {}, asked, {0, e.tmax});
 }
 
 /// Cells of docs/truth.md: the answers by each value of the property that decides.
@@ -161,7 +161,7 @@ std::string table() {
     };
     for (const ShapeRow& shape : shape_rows) {
         add(shape, Inside::usual, "");
-        if (shape.zero_inside) add(shape, Inside::exit, " with `inside = exit`");
+        if (shape.inside_returns_zero) add(shape, Inside::exit, " with `inside = exit`");
     }
     for (const ShapeRow& shape : shape_rows)
         if (has_inside(shape.shape)) add(shape, Inside::miss, " with `inside = miss`");

@@ -25,18 +25,19 @@ RayGroup plain_ray(Shape shape, const Range<double>& range) {
     group.rays.tmin = {range.tmin};
     group.rays.tmax = {range.tmax};
     group.rays.open = range.open;
-    if (shape == Shape::sphere) group.solids = {Solid<double>(Sphere<double>{{0, 0, 0}, 3})};
-    else if (shape == Shape::box) group.solids = {Solid<double>(Box<double>{{-3, -3, -3}, {3, 3, 3}})};
+    if (shape == Shape::sphere) group.primitives = {Primitive<double>(Sphere<double>{{0, 0, 0}, 3})};
+    else if (shape == Shape::box) group.primitives = {Primitive<double>(Box<double>{{-3, -3, -3}, {3, 3, 3}})};
     else if (shape == Shape::triangle)
-        group.solids = {Solid<double>(Triangle<double>{{-3, -8, -8}, {-3, 0, 16}, {-3, 8, -8}})};
-    else if (shape == Shape::ellipsoid) group.solids = {Solid<double>(Ellipsoid<double>{{0, 0, 0}, {3, 2, 4}})};
-    else if (shape == Shape::cylinder) group.solids = {Solid<double>(Cylinder<double>{{0, 0, -4}, {0, 0, 4}, 3})};
-    else if (shape == Shape::capsule) group.solids = {Solid<double>(Capsule<double>{{0, 0, -4}, {0, 0, 4}, 3})};
-    else if (shape == Shape::tube) group.solids = {Solid<double>(Tube<double>{{0, 0, -4}, {0, 0, 4}, 3})};
-    else if (shape == Shape::cone) group.solids = {Solid<double>(Cone<double>{{0, 0, -4}, {0, 0, 4}, 4, 2})};
-    else if (shape == Shape::disc) group.solids = {Solid<double>(Disc<double>{{-3, 0, 0}, {1, 0, 0}, 4, 0})};
-    else if (shape == Shape::torus) group.solids = {Solid<double>(Torus<double>{{-8, 0, 0}, {0, 1, 0}, 8, 3})};
-    else group.solids = {Solid<double>(Plane<double>{{-3, 1, 0}, {1, 0, 0}})};
+        group.primitives = {Primitive<double>(Triangle<double>{{-3, -8, -8}, {-3, 0, 16}, {-3, 8, -8}})};
+    else if (shape == Shape::ellipsoid) group.primitives = {Primitive<double>(Ellipsoid<double>{{0, 0, 0}, {3, 2, 4}})};
+    else if (shape == Shape::cylinder)
+        group.primitives = {Primitive<double>(Cylinder<double>{{0, 0, -4}, {0, 0, 4}, 3})};
+    else if (shape == Shape::capsule) group.primitives = {Primitive<double>(Capsule<double>{{0, 0, -4}, {0, 0, 4}, 3})};
+    else if (shape == Shape::tube) group.primitives = {Primitive<double>(Tube<double>{{0, 0, -4}, {0, 0, 4}, 3})};
+    else if (shape == Shape::cone) group.primitives = {Primitive<double>(Cone<double>{{0, 0, -4}, {0, 0, 4}, 4, 2})};
+    else if (shape == Shape::disc) group.primitives = {Primitive<double>(Disc<double>{{-3, 0, 0}, {1, 0, 0}, 4, 0})};
+    else if (shape == Shape::torus) group.primitives = {Primitive<double>(Torus<double>{{-8, 0, 0}, {0, 1, 0}, 8, 3})};
+    else group.primitives = {Primitive<double>(Plane<double>{{-3, 1, 0}, {1, 0, 0}})};
     return group;
 }
 
@@ -56,20 +57,20 @@ void for_each_range(const Use& use) {
             for (const auto& [name, open] : open_ends_names) use(Range<double>{tmin, tmax, open});
 }
 
-/// The rays at the plain solid of a shape.
-RayGroup at_solid(scene::rays::RayBlock rays, Shape shape) {
+/// The rays at the plain primitive of a shape.
+RayGroup at_primitive(scene::rays::RayBlock rays, Shape shape) {
     RayGroup group;
     group.rays = std::move(rays);
     group.rays.width = static_cast<int>(group.rays.size());
     group.rays.y1 = 1;
-    group.solids = plain_ray(shape, {}).solids;
+    group.primitives = plain_ray(shape, {}).primitives;
     return group;
 }
 
 template <class Use>
 void for_each_form(const Use& use) {
     for (const intersect::table::Intersector& form : intersect::table::catalogue()) {
-        if (!is_solid(form.shape) || !form.exists_in(*find_format("f32"))) continue;
+        if (!is_primitive(form.shape) || !form.exists_in(*find_format("f32"))) continue;
         INFO(form.info->name);
         use(form);
     }
@@ -86,7 +87,7 @@ bool meets(Shape shape, bool closed, const Range<double>& r) {
     if (!r.holds_any()) return false;
     const auto in = [&r](double t) { return !r.is_before(t) && !r.is_after(t); };
     if (shape == Shape::triangle || shape == Shape::disc || shape == Shape::plane) return in(2);
-    if (!zero_inside(shape)) return (in(2) && (closed || !has_inside(shape) || r.tmax > 2)) || in(8);
+    if (!inside_returns_zero(shape)) return (in(2) && (closed || !has_inside(shape) || r.tmax > 2)) || in(8);
     if (closed) return in(2) || in(8) || (r.tmin < 8 && r.tmax > 2);
     return r.tmin < 8 && r.tmax > 2;
 }
@@ -116,7 +117,7 @@ TEST_CASE("forms of both roots decide as the truth does in every range, forms of
             if (form.info->name == open_at_the_end && range.tmax == 2) return;
             // Where only the far root is in the range, a form that does not tell it has nothing to offer. The nearest
             // point of a box is not asked for again: it is what the range begins with.
-            const bool far_alone = !zero_inside(form.shape) && form.shape != Shape::triangle && hit &&
+            const bool far_alone = !inside_returns_zero(form.shape) && form.shape != Shape::triangle && hit &&
                                    (range.is_before(2) || range.is_after(2));
             const bool loses =
                 far_alone && form.info->roots != Roots::both && form.info->inside != intersect::Inside::near;
@@ -139,10 +140,10 @@ TEST_CASE("a range of all that lies ahead changes nothing, whatever the ray", "[
             const Vec<double> origin = test::stored(rng.vec(-3, 3), binary32);
             rays.push({origin, test::stored(rng.vec(-1, 1), binary32)});
         }
-        const measure::truth::Band without(at_solid(rays, form.shape));
+        const measure::truth::Band without(at_primitive(rays, form.shape));
         rays.tmin.assign(rays.size(), 0);
         rays.tmax.assign(rays.size(), HUGE_VAL);
-        const measure::truth::Band with(at_solid(rays, form.shape));
+        const measure::truth::Band with(at_primitive(rays, form.shape));
         const bool unit = form.info->direction == intersect::Direction::unit;
         const auto answers = [&](const measure::truth::Band& band) {
             return measure::answer::evaluate(form, band.inputs(*find_format("f32"), {.unit_rays = unit}));
@@ -167,7 +168,7 @@ TEST_CASE("what is taken in a range is the same in packs and ray by ray", "[meas
             rays.tmin.push_back(tmin);
             rays.tmax.push_back(test::stored(tmin + rng.uniform(0, 1), binary32));
         }
-        const measure::truth::Band band(at_solid(std::move(rays), form.shape));
+        const measure::truth::Band band(at_primitive(std::move(rays), form.shape));
         const auto inputs = band.inputs(*find_format("f32"), {.unit_rays = true});
         std::optional<measure::answer::Answers> first;
         test::at_every_width([&](intersect::simd::Isa) {

@@ -10,7 +10,7 @@
 #include "measure/truth/conditioning.hpp"
 #include "measure/truth/reach_of_t.hpp"
 #include "measure/truth/truth.hpp"
-#include "scene/sweep/families.hpp"
+#include "scene/sweep/distributions.hpp"
 
 namespace test_forward {
 
@@ -32,7 +32,7 @@ double forward_error(double t, const Certified& truth) {
 
 /// What (forward error)/(condition x backward error) may be: `backward_error` stops looking within 2^(1/16) = 1.044 of
 /// the largest change that it can prove, and what it leaves to second order is a part in 64 (below). The largest that
-/// was seen of 200 rays a family is 1.031.
+/// was seen of 200 rays a distribution is 1.031.
 const double most_allowed = std::exp2(1.0 / 16) * (1 + 0x1p-6);
 
 struct Tally {
@@ -57,17 +57,17 @@ struct Tally {
 /// One ray that hits, off the surface.
 struct Problem {
     const Ray<double>& ray;
-    Solid<double> solid;
+    Primitive<double> primitive;
     Certified truth;
 
     [[nodiscard]] double t() const { return std::ldexp(truth.hi, static_cast<int>(truth.exponent)); }
     /// The e from which on the same root or face is met by far: with m the least change that turns it, 2^-e <= m²/64.
-    /// S the size of all numbers and r that of the solid, a sign that decides moves by S r 2^-e or more to first order
-    /// where the line is not at a rim, and by (S 2^-e)² to second; a change of r/S turns it, so m <= r/S, and the
+    /// S the size of all numbers and r that of the primitive, a sign that decides moves by S r 2^-e or more to first
+    /// order where the line is not at a rim, and by (S 2^-e)² to second; a change of r/S turns it, so m <= r/S, and the
     /// second is to the first as 2^-e S/r <= m/64 at most, or, of the middle of a sphere, where r² stands for S r, as
     /// 2^-e (S/r)² <= 1/64.
     [[nodiscard]] int certain_within(Perturbed perturbed) const {
-        const double margin = measure::stability::decision_margin(ray, solid, Turned::root, perturbed);
+        const double margin = measure::stability::decision_margin(ray, primitive, Turned::root, perturbed);
         return margin > 0 ? static_cast<int>(std::ceil(6 - 2 * std::log2(margin))) : 1000;
     }
 };
@@ -80,21 +80,21 @@ void check_finite(Tally& tally, const Problem& problem, bool anywhere, Seeded& r
     const int least = anywhere ? 20 : std::max(20, problem.certain_within(Perturbed::normwise));
     const int p = least + rng.index(8);
     const double t = problem.t(),
-                 far = reach_of_t(problem.ray, problem.solid, problem.truth, {p, -1022, 1023}, Perturbed::normwise);
+                 far = reach_of_t(problem.ray, problem.primitive, problem.truth, {p, -1022, 1023}, Perturbed::normwise);
     if (p > 60 || !(far < t / 8 && far > t * 0x1p-42)) return;
     const double there = t + rng.sign() * far * (1 + 0x1p-10);
     tally.take(forward_error(there, problem.truth), std::ldexp(far, p),
-               backward_error(problem.ray, problem.solid, there, Perturbed::normwise));
+               backward_error(problem.ray, problem.primitive, there, Perturbed::normwise));
 }
 
 /// With κ = Σ |xᵢ ∂t/∂xᵢ|/|t| a change of e moves t by κ e |t| and terms of second order, as above: t is off by 2^-40
 /// of itself, and so e about 2^-40/κ.
 void check_first_order(Tally& tally, const Problem& problem, Seeded& rng) {
-    const double kappa = measure::truth::condition(problem.ray, problem.solid), t = problem.t();
+    const double kappa = measure::truth::condition(problem.ray, problem.primitive), t = problem.t();
     if (!std::isfinite(kappa)) return;
     if (std::log2(kappa) + 40 < problem.certain_within(Perturbed::componentwise)) return;
     const double there = t * (1 + rng.sign() * 0x1p-40);
-    tally.take(forward_error(there, problem.truth), kappa * t, backward_error(problem.ray, problem.solid, there));
+    tally.take(forward_error(there, problem.truth), kappa * t, backward_error(problem.ray, problem.primitive, there));
 }
 
 struct Both {
@@ -102,33 +102,33 @@ struct Both {
     void check(int at_least) const { finite.check(at_least), first_order.check(at_least); }
 };
 
-void try_ray(Both& both, const Ray<double>& ray, const Solid<double>& solid, bool anywhere, Seeded& rng) {
-    if (!measure::truth::is_proper(ray) || !measure::truth::is_proper(solid)) return;
-    const auto truth = measure::truth::find_truth(ray, solid);
+void try_ray(Both& both, const Ray<double>& ray, const Primitive<double>& primitive, bool anywhere, Seeded& rng) {
+    if (!measure::truth::is_proper(ray) || !measure::truth::is_proper(primitive)) return;
+    const auto truth = measure::truth::find_truth(ray, primitive);
     if (!truth.is_hit() || truth.t.is_zero() || std::abs(truth.t.exponent) > 900) return;
-    const Problem problem{ray, solid, truth.t};
+    const Problem problem{ray, primitive, truth.t};
     check_finite(both.finite, problem, anywhere, rng);
     check_first_order(both.first_order, problem, rng);
 }
 
-const int rays_per_family = test::draws(2000);
+const int rays_per_distribution = test::draws(2000);
 
 }  // namespace
 
 TEST_CASE("forward error is at most condition times backward error, of every shape", "[margin][forward]") {
-    for (const auto& family : scene::sweep::families())
-        for (const auto& set : family.sets()) {
-            INFO(family.table << ", " << set.name);
+    for (const auto& distribution : scene::sweep::distributions())
+        for (const auto& set : distribution.sets()) {
+            INFO(distribution.table << ", " << set.name);
             const bool at_edges = set.name == "edge-grazing";
             Both both;
             Seeded rng(0xf0a3);
             int tried = 0;
             for (const auto& group : set.groups())
-                for (std::size_t i = 0; i < group.rays.size() && tried < rays_per_family; ++i, ++tried)
-                    try_ray(both, group.rays[i], group.solids[group.paired ? i : 0], at_edges, rng);
-            both.finite.check(rays_per_family / 4, family.shape == Shape::torus);
+                for (std::size_t i = 0; i < group.rays.size() && tried < rays_per_distribution; ++i, ++tried)
+                    try_ray(both, group.rays[i], group.primitives[group.paired ? i : 0], at_edges, rng);
+            both.finite.check(rays_per_distribution / 4, distribution.shape == Shape::torus);
             // Where it meets an edge there is no derivative.
-            if (!at_edges) both.first_order.check(rays_per_family / 4, family.shape == Shape::torus);
+            if (!at_edges) both.first_order.check(rays_per_distribution / 4, distribution.shape == Shape::torus);
         }
 }
 

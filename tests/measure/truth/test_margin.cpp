@@ -1,7 +1,7 @@
 // How much a problem may change before its answer does: against problems that are changed so much, exactly.
 //
-//   LOSTBITS_RAYS=13400 build/test_truth "[margin]"      so many rays of each of 76 families and formats, 10^6 in all
-//   LOSTBITS_LONG=1 build/test_truth "[attack]"          100000 attacked problems of each shape
+//   LOSTBITS_RAYS=13400 build/test_truth "[margin]"      so many rays of each of 76 distributions and formats, 10^6 in
+//   all LOSTBITS_LONG=1 build/test_truth "[attack]"          100000 attacked problems of each shape
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
@@ -14,12 +14,12 @@
 #include "intersect/triangle/triangle_rays.hpp"
 #include "measure/seeded.hpp"
 #include "measure/stability/stability.hpp"
-#include "measure/truth/box_families.hpp"
+#include "measure/truth/box_distributions.hpp"
 #include "measure/truth/brute_force.hpp"
 #include "measure/truth/hard_rays.hpp"
 #include "measure/truth/margin_problems.hpp"
 #include "measure/truth/truth.hpp"
-#include "scene/sweep/families.hpp"
+#include "scene/sweep/distributions.hpp"
 
 namespace test_margin {
 
@@ -43,7 +43,7 @@ struct Tally {
     void add(const Tally& other) { tight += other.tight, all += other.all; }
 };
 
-/// What the rays of a family showed. Catch counts on one thread, so it is told afterwards.
+/// What the rays of a distribution showed. Catch counts on one thread, so it is told afterwards.
 struct Found {
     Tally margins, errors;
     int rays = 0;
@@ -81,11 +81,11 @@ Seen look(const Problem<N>& problem, double said, std::uint64_t bits, const Func
     return seen;
 }
 
-/// One ray at one solid: what is said of its problem, and what is seen.
+/// One ray at one primitive: what is said of its problem, and what is seen.
 class Trial {
 public:
-    Trial(Found& found, const Ray<double>& ray, const Solid<double>& solid, Seeded& rng)
-        : found_(found), ray_(ray), solid_(solid), rng_(rng) {
+    Trial(Found& found, const Ray<double>& ray, const Primitive<double>& primitive, Seeded& rng)
+        : found_(found), ray_(ray), primitive_(primitive), rng_(rng) {
         ++found.rays;
     }
 
@@ -93,15 +93,15 @@ public:
     /// found: not of rays from the surface or at a rim, where two signs decide together, nor where the second order
     /// does, as of one through the middle of a sphere far away.
     void check_margin() {
-        const double margin = margin_of(ray_, solid_, Turned::decision).proved;
-        const double root = margin_of(ray_, solid_).proved;
+        const double margin = margin_of(ray_, primitive_, Turned::decision).proved;
+        const double root = margin_of(ray_, primitive_).proved;
         // Both are searched to 2^(1/16), or to 2 where they are large.
         const bool in_order = root <= margin * (margin < most_tight ? 1.05 : 2);
         if (!(root >= 0 && in_order && margin <= 0.5)) contradict("margins", margin, root);
         const std::uint64_t bits = rng_.bits(60);
         Seen seen;
         const bool exact = in_exact_numbers([&]<class N>(const N&) {
-            const Problem<N> problem(ray_, solid_);
+            const Problem<N> problem(ray_, primitive_);
             const bool hit = is_hit(problem.shape, problem.x);
             const auto signs = [&](const NumbersOf<N>& x) { return deciding(problem.shape, x); };
             const auto same = [&](const NumbersOf<N>& x) {
@@ -116,18 +116,18 @@ public:
     /// The same of the backward error of a t that is off by 2^-3 to 2^-45.
     void check_backward() {
         Textbook book;
-        const Numbers wide = numbers_of(ray_, solid_);
-        const bool is_far = solid_.shape == Shape::sphere && Quadratic(wide).c < 0;
+        const Numbers wide = numbers_of(ray_, primitive_);
+        const bool is_far = primitive_.shape == Shape::sphere && Quadratic(wide).c < 0;
         book.which = is_far ? 1 : -1, book.crossed = {wide[3] != 0, wide[4] != 0, wide[5] != 0};
-        const auto root = book.t(solid_.shape, wide);
+        const auto root = book.t(primitive_.shape, wide);
         if (!root || *root <= ldexp(Wide(1), -900) || *root >= ldexp(Wide(1), 900)) return;
         const double off = rng_.sign() * std::ldexp(1.0, -static_cast<int>(rng_.integer(3, 45)));
         const double t = static_cast<double>(*root) * (1 + off);
-        const double error = backward_error(ray_, solid_, t);
+        const double error = backward_error(ray_, primitive_, t);
         const std::uint64_t bits = rng_.bits(60);
         Seen seen;
         const bool exact = in_exact_numbers([&]<class N>(const N&) {
-            const Problem<N> problem(ray_, solid_);
+            const Problem<N> problem(ray_, primitive_);
             const Shape shape = problem.shape;
             const N there(t);
             const Side before = side_of(shape, problem.x, there, is_far);
@@ -151,43 +151,44 @@ private:
         std::ostringstream out;
         out << std::hexfloat << what << ' ' << said << ' ' << other << " of the ray";
         for (const Vec<double>& v : {ray_.origin, ray_.direction}) out << ' ' << v.x << ' ' << v.y << ' ' << v.z;
-        out << " at the " << row_of(solid_.shape).name;
-        for (const double number : solid_.used()) out << ' ' << number;
+        out << " at the " << row_of(primitive_.shape).name;
+        for (const double number : primitive_.used()) out << ' ' << number;
         found_.contradictions.push_back(out.str());
     }
 
     Found& found_;
     const Ray<double>& ray_;
-    Solid<double> solid_;
+    Primitive<double> primitive_;
     Seeded& rng_;
 };
 
-void try_ray(Found& found, const Ray<double>& ray, const Solid<double>& solid, Seeded& rng) {
-    Trial trial(found, ray, solid, rng);
+void try_ray(Found& found, const Ray<double>& ray, const Primitive<double>& primitive, Seeded& rng) {
+    Trial trial(found, ray, primitive, rng);
     trial.check_margin();
     trial.check_backward();
 }
 
-const int rays_per_family = [] {
+const int rays_per_distribution = [] {
     const char* const asked = std::getenv("LOSTBITS_RAYS");
     return asked ? std::atoi(asked) : test::draws(400);
 }();
 
 /// The hard rays of a shape, on all threads.
-void check_families(Shape shape, std::initializer_list<FloatFormat> formats) {
-    const auto families = test::hard_families(shape, formats);
-    std::vector<Found> parts(families.size());
-    intersect::process::in_parallel(std::size_t{0}, families.size(), [&](std::size_t i) {
+void check_distributions(Shape shape, std::initializer_list<FloatFormat> formats) {
+    const auto distributions = test::hard_distributions(shape, formats);
+    std::vector<Found> parts(distributions.size());
+    intersect::process::in_parallel(std::size_t{0}, distributions.size(), [&](std::size_t i) {
         Seeded rng(0x3a61);
-        for (int k = 0; k < rays_per_family; ++k) {
-            const auto [ray, solid, range] = families[i].draw(rng);
-            if (measure::truth::is_proper(ray) && measure::truth::is_proper(solid)) try_ray(parts[i], ray, solid, rng);
+        for (int k = 0; k < rays_per_distribution; ++k) {
+            const auto [ray, primitive, range] = distributions[i].draw(rng);
+            if (measure::truth::is_proper(ray) && measure::truth::is_proper(primitive))
+                try_ray(parts[i], ray, primitive, rng);
         }
     });
     Found found;
     for (const Found& part : parts) found.add(part);
     for (const std::string& contradiction : found.contradictions) FAIL_CHECK(contradiction);
-    if (rays_per_family > test::draws(400))
+    if (rays_per_distribution > test::draws(400))
         WARN(found.rays << " rays, " << found.contradictions.size() << " contradictions");
     CHECK(found.margins.all >= 150);
     CHECK(found.errors.all >= 150);
@@ -199,39 +200,39 @@ void check_families(Shape shape, std::initializer_list<FloatFormat> formats) {
 
 TEST_CASE("no change within the margin turns a decision, none within the backward error makes t right - spheres",
           "[margin]") {
-    check_families(Shape::sphere, {binary32, binary64});
+    check_distributions(Shape::sphere, {binary32, binary64});
 }
 
 TEST_CASE("no change within the margin turns a decision, none within the backward error makes t right - boxes",
           "[margin]") {
-    check_families(Shape::box, {binary32, binary64});
+    check_distributions(Shape::box, {binary32, binary64});
 }
 
 TEST_CASE("no change within the margin turns a decision, none within the backward error makes t right - triangles",
           "[margin]") {
-    check_families(Shape::triangle, {binary32});
+    check_distributions(Shape::triangle, {binary32});
 }
 
 TEST_CASE("no change within the margin turns a decision, of every shape", "[margin]") {
-    for (const auto& family : scene::sweep::families()) {
-        INFO(family.table);
+    for (const auto& distribution : scene::sweep::distributions()) {
+        INFO(distribution.table);
         Seeded rng(0x3a61);
         int told = 0, asked = 0;
-        for (const auto& set : family.sets()) {
+        for (const auto& set : distribution.sets()) {
             for (const auto& group : set.groups()) {
-                if (asked >= 4 * rays_per_family) break;
+                if (asked >= 4 * rays_per_distribution) break;
                 const Ray<double> ray = group.rays[0];
-                const Solid<double> solid = group.solids.front();
-                const auto truth = find_truth(ray, solid);
+                const Primitive<double> primitive = group.primitives.front();
+                const auto truth = find_truth(ray, primitive);
                 ++asked;
                 for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
-                    const double margin = margin_of(ray, solid, Turned::decision, perturbed).proved;
+                    const double margin = margin_of(ray, primitive, Turned::decision, perturbed).proved;
                     told += margin > 0;
                     const double by = margin * (1 - 0x1p-20) - 0x1p-52;
                     if (by <= 0) continue;
                     for (int k = 0; k < 4; ++k) {
                         Ray<double> r = ray;
-                        Solid<double> s = solid;
+                        Primitive<double> s = primitive;
                         for (int i = 0; i < 3; ++i)
                             r.origin[i] *= 1 + by * rng.sign(), r.direction[i] *= 1 + by * rng.sign();
                         for (double& number : s.used()) number *= 1 + by * rng.sign();
@@ -256,12 +257,12 @@ struct Attacked {
 /// The change that a margin names is no larger than twice the margin, and turns the decision, exactly.
 bool is_witness(const test::MarginProblem& problem, const Margin& margin, Perturbed perturbed) {
     Ray<Real> ray = lift_ray<Real>(problem.ray);
-    Solid<Real> solid = lift_solid<Real>(problem.solid);
+    Primitive<Real> primitive = lift_primitive<Real>(problem.primitive);
     for (int i = 0; i < 3; ++i) {
         ray.origin[i] += margin.changes_by[static_cast<std::size_t>(i)];
         ray.direction[i] += margin.changes_by[static_cast<std::size_t>(i) + 3];
     }
-    for (std::size_t i = 0; i < solid.used().size(); ++i) solid.used()[i] += margin.changes_by[i + 6];
+    for (std::size_t i = 0; i < primitive.used().size(); ++i) primitive.used()[i] += margin.changes_by[i + 6];
     const std::vector<double> x = problem.numbers();
     const double most = 2 * std::max(margin.proved, 0x1p-90);
     bool is_small = true;
@@ -275,15 +276,15 @@ bool is_witness(const test::MarginProblem& problem, const Margin& margin, Pertur
         if (perturbed == Perturbed::normwise) is_small &= std::sqrt(change) <= most * std::sqrt(size);
     };
     vector(0, 3), vector(3, 3);
-    for_each_key(problem.solid.shape, [&](const Key& key, std::size_t at) { vector(6 + at, key.count()); });
-    const auto truth = find_truth(ray, std::span<const Solid<Real>>(&solid, 1));
+    for_each_key(problem.primitive.shape, [&](const Key& key, std::size_t at) { vector(6 + at, key.count()); });
+    const auto truth = find_truth(ray, std::span<const Primitive<Real>>(&primitive, 1));
     return is_small && truth.decision != measure::truth::Truth::Decision::unresolved &&
            truth.is_hit() != *problem.hits();
 }
 
 std::string in_hex(const test::MarginProblem& problem) {
     std::ostringstream out;
-    out << row_of(problem.solid.shape).name << std::hexfloat;
+    out << row_of(problem.primitive.shape).name << std::hexfloat;
     for (const double x : problem.numbers()) out << ' ' << x;
     return out.str();
 }
@@ -296,8 +297,8 @@ void attack(Attacked& seen, const test::MarginProblem& problem, Seeded& rng) {
     };
     ++seen.problems;
     for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
-        const Margin margin = margin_of(problem.ray, problem.solid, Turned::decision, perturbed);
-        const double told = decision_margin(problem.ray, problem.solid, Turned::decision, perturbed);
+        const Margin margin = margin_of(problem.ray, problem.primitive, Turned::decision, perturbed);
+        const double told = decision_margin(problem.ray, problem.primitive, Turned::decision, perturbed);
         const bool missing = std::isnan(told);
         if (!(missing || told == margin.proved) || !(margin.proved >= 0 && margin.proved <= 0.5))
             contradict("no margin", margin.proved);
@@ -316,7 +317,7 @@ void attack(Attacked& seen, const test::MarginProblem& problem, Seeded& rng) {
 TEST_CASE("margins are the least changes to a factor of two, of every shape", "[margin][attack]") {
     const int each = test::draws(100000, 40);
     for (const auto& row : shape_rows) {
-        if (!is_solid(row.shape)) continue;
+        if (!is_primitive(row.shape)) continue;
         INFO(row.name);
         std::vector<Attacked> parts(static_cast<std::size_t>(test::MarginProblems::kinds) * 8);
         intersect::process::in_parallel(std::size_t{0}, parts.size(), [&](std::size_t i) {
@@ -343,14 +344,14 @@ TEST_CASE("margins are the least changes to a factor of two, of every shape", "[
 TEST_CASE("margins of rays across an axis, and of tori at a silhouette, do not collapse", "[margin]") {
     // v·d is 0: its sign decides nothing. The ray passes 1/4 inside of the side: 1/4 over the numbers that move it.
     const Ray<double> across{{-4, 1, 0.75}, {1, 0, 0}};
-    for (const Solid<double>& solid : {Solid<double>(Cylinder<double>{{0, 0, 0}, {0, 2, 0}, 1}),
-                                       Solid<double>(Tube<double>{{0, 0, 0}, {0, 2, 0}, 1}),
-                                       Solid<double>(Capsule<double>{{0, 0, 0}, {0, 2, 0}, 1})}) {
-        INFO(row_of(solid.shape).name);
-        const Margin margin = margin_of(across, solid, Turned::decision);
+    for (const Primitive<double>& primitive : {Primitive<double>(Cylinder<double>{{0, 0, 0}, {0, 2, 0}, 1}),
+                                               Primitive<double>(Tube<double>{{0, 0, 0}, {0, 2, 0}, 1}),
+                                               Primitive<double>(Capsule<double>{{0, 0, 0}, {0, 2, 0}, 1})}) {
+        INFO(row_of(primitive.shape).name);
+        const Margin margin = margin_of(across, primitive, Turned::decision);
         CHECK(margin.proved > 0.04);
     }
-    const Solid<double> torus = Torus<double>{{0, 0, 0}, {0, 0, 1}, 2, 0.5};
+    const Primitive<double> torus = Torus<double>{{0, 0, 0}, {0, 0, 1}, 2, 0.5};
     for (const double inside : {0x1p-12, 0x1p-20}) {
         // z and the minor radius meet: (1/2 - inside)(1 + e) = 1/2 (1 - e).
         const double margin = decision_margin({{0, -4, 0.5 - inside}, {0, 1, 0}}, torus, Turned::decision);
@@ -376,24 +377,25 @@ TEST_CASE("a change within u turns a decision, or a proof says that none does", 
 
 TEST_CASE("the margin of a ray that misses several primitives is the nearest one's", "[margin]") {
     const Ray<double> ray{{0, 0, 0}, {0, 0, 1}};
-    std::vector<Solid<double>> solids;
-    for (int i = 0; i < 20; ++i) solids.push_back(Sphere<double>{{4.0 + i, 0, 4}, 1});
-    solids.push_back(Torus<double>{{0, 8, 3}, {1, 0, 0}, 2, 0.5});
-    solids[13] = Sphere<double>{{1 + 0x1p-12, 0, 4}, 1};
-    CHECK(measure::stability::nearest_decision(ray, scene::rays::SolidList<double>(solids)) == 13);
+    std::vector<Primitive<double>> primitives;
+    for (int i = 0; i < 20; ++i) primitives.push_back(Sphere<double>{{4.0 + i, 0, 4}, 1});
+    primitives.push_back(Torus<double>{{0, 8, 3}, {1, 0, 0}, 2, 0.5});
+    primitives[13] = Sphere<double>{{1 + 0x1p-12, 0, 4}, 1};
+    CHECK(measure::stability::nearest_decision(ray, scene::rays::PrimitiveList<double>(primitives)) == 13);
     Seeded rng(0x3a61);
     for (int k = 0; k < test::draws(2000); ++k) {
-        for (Solid<double>& solid : solids)
-            if (solid.is<Sphere>()) solid = Sphere<double>{rng.vec(-4, 4), rng.uniform(0.1, 1)};
+        for (Primitive<double>& primitive : primitives)
+            if (primitive.is<Sphere>()) primitive = Sphere<double>{rng.vec(-4, 4), rng.uniform(0.1, 1)};
         double least = HUGE_VAL;
         bool misses = true;
-        for (const Solid<double>& solid : solids) {
-            misses &= !find_truth(ray, solid).is_hit();
-            least = std::min(least, margin_of(ray, solid).proved);
+        for (const Primitive<double>& primitive : primitives) {
+            misses &= !find_truth(ray, primitive).is_hit();
+            least = std::min(least, margin_of(ray, primitive).proved);
         }
         if (!misses) continue;
-        const std::size_t nearest = measure::stability::nearest_decision(ray, scene::rays::SolidList<double>(solids));
-        CHECK(margin_of(ray, solids[nearest]).proved <= least * (least < most_tight ? 1.1 : 2));
+        const std::size_t nearest =
+            measure::stability::nearest_decision(ray, scene::rays::PrimitiveList<double>(primitives));
+        CHECK(margin_of(ray, primitives[nearest]).proved <= least * (least < most_tight ? 1.1 : 2));
     }
 }
 

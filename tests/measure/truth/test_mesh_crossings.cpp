@@ -21,7 +21,7 @@ using measure::crossing::nearest_edges;
 using measure::crossing::place_in_mesh;
 using measure::crossing::Triangles;
 using measure::culling::BoxTree;
-using scene::rays::SolidList;
+using scene::rays::PrimitiveList;
 using Whole = std::int64_t;
 using Point = std::array<Whole, 3>;
 
@@ -38,19 +38,20 @@ Vec<double> vec(const Point& p) {
 
 struct Corners {
     Point a, b, c;
-    [[nodiscard]] Solid<double> solid() const { return Triangle<double>{vec(a), vec(b), vec(c)}; }
+    [[nodiscard]] Primitive<double> primitive() const { return Triangle<double>{vec(a), vec(b), vec(c)}; }
 };
 
 /// A crossing in whole numbers: t = n/m, m > 0.
-struct Met {
+struct ExpectedCrossing {
     std::uint32_t triangle;
     Whole n, m;
     bool front, at_rim;
 };
 
 /// In the order of t. `in_plane`: whether the ray lies in the plane of a triangle.
-std::vector<Met> brute_force(const Point& o, const Point& d, const std::vector<Corners>& mesh, bool& in_plane) {
-    std::vector<Met> met;
+std::vector<ExpectedCrossing> brute_force(const Point& o, const Point& d, const std::vector<Corners>& mesh,
+                                          bool& in_plane) {
+    std::vector<ExpectedCrossing> met;
     for (std::uint32_t k = 0; k < mesh.size(); ++k) {
         const Point a = less(mesh[k].a, o), b = less(mesh[k].b, o), c = less(mesh[k].c, o);
         const Point normal = crossed(less(b, a), less(c, a));
@@ -61,7 +62,8 @@ std::vector<Met> brute_force(const Point& o, const Point& d, const std::vector<C
         const Whole least = std::ranges::min(sides), n = sign * dotted(a, normal);
         if (m != 0 && least >= 0 && n >= 0) met.push_back({k, n, sign * m, m < 0, least == 0});
     }
-    std::ranges::stable_sort(met, [](const Met& x, const Met& y) { return x.n * y.m < y.n * x.m; });
+    std::ranges::stable_sort(
+        met, [](const ExpectedCrossing& x, const ExpectedCrossing& y) { return x.n * y.m < y.n * x.m; });
     return met;
 }
 
@@ -104,14 +106,14 @@ void add_box(std::vector<Corners>& mesh, const Point& lo, const Point& size, boo
         }
 }
 
-SolidList<double> solids_of(const std::vector<Corners>& mesh) {
-    std::vector<Solid<double>> solids;
-    for (const Corners& one : mesh) solids.push_back(one.solid());
-    return solids;
+PrimitiveList<double> primitives_of(const std::vector<Corners>& mesh) {
+    std::vector<Primitive<double>> primitives;
+    for (const Corners& one : mesh) primitives.push_back(one.primitive());
+    return primitives;
 }
 
-std::shared_ptr<const BoxTree> tree_of(const SolidList<double>& solids) {
-    return BoxTree::make(solids, {.origin = 64, .least_direction = 1, .direction = 64}, nullptr);
+std::shared_ptr<const BoxTree> tree_of(const PrimitiveList<double>& primitives) {
+    return BoxTree::make(primitives, {.origin = 64, .least_direction = 1, .direction = 64}, nullptr);
 }
 
 /// Compares all crossings of a ray with those in whole numbers.
@@ -123,7 +125,7 @@ void check_ray(const Point& o, const Point& d, const std::vector<Corners>& mesh,
     REQUIRE(found.in_order.size() == expected.size());
     for (std::size_t i = 0; i < expected.size(); ++i) {
         const auto& x = found.in_order[i];
-        const Met& y = expected[i];
+        const ExpectedCrossing& y = expected[i];
         const double t = static_cast<double>(y.n) / static_cast<double>(y.m);
         REQUIRE(x.triangle == y.triangle);
         REQUIRE(x.front == y.front);
@@ -145,12 +147,12 @@ TEST_CASE("crossings of rays with triangles are those of whole numbers, ties and
         for (int k = 0; k < 400; ++k) mesh.push_back(draw.triangle(soup % 2 == 0 ? 4 : 12));
         for (int k = 0; k < 20; ++k) mesh.push_back(mesh[static_cast<std::size_t>(draw.below(400))]);  // duplicates
         for (int k = 0; k < 7; ++k) add_box(mesh, draw.point(8), {1 + draw.below(4), 2, 3}, k % 2 == 0, draw);
-        const SolidList<double> solids = solids_of(mesh);
-        const auto tree = tree_of(solids);
+        const PrimitiveList<double> primitives = primitives_of(mesh);
+        const auto tree = tree_of(primitives);
         REQUIRE(tree != nullptr);
         for (int i = 0; i < 500; ++i) {
             const Point o = draw.point(10), d = draw.direction(6);
-            check_ray(o, d, mesh, {solids, i % 4 == 0 ? nullptr : tree.get()});
+            check_ray(o, d, mesh, {primitives, i % 4 == 0 ? nullptr : tree.get()});
             bool in_plane = false;
             const auto all = brute_force(o, d, mesh, in_plane);
             met += all.size();
@@ -167,9 +169,11 @@ TEST_CASE("crossings of rays with triangles are those of whole numbers, ties and
 
 TEST_CASE("a range takes the crossings within it, its ends by their convention") {
     const std::vector<Corners> mesh{{{0, 0, 1}, {4, 0, 1}, {0, 4, 1}}, {{0, 0, 3}, {4, 0, 3}, {0, 4, 3}}};
-    const SolidList<double> solids = solids_of(mesh);
+    const PrimitiveList<double> primitives = primitives_of(mesh);
     const Ray<double> ray{{1, 1, 0}, {0, 0, 1}};
-    const auto count = [&](const Range<double>& range) { return crossings_of(ray, {solids}, range).in_order.size(); };
+    const auto count = [&](const Range<double>& range) {
+        return crossings_of(ray, {primitives}, range).in_order.size();
+    };
     CHECK(count({}) == 2);
     CHECK(count({.tmin = 1, .tmax = 3}) == 2);
     CHECK(count({.tmin = 1, .tmax = 3, .open = {.tmin = true}}) == 1);
@@ -179,11 +183,11 @@ TEST_CASE("a range takes the crossings within it, its ends by their convention")
 
 TEST_CASE("the side from which a line crosses a triangle, and the edges that it passes nearest to, are exact") {
     const auto triangle = [](const Vec<double>& a, const Vec<double>& b, const Vec<double>& c) {
-        return Solid<double>(Triangle<double>{a, b, c});
+        return Primitive<double>(Triangle<double>{a, b, c});
     };
     // The normal is (1, 1, −1), and d·n = 1 + 2^-300 − 1.
-    const Solid<double> slanted = triangle({0, 0, 0}, {1, 0, 1}, {1, -1, 0}),
-                        turned = triangle({0, 0, 0}, {1, -1, 0}, {1, 0, 1});
+    const Primitive<double> slanted = triangle({0, 0, 0}, {1, 0, 1}, {1, -1, 0}),
+                            turned = triangle({0, 0, 0}, {1, -1, 0}, {1, 0, 1});
     for (const double least : {0x1p-300, 0x1p-1000}) {
         const Vec<double> d(1, least, 1);
         CHECK(facing_of({{0, 0, -1}, d}, slanted) == -1);
@@ -195,8 +199,8 @@ TEST_CASE("the side from which a line crosses a triangle, and the edges that it 
 
     // A point (x, y) of a triangle with sides 3, 4 and 5 is (12 − 3x − 4y)/5, x and y away from the edges opposite to
     // a, b and c: all are 1 at (1, 1).
-    const Solid<double> right = triangle({0, 0, 0}, {4, 0, 0}, {0, 3, 0}),
-                        left = triangle({0, 0, 0}, {0, 3, 0}, {4, 0, 0});
+    const Primitive<double> right = triangle({0, 0, 0}, {4, 0, 0}, {0, 3, 0}),
+                            left = triangle({0, 0, 0}, {0, 3, 0}, {4, 0, 0});
     const auto nearest = [&](double x, double y, double dy = 0) {
         const unsigned from_above = nearest_edges({{x, y, 1}, {0, dy, -1}}, right);
         CHECK(nearest_edges({{x, y, -1}, {0, dy, 1}}, right) == from_above);
@@ -232,8 +236,8 @@ TEST_CASE("winding numbers of points are those of the boxes that a mesh is made 
             boxes.push_back({draw.point(6), {4 + draw.below(9), 4 + draw.below(9), 4 + draw.below(9)}, k % 3 == 0});
             add_box(mesh, boxes.back().lo, boxes.back().size, boxes.back().turn, draw);
         }
-        const SolidList<double> solids = solids_of(mesh);
-        const auto tree = tree_of(solids);
+        const PrimitiveList<double> primitives = primitives_of(mesh);
+        const auto tree = tree_of(primitives);
         for (int i = 0; i < 250; ++i) {
             const Point p = draw.point(9);
             int winding = 0;
@@ -247,7 +251,7 @@ TEST_CASE("winding numbers of points are those of the boxes that a mesh is made 
                 on |= in && at_wall;
                 if (in && !at_wall) winding += box.turn ? -1 : 1;
             }
-            const auto found = place_in_mesh(vec(p), {solids, i % 4 == 0 ? nullptr : tree.get()});
+            const auto found = place_in_mesh(vec(p), {primitives, i % 4 == 0 ? nullptr : tree.get()});
             REQUIRE(found.is_resolved);
             REQUIRE(found.on_surface == on);
             if (!on) REQUIRE(found.winding == winding);
@@ -257,7 +261,7 @@ TEST_CASE("winding numbers of points are those of the boxes that a mesh is made 
     }
     CHECK(on_surface > 1000);
     CHECK(deep > 100);
-    CHECK_FALSE(place_in_mesh({NAN, 0, 0}, {solids_of({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}})}).is_resolved);
+    CHECK_FALSE(place_in_mesh({NAN, 0, 0}, {primitives_of({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}})}).is_resolved);
 }
 
 }  // namespace lostbits::test::test_mesh_crossings

@@ -1,5 +1,5 @@
-// Truth of solids under matrices: in packs, and of every shape as of one whose numbers were moved; tests/exact holds it
-// against whole numbers.
+// Truth of primitives under matrices: in packs, and of every shape as of one whose numbers were moved; tests/exact
+// holds it against whole numbers.
 #include <array>
 
 #include "catch.hpp"
@@ -23,7 +23,7 @@ Matrix rows_of(const Vec<double>& a, const Vec<double>& b, const Vec<double>& c,
     return {a.x, a.y, a.z, shift.x, b.x, b.y, b.z, shift.y, c.x, c.y, c.z, shift.z};
 }
 
-/// A ray from outside, aimed near a point of the solid.
+/// A ray from outside, aimed near a point of the primitive.
 Ray<double> aimed(Seeded& r, const Placement<double>& placed, const Vec<double>& at) {
     const Vec<double> from = r.vec(-8, 8), near = at + r.vec(-3, 3);
     const Affine<double> m = placed.map();
@@ -33,34 +33,34 @@ Ray<double> aimed(Seeded& r, const Placement<double>& placed, const Vec<double>&
 
 }  // namespace
 
-TEST_CASE("packs settle rays at solids under matrices as they are settled alone, and most of them") {
+TEST_CASE("packs settle rays at primitives under matrices as they are settled alone, and most of them") {
     const auto stored = [](double x) { return test::stored(x, binary32); };
     for (const bool is_inverse : {false, true}) {
         CAPTURE(is_inverse);
         Seeded r(9);
         const Vec<double> corner = r.vec(-3, 3), size = r.vec(1, 3);
-        std::vector<Solid<double>> solids{Sphere<double>{r.vec(-3, 3), r.uniform(1, 3)},
-                                          Box<double>{corner, corner + size},
-                                          Triangle<double>{r.vec(-3, 3), r.vec(-3, 3), r.vec(-3, 3)}};
-        for (Solid<double>& solid : solids) {
+        std::vector<Primitive<double>> primitives{Sphere<double>{r.vec(-3, 3), r.uniform(1, 3)},
+                                                  Box<double>{corner, corner + size},
+                                                  Triangle<double>{r.vec(-3, 3), r.vec(-3, 3), r.vec(-3, 3)}};
+        for (Primitive<double>& primitive : primitives) {
             const Vec<double> a = r.vec(-2, 2), b = r.vec(-2, 2), c = r.vec(-2, 2), shift = r.vec(-9, 9);
-            solid = transformed(solid, stored);
-            solid.placed = transformed(Placement<double>{rows_of(a, b, c, shift), is_inverse, 1}, stored);
-            REQUIRE((solid.placed->is_proper() && !broken_limit(solid)));
+            primitive = transformed(primitive, stored);
+            primitive.placed = transformed(Placement<double>{rows_of(a, b, c, shift), is_inverse, 1}, stored);
+            REQUIRE((primitive.placed->is_proper() && !broken_limit(primitive)));
         }
         scene::rays::RayBlock rays;
         rays.width = 4500, rays.y1 = 1;
         while (rays.size() < 4500) {
-            const Solid<double>& at = solids[rays.size() % 3];
+            const Primitive<double>& at = primitives[rays.size() % 3];
             const Ray<double> ray = aimed(r, *at.placed, at.point(0));
             rays.push({test::stored(ray.origin, binary32), test::stored(ray.direction, binary32)});
         }
-        const scene::rays::SolidList<double> list(solids);
+        const scene::rays::PrimitiveList<double> list(primitives);
         measure::truth::RayTruths found;
         const auto counts = measure::truth::find_truths({rays, list}, {}, found);
         std::size_t hits = 0;
         for (std::size_t i = 0; i < rays.size(); ++i) {
-            const Truth packed = found[i], alone = find_truth(rays[i], solids);
+            const Truth packed = found[i], alone = find_truth(rays[i], primitives);
             REQUIRE(packed.decision == alone.decision);
             REQUIRE(packed.object == alone.object);
             if (!alone.is_hit()) continue;
@@ -93,7 +93,7 @@ Vec<double> turned(const Vec<double>& v) { return {-2 * v.y, 2 * v.x, 2 * v.z}; 
 
 }  // namespace
 
-TEST_CASE("a solid under a matrix is the same as the solid whose numbers were moved, for every shape") {
+TEST_CASE("a primitive under a matrix is the same as the primitive whose numbers were moved, for every shape") {
     const Vec<double> shift(16, -32, 8);
     Seeded r(7);
     for (const ShapeRow& row : shape_rows) {
@@ -103,15 +103,15 @@ TEST_CASE("a solid under a matrix is the same as the solid whose numbers were mo
             const auto part = [&r] { return static_cast<double>(r.integer(-8, 8)) / 4; };
             const double x = part(), y = part(), z = part();
             const Vec<double> at(x, y, z);
-            const Solid<double> solid = solid_around<double>(row.shape, at, 1.5);
+            const Primitive<double> primitive = primitive_around<double>(row.shape, at, 1.5);
             // What has its own directions, as the planes of a box or radii by axis, does not turn with its numbers.
             bool turns = row.shape != Shape::box;
-            Solid<double> moved = solid, placed = solid;
+            Primitive<double> moved = primitive, placed = primitive;
             for_each_key(row.shape, [&](const Key& key, std::size_t k) {
                 turns = turns && key.kind != Key::Kind::lengths;
-                if (key.kind == Key::Kind::point) moved.set_point(k, turned(solid.point(k)) + shift);
-                else if (key.kind == Key::Kind::direction) moved.set_point(k, turned(solid.point(k)));
-                else if (key.kind == Key::Kind::length) moved.numbers[k] = 2 * solid.numbers[k];
+                if (key.kind == Key::Kind::point) moved.set_point(k, turned(primitive.point(k)) + shift);
+                else if (key.kind == Key::Kind::direction) moved.set_point(k, turned(primitive.point(k)));
+                else if (key.kind == Key::Kind::length) moved.numbers[k] = 2 * primitive.numbers[k];
             });
             if (!turns) continue;
             placed.placed = Placement<double>{rows_of({0, -2, 0}, {2, 0, 0}, {0, 0, 2}, shift), false, 1};
@@ -130,14 +130,14 @@ TEST_CASE("a solid under a matrix is the same as the solid whose numbers were mo
     }
 }
 
-TEST_CASE("the condition of a solid under a matrix counts the numbers of the matrix") {
+TEST_CASE("the condition of a primitive under a matrix counts the numbers of the matrix") {
     // A unit sphere doubled about (10, 0, 0), seen from the origin along x: t = 10 − 2·1 = 8, with derivatives −1 by
     // o.x, −t by d.x, 1 by τ.x, −1 by the entry of the scale (the centre is 0) and −2 by the radius.
-    Solid<double> solid(Sphere<double>{{0, 0, 0}, 1});
-    solid.placed = Placement<double>{rows_of({2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {10, 0, 0}), false, 1};
+    Primitive<double> primitive(Sphere<double>{{0, 0, 0}, 1});
+    primitive.placed = Placement<double>{rows_of({2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {10, 0, 0}), false, 1};
     const Ray<double> ray{{0, 0, 0}, {1, 0, 0}};
-    CHECK(measure::truth::condition(ray, solid) == Approx((8 + 10 + 2 + 2) / 8.0));
-    const Truth truth = find_truth(ray, solid);
+    CHECK(measure::truth::condition(ray, primitive) == Approx((8 + 10 + 2 + 2) / 8.0));
+    const Truth truth = find_truth(ray, primitive);
     CHECK(truth.t.hi == 1);
     CHECK(truth.t.exponent == 3);
 }

@@ -1,4 +1,4 @@
-// What errors of the inputs can move t by, against problems that have such errors, in 2048 bits: at solids of their
+// What errors of the inputs can move t by, against problems that have such errors, in 2048 bits: at primitives of their
 // own, and at one under a matrix whose numbers are far apart.
 #include <array>
 #include <cmath>
@@ -26,17 +26,17 @@ double half_ulp_of(double x, const FloatFormat& format) {
     return std::ldexp(1.0, e - format.precision);
 }
 
-/// One ray at one solid, its answer, and other problems within the errors.
+/// One ray at one primitive, its answer, and other problems within the errors.
 class Trial {
 public:
-    Trial(const Ray<double>& ray, const Solid<double>& solid, const FloatFormat& format)
+    Trial(const Ray<double>& ray, const Primitive<double>& primitive, const FloatFormat& format)
         : ray_(ray),
-          solid_(solid),
+          primitive_(primitive),
           format_(format),
-          count_(6 + row_of(solid.shape).numbers),
-          x_(numbers_of(ray, solid)) {
+          count_(6 + row_of(primitive.shape).numbers),
+          x_(numbers_of(ray, primitive)) {
         for (std::size_t k = 0; k < 3; ++k) book_.crossed[k] = x_[3 + k] != 0;
-        const auto found = measure::truth::find_truth(ray, solid);
+        const auto found = measure::truth::find_truth(ray, primitive);
         if (!found.is_hit()) return;
         certified_ = found.t;
         find_root(found.t);
@@ -64,7 +64,7 @@ public:
             for (std::size_t i = 0; i < count_; ++i) moved[i] += step[i] * (k % 2 ? rng.sign() : rng.uniform(-1, 1));
             take(moved, most);
         }
-        return over(most, reach_of_t(ray_, solid_, certified_, format_));
+        return over(most, reach_of_t(ray_, primitive_, certified_, format_));
     }
     double worst_of_normwise(Seeded& rng, int draws) {
         Wide most = 0;
@@ -83,14 +83,14 @@ public:
             });
             take(moved, most);
         }
-        return over(most, reach_of_t(ray_, solid_, certified_, format_, Perturbed::normwise));
+        return over(most, reach_of_t(ray_, primitive_, certified_, format_, Perturbed::normwise));
     }
 
 private:
     template <class Act>
     void for_each_vector(const Act& act) const {
         act(0, 3), act(3, 6);
-        for_each_key(solid_.shape, [&](const Key& key, std::size_t k) { act(6 + k, 6 + k + key.count()); });
+        for_each_key(primitive_.shape, [&](const Key& key, std::size_t k) { act(6 + k, 6 + k + key.count()); });
     }
     void find_root(const measure::truth::Certified& truth) {
         const auto is_it = [&](const Wide& t) {
@@ -100,12 +100,12 @@ private:
         };
         for (const int which : {-1, 1}) {
             book_.which = which;
-            const auto t = book_.t(solid_.shape, x_);
+            const auto t = book_.t(primitive_.shape, x_);
             if (!t || !is_it(*t)) continue;
             t_ = t;
             break;
         }
-        if (!t_ || solid_.shape != Shape::box) return;
+        if (!t_ || primitive_.shape != Shape::box) return;
         Wide nearest = -1;
         for (std::size_t k = 0; k < 3; ++k) {
             const Wide off = abs(residual(Shape::box, x_, *t_, k));
@@ -116,11 +116,11 @@ private:
         const Wide step = ldexp(Wide(1), -900);
         Numbers up = x_, down = x_;
         up[i] += step, down[i] -= step;
-        return (residual(solid_.shape, up, *t_, axis_) - residual(solid_.shape, down, *t_, axis_)) / (2 * step);
+        return (residual(primitive_.shape, up, *t_, axis_) - residual(primitive_.shape, down, *t_, axis_)) / (2 * step);
     }
     /// Whether that problem has an answer.
     bool take(const Numbers& moved, Wide& most) const {
-        const auto t = book_.t(solid_.shape, moved);
+        const auto t = book_.t(primitive_.shape, moved);
         if (t) most = std::max(most, Wide(abs(Wide(*t - *t_))));
         return t.has_value();
     }
@@ -130,7 +130,7 @@ private:
     }
 
     Ray<double> ray_;
-    Solid<double> solid_;
+    Primitive<double> primitive_;
     FloatFormat format_;
     std::size_t count_, axis_ = 0;
     bool is_decided_ = true;
@@ -149,21 +149,21 @@ struct Tally {
     }
 };
 
-const int rays_per_family = test::draws(1000);
+const int rays_per_distribution = test::draws(1000);
 
 /// Of hard rays, in numbers of a format or of the one that they are stored in.
-void check_families(const std::vector<test::HardFamily>& families, Tally& all,
-                    const std::optional<FloatFormat>& format = {}) {
-    for (const test::HardFamily& family : families) {
-        const FloatFormat& of_errors = format ? *format : family.storage;
-        INFO(family.name << ", " << of_errors.precision << " bits");
+void check_distributions(const std::vector<test::HardDistribution>& distributions, Tally& all,
+                         const std::optional<FloatFormat>& format = {}) {
+    for (const test::HardDistribution& distribution : distributions) {
+        const FloatFormat& of_errors = format ? *format : distribution.storage;
+        INFO(distribution.name << ", " << of_errors.precision << " bits");
         Tally needles;  // half an ulp turns one into any plane
-        Tally& tally = family.name == "a needle" ? needles : all;
+        Tally& tally = distribution.name == "a needle" ? needles : all;
         Seeded rng(0x7eac);
-        for (int i = 0; i < rays_per_family; ++i) {
-            const auto [ray, solid, range] = family.draw(rng);
-            if (!measure::truth::is_proper(ray) || !measure::truth::is_proper(solid)) continue;
-            Trial trial(ray, solid, of_errors);
+        for (int i = 0; i < rays_per_distribution; ++i) {
+            const auto [ray, primitive, range] = distribution.draw(rng);
+            if (!measure::truth::is_proper(ray) || !measure::truth::is_proper(primitive)) continue;
+            Trial trial(ray, primitive, of_errors);
             if (!trial.is_of_use()) continue;
             const double ratio = trial.worst_of_componentwise(rng, 6);
             CHECK(ratio <= 1);
@@ -185,21 +185,22 @@ void check_tightness(const Tally& tally, int percent) {
 TEST_CASE("t moves no further than it can reach - spheres", "[reach]") {
     using test::Wide;
     Tally tally;
-    check_families(test::hard_families(Shape::sphere, {binary32}, Wide::yes), tally);
-    check_families(test::hard_families(Shape::sphere, {binary64}), tally);  // 2048 bits do not hold wide squares
-    check_families(test::hard_families(Shape::sphere, {binary32}), tally, binary16);
+    check_distributions(test::hard_distributions(Shape::sphere, {binary32}, Wide::yes), tally);
+    check_distributions(test::hard_distributions(Shape::sphere, {binary64}),
+                        tally);  // 2048 bits do not hold wide squares
+    check_distributions(test::hard_distributions(Shape::sphere, {binary32}), tally, binary16);
     check_tightness(tally, 1);
 }
 
 TEST_CASE("t moves no further than it can reach - boxes", "[reach]") {
     Tally tally;
-    check_families(test::hard_families(Shape::box, {binary32, binary64}), tally);
+    check_distributions(test::hard_distributions(Shape::box, {binary32, binary64}), tally);
     check_tightness(tally, 4);
 }
 
 TEST_CASE("t moves no further than it can reach - triangles", "[reach]") {
     Tally tally;
-    check_families(test::hard_families(Shape::triangle, {binary32}), tally);
+    check_distributions(test::hard_distributions(Shape::triangle, {binary32}), tally);
     check_tightness(tally, 5);
 }
 
@@ -230,32 +231,32 @@ TEST_CASE("t moves no further than it can reach - under matrices whose numbers a
     for (const FloatFormat& format : {binary32, binary64}) {
         Seeded rng(0x5ca1e);
         for (int i = 0; i < test::draws(20000); ++i) {
-            Solid<double> solid(Sphere<double>{rng.vec(-2, 2), rng.uniform(0.5, 2)});
+            Primitive<double> primitive(Sphere<double>{rng.vec(-2, 2), rng.uniform(0.5, 2)});
             // Turns by half a turn leave numbers like these where others are 1; scales are as small.
             std::array<double, 12> m{};
             const int size = static_cast<int>(rng.integer(-50, 50));
             for (double& x : m) x = rng.signed_magnitude(size - (i % 2 ? 70 : 50), size - (i % 2 ? 50 : 20));
             for (const std::size_t k : {0, 5, 10}) m[k] = rng.signed_magnitude(size - 1, size + 1);
             const auto stored = [&format](double x) { return test::stored(x, format); };
-            solid.placed = transformed(Placement<double>{m, false, 1}, stored);
-            solid = transformed(solid, stored);
+            primitive.placed = transformed(Placement<double>{m, false, 1}, stored);
+            primitive = transformed(primitive, stored);
             const Vec<double> from = std::ldexp(1.0, size) * rng.vec(-8, 8),
-                              at = solid.placed->map().point(solid.point(0));
+                              at = primitive.placed->map().point(primitive.point(0));
             const Ray<double> ray{test::stored(at + from, format),
                                   test::stored(-from + std::ldexp(0.5, size) * rng.vec(-1, 1), format)};
-            const auto truth = measure::truth::find_truth(ray, solid);
+            const auto truth = measure::truth::find_truth(ray, primitive);
             if (!truth.is_hit() || truth.t.is_zero()) continue;
             std::array<Wide, 22> x;
             std::array<double, 22> step{};
             for (int k = 0; k < 3; ++k)
                 x[static_cast<std::size_t>(k)] = ray.origin[k], x[static_cast<std::size_t>(3 + k)] = ray.direction[k];
-            for (std::size_t k = 0; k < 4; ++k) x[6 + k] = solid.numbers[k];
-            for (std::size_t k = 0; k < 12; ++k) x[10 + k] = solid.placed->matrix[k];
+            for (std::size_t k = 0; k < 4; ++k) x[6 + k] = primitive.numbers[k];
+            for (std::size_t k = 0; k < 12; ++k) x[10 + k] = primitive.placed->matrix[k];
             for (std::size_t k = 0; k < 22; ++k) step[k] = half_ulp_of(static_cast<double>(x[k]), format);
             const auto t = near_root_under(x);
             if (!t || *t <= 0) continue;
             ++trials;
-            const double bound = reach_of_t(ray, solid, truth.t, format);
+            const double bound = reach_of_t(ray, primitive, truth.t, format);
             if (!std::isfinite(bound)) continue;
             ++known;
             Wide most = 0;

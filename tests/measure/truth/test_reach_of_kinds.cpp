@@ -24,55 +24,58 @@ namespace {
 
 struct Problem {
     Ray<double> ray;
-    Solid<double> solid;
+    Primitive<double> primitive;
 };
 
-/// The numbers of a problem: origin, direction, solid.
+/// The numbers of a problem: origin, direction, primitive.
 template <class S>
-std::vector<S> numbers_of(const Ray<S>& ray, const Solid<S>& solid) {
+std::vector<S> numbers_of(const Ray<S>& ray, const Primitive<S>& primitive) {
     std::vector<S> all{ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z};
-    all.insert(all.end(), solid.used().begin(), solid.used().end());
+    all.insert(all.end(), primitive.used().begin(), primitive.used().end());
     return all;
 }
 
-/// A solid of random numbers, all of which are rounded to `grid` (none where it is 0), that is what its shape asks.
-std::optional<Solid<double>> draw_solid(Seeded& rng, Shape shape, double grid) {
-    Solid<double> solid(shape);
+/// A primitive of random numbers, all of which are rounded to `grid` (none where it is 0), that is what its shape asks.
+std::optional<Primitive<double>> draw_primitive(Seeded& rng, Shape shape, double grid) {
+    Primitive<double> primitive(shape);
     const auto on_grid = [grid](double x) { return grid > 0 ? std::round(x / grid) * grid : x; };
     for_each_key(shape, [&](const Key& key, std::size_t k) {
         for (std::size_t i = k; i < k + key.count(); ++i)
-            solid.numbers[i] = on_grid(key.is_length() ? rng.uniform(0.05, 2) : rng.uniform(-2, 2));
+            primitive.numbers[i] = on_grid(key.is_length() ? rng.uniform(0.05, 2) : rng.uniform(-2, 2));
     });
-    if (solid.is<Torus>() && solid.numbers[7] >= solid.numbers[6]) std::swap(solid.numbers[6], solid.numbers[7]);
-    if (solid.is<Disc>() && rng.index(2) == 0) solid.numbers[7] = 0;
-    if (solid.is<Disc>() && solid.numbers[7] >= solid.numbers[6]) std::swap(solid.numbers[6], solid.numbers[7]);
-    if (solid.is<Box>())
+    if (primitive.is<Torus>() && primitive.numbers[7] >= primitive.numbers[6])
+        std::swap(primitive.numbers[6], primitive.numbers[7]);
+    if (primitive.is<Disc>() && rng.index(2) == 0) primitive.numbers[7] = 0;
+    if (primitive.is<Disc>() && primitive.numbers[7] >= primitive.numbers[6])
+        std::swap(primitive.numbers[6], primitive.numbers[7]);
+    if (primitive.is<Box>())
         for (std::size_t i = 0; i < 3; ++i)
-            if (solid.numbers[i] > solid.numbers[i + 3]) std::swap(solid.numbers[i], solid.numbers[i + 3]);
-    return broken_limit(solid) ? std::nullopt : std::optional(solid);
+            if (primitive.numbers[i] > primitive.numbers[i + 3])
+                std::swap(primitive.numbers[i], primitive.numbers[i + 3]);
+    return broken_limit(primitive) ? std::nullopt : std::optional(primitive);
 }
 
 enum class Kind { random, whole, tiny_parts, far };
 
-/// A ray at a solid. Of `whole` ones all numbers are small whole ones over 4, so that much is exactly equal, parallel
-/// and across; of `tiny_parts` components of the direction and the origin that would be zero are tiny instead.
+/// A ray at a primitive. Of `whole` ones all numbers are small whole ones over 4, so that much is exactly equal,
+/// parallel and across; of `tiny_parts` components of the direction and the origin that would be zero are tiny instead.
 std::optional<Problem> draw(Seeded& rng, Shape shape, Kind kind) {
     const double grid = kind == Kind::whole || kind == Kind::tiny_parts ? 0.25 : 0;
-    const auto solid = draw_solid(rng, shape, grid);
-    if (!solid) return std::nullopt;
+    const auto primitive = draw_primitive(rng, shape, grid);
+    if (!primitive) return std::nullopt;
     const auto on_grid = [grid](const Vec<double>& v) {
         const auto one = [grid](double x) { return grid > 0 ? std::round(x / grid) * grid : x; };
         return Vec<double>(one(v.x), one(v.y), one(v.z));
     };
     const Vec<double> share(rng.uniform(0, 1), rng.uniform(0, 1), rng.uniform(0, 1));
-    const Vec<double> aim = on_grid(visit(*solid, [&](const auto& s) { return Vec<double>(s.point_at(share)); }));
+    const Vec<double> aim = on_grid(visit(*primitive, [&](const auto& s) { return Vec<double>(s.point_at(share)); }));
     Vec<double> direction = on_grid(rng.vec(-2, 2));
     if (grid > 0)
         for (int i = 0; i < 3; ++i)
             if (rng.index(2) == 0) direction[i] = 0;
     if (direction == Vec<double>(0, 0, 0)) return std::nullopt;
     const double away = kind == Kind::far ? std::exp2(rng.uniform(3, 14)) : std::round(rng.uniform(1, 8));
-    Problem p{{aim - away * direction, direction}, *solid};
+    Problem p{{aim - away * direction, direction}, *primitive};
     if (kind == Kind::tiny_parts)
         for (Vec<double>* const v : {&p.ray.direction, &p.ray.origin})
             for (int i = 0; i < 3; ++i)
@@ -90,9 +93,9 @@ std::optional<Problem> scaled_by(const Problem& p, int lengths, int directions) 
         x = to;
     };
     for (int i = 0; i < 3; ++i) scale(q.ray.origin[i], lengths), scale(q.ray.direction[i], directions);
-    for_each_key(p.solid.shape, [&](const Key& key, std::size_t k) {
+    for_each_key(p.primitive.shape, [&](const Key& key, std::size_t k) {
         for (std::size_t i = k; i < k + key.count(); ++i)
-            scale(q.solid.numbers[i], key.kind == Key::Kind::direction ? 0 : lengths);
+            scale(q.primitive.numbers[i], key.kind == Key::Kind::direction ? 0 : lengths);
     });
     return kept ? std::optional(q) : std::nullopt;
 }
@@ -108,8 +111,8 @@ public:
           truth_(truth),
           length_(length),
           normwise_(perturbed == Perturbed::normwise),
-          x_(numbers_of(p.ray, p.solid)),
-          bound_(measure::truth::reach(p.ray, p.solid, answer(truth), length, format, perturbed)) {
+          x_(numbers_of(p.ray, p.primitive)),
+          bound_(measure::truth::reach(p.ray, p.primitive, answer(truth), length, format, perturbed)) {
         for (const double x : x_) {
             const int e = x == 0 ? format.emin : std::max(std::ilogb(x), format.emin);
             step_.push_back(ldexp(Real(1), e - format.precision));
@@ -123,7 +126,7 @@ public:
     [[nodiscard]] double bound() const { return bound_; }
     [[nodiscard]] double worst(Seeded& rng, int draws) const {
         double most = 0;
-        const auto slopes = measure::truth::gradient(plain_.ray, plain_.solid);
+        const auto slopes = measure::truth::gradient(plain_.ray, plain_.primitive);
         for (int k = 0; k < draws; ++k) {
             std::vector<double> way(x_.size());
             for (std::size_t i = 0; i < way.size(); ++i) way[i] = k % 2 ? rng.sign() : rng.uniform(-1, 1);
@@ -148,7 +151,7 @@ private:
     /// The part of |d| in the slope of the distance by a component of d, over |d|: t dᵢ/d².
     [[nodiscard]] double turn(std::size_t i) const {
         const Vec<double>& d = plain_.ray.direction;
-        const Certified t = find_truth(plain_.ray, plain_.solid).t;
+        const Certified t = find_truth(plain_.ray, plain_.primitive).t;
         return std::ldexp(t.hi, static_cast<int>(t.exponent)) * d[static_cast<int>(i) - 3] / dot(d, d);
     }
     /// How far the answer moves, in the unit of the bound; 0 where the problem that way has none.
@@ -164,14 +167,14 @@ private:
         };
         if (normwise_) {
             turn_vector(0, 3), turn_vector(3, 6);
-            for_each_key(problem_.solid.shape,
+            for_each_key(problem_.primitive.shape,
                          [&](const Key& key, std::size_t k) { turn_vector(6 + k, 6 + k + key.count()); });
         }
         const Ray<Real> ray{{moved[0], moved[1], moved[2]}, {moved[3], moved[4], moved[5]}};
-        Solid<Real> solid(problem_.solid.shape);
-        for (std::size_t i = 6; i < moved.size(); ++i) solid.numbers[i - 6] = moved[i];
-        if (!measure::truth::is_proper(ray) || !measure::truth::is_proper(solid)) return 0;
-        const Truth found = find_truth(ray, solid);
+        Primitive<Real> primitive(problem_.primitive.shape);
+        for (std::size_t i = 6; i < moved.size(); ++i) primitive.numbers[i - 6] = moved[i];
+        if (!measure::truth::is_proper(ray) || !measure::truth::is_proper(primitive)) return 0;
+        const Truth found = find_truth(ray, primitive);
         if (!found.is_hit()) return 0;
         return std::fabs(measure::truth::scaled_difference(answer(found), answer(truth_),
                                                            measure::truth::exponent_of_unit(answer(truth_))));
@@ -210,9 +213,9 @@ Tally try_kind(Shape shape, Kind kind, const FloatFormat& format, Perturbed pert
         const int lengths = scale ? static_cast<int>(rng.integer(-widest, widest)) : 0,
                   directions = scale ? static_cast<int>(rng.integer(-widest, widest)) : 0;
         const auto problem = scaled_by(*drawn, lengths, directions);
-        if (!problem || !measure::truth::is_proper(problem->ray) || !measure::truth::is_proper(problem->solid))
+        if (!problem || !measure::truth::is_proper(problem->ray) || !measure::truth::is_proper(problem->primitive))
             continue;
-        const Truth truth = find_truth(problem->ray, problem->solid);
+        const Truth truth = find_truth(problem->ray, problem->primitive);
         if (!is_of_use(truth, shape)) continue;
         for (const Length length : {Length::parameter, Length::distance}) {
             const Trial trial(*problem, *drawn, truth, length, format, perturbed);
@@ -241,11 +244,12 @@ void check_kind(Shape shape, Kind kind, int draws, bool scale, int percent) {
     }
 }
 
-double inherent_bits(const Ray<double>& ray, const Solid<double>& solid, Length length = Length::parameter) {
-    const Truth truth = find_truth(ray, solid);
+double inherent_bits(const Ray<double>& ray, const Primitive<double>& primitive, Length length = Length::parameter) {
+    const Truth truth = find_truth(ray, primitive);
     REQUIRE(truth.is_hit());
     const Certified& answer = length == Length::distance ? truth.distance : truth.t;
-    return measure::truth::inherent_bits(measure::truth::reach(ray, solid, answer, length, binary64), answer, binary64);
+    return measure::truth::inherent_bits(measure::truth::reach(ray, primitive, answer, length, binary64), answer,
+                                         binary64);
 }
 
 }  // namespace

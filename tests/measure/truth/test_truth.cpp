@@ -1,15 +1,15 @@
-// Truth of spheres against exact integers, and of boxes against exact fractions: every ray of every family must agree,
-// in any range, and by either word on touching.
+// Truth of spheres against exact integers, and of boxes against exact fractions: every ray of every distribution must
+// agree, in any range, and by either word on touching.
 #include <span>
 
 #include "catch.hpp"
 #include "counts.hpp"
 #include "intersect/box/box_exact.hpp"
-#include "measure/truth/box_families.hpp"
+#include "measure/truth/box_distributions.hpp"
 #include "measure/truth/enclose.hpp"
 #include "measure/truth/exact_reference.hpp"
 #include "measure/truth/ranges.hpp"
-#include "measure/truth/ray_families.hpp"
+#include "measure/truth/ray_distributions.hpp"
 #include "measure/truth/truth.hpp"
 
 namespace test_truth {
@@ -49,29 +49,29 @@ Exact exactly(const BoxSample& s, const Range<double>& range, Touching touching)
             [squared](const Dyadic& m) { return m.sign() < 0 ? 1 : squared.compare((m * m).fraction()); }};
 }
 
-/// What the generator of a family promises, so that one which misses its aim is a failure too.
-bool keeps(RayFamily::Promise promise, const RaySample& s) {
+/// What the generator of a distribution promises, so that one which misses its aim is a failure too.
+bool keeps(RayDistribution::Promise promise, const RaySample& s) {
     const ExactHit exact(s.ray, s.sphere);
     switch (promise) {
-        case RayFamily::Promise::tangent_line: return exact.is_tangent_line();
-        case RayFamily::Promise::on_surface: return exact.on_surface();
-        case RayFamily::Promise::inside: return exact.is_inside();
-        case RayFamily::Promise::none: return true;
+        case RayDistribution::Promise::tangent_line: return exact.is_tangent_line();
+        case RayDistribution::Promise::on_surface: return exact.on_surface();
+        case RayDistribution::Promise::inside: return exact.is_inside();
+        case RayDistribution::Promise::none: return true;
     }
     return false;
 }
 
-bool keeps(BoxFamily::Promise promise, const BoxSample& s) {
+bool keeps(BoxDistribution::Promise promise, const BoxSample& s) {
     const test::BoxCase x = test::exactly(s.ray, s.box, s.tmax), begin = test::exactly(s.ray, s.box, 0);
     const bool in_closed = !ray_in_box(begin, true).is_empty(), in_open = !ray_in_box(begin, false).is_empty();
     const auto met = [&x](bool closed) { return !line_in_box(x, closed).is_empty(); };
     switch (promise) {
-        case BoxFamily::Promise::none: return true;
-        case BoxFamily::Promise::touches: return met(true) && !met(false);
-        case BoxFamily::Promise::inside: return in_open;
-        case BoxFamily::Promise::on_boundary: return in_closed && !in_open;
-        case BoxFamily::Promise::flat: return !met(false);
-        case BoxFamily::Promise::at_end: {
+        case BoxDistribution::Promise::none: return true;
+        case BoxDistribution::Promise::touches: return met(true) && !met(false);
+        case BoxDistribution::Promise::inside: return in_open;
+        case BoxDistribution::Promise::on_boundary: return in_closed && !in_open;
+        case BoxDistribution::Promise::flat: return !met(false);
+        case BoxDistribution::Promise::at_end: {
             const test::Span closed = ray_in_box(x, true);
             return !closed.is_empty() && ray_in_box(x, false).is_empty() && closed.start() == *x.tmax;
         }
@@ -81,12 +81,12 @@ bool keeps(BoxFamily::Promise promise, const BoxSample& s) {
 
 Range<double> range_of(const RaySample&) { return {}; }
 Range<double> range_of(const BoxSample& s) { return s.range(); }
-Solid<double> solid_of(const RaySample& s) { return s.sphere; }
-Solid<double> solid_of(const BoxSample& s) { return s.box; }
-int rays_of(const RayFamily& f, const FloatFormat& storage) {
+Primitive<double> primitive_of(const RaySample& s) { return s.sphere; }
+Primitive<double> primitive_of(const BoxSample& s) { return s.box; }
+int rays_of(const RayDistribution& f, const FloatFormat& storage) {
     return storage == binary32 ? f.rays_binary32 : f.rays_binary64;
 }
-int rays_of(const BoxFamily& f, const FloatFormat&) { return f.rays; }
+int rays_of(const BoxDistribution& f, const FloatFormat&) { return f.rays; }
 std::string paste(const RaySample& s) { return test::paste(s.ray, s.sphere); }
 
 /// What is wrong with a length that is proved, or nothing.
@@ -98,9 +98,9 @@ std::string trouble_with(const Certified& x, const Side& side) {
 
 /// What is wrong with the truth, or nothing; in `escalated` whether it took more than double-double, but to tell on
 /// which side of a power of two a length lies, which is a question of its own.
-std::string disagreement(const Ray<double>& ray, const Solid<double>& solid, const Exact& want,
+std::string disagreement(const Ray<double>& ray, const Primitive<double>& primitive, const Exact& want,
                          const Range<double>& range, Touching touching, bool& escalated) {
-    const Truth truth = measure::truth::find_truth(ray, solid, {}, touching, range);
+    const Truth truth = measure::truth::find_truth(ray, primitive, {}, touching, range);
     const auto beside_power = [](const Certified& x) { return x.hi == 1 && std::fabs(x.lo) <= certified_tightness; };
     escalated = truth.bits > 106 && !beside_power(truth.t) && !beside_power(truth.distance);
     if (truth.decision == Truth::Decision::unresolved) return "unresolved";
@@ -113,19 +113,19 @@ std::string disagreement(const Ray<double>& ray, const Solid<double>& solid, con
         const std::string trouble = trouble_with(length == Length::parameter ? truth.t : truth.distance, *side);
         if (!trouble.empty()) return name + trouble;
         for (const FloatFormat& f : {binary64, binary32, binary16, bfloat16, FloatFormat{52, -1022, 1023}})
-            if (!is_rounded(measure::truth::round_truth(truth, ray, solid, f, length, touching, range), *side, f))
+            if (!is_rounded(measure::truth::round_truth(truth, ray, primitive, f, length, touching, range), *side, f))
                 return name + "is not correctly rounded to " + std::to_string(f.precision) + " bits";
     }
     return "";
 }
 
 /// Too few bits may leave open, and must not get wrong: the inputs themselves are intervals at these precisions.
-std::string contradiction(const Ray<double>& ray, const Solid<double>& solid, const Exact& closed, bool touches,
+std::string contradiction(const Ray<double>& ray, const Primitive<double>& primitive, const Exact& closed, bool touches,
                           const Range<double>& range) {
     for (const long bits : {6, 20, 53, 120}) {
         const Interval::Precision precision(bits);
         const auto within = measure::truth::range_over<Interval>(range);
-        const auto e = measure::truth::enclose(lift_ray<Interval>(ray), lift_solid<Interval>(solid),
+        const auto e = measure::truth::enclose(lift_ray<Interval>(ray), lift_primitive<Interval>(primitive),
                                                within ? &*within : nullptr, measure::truth::convention_in(range, {}));
         const std::string at = " at " + std::to_string(bits) + " bits";
         if (e.hit.is_unknown()) continue;
@@ -137,7 +137,7 @@ std::string contradiction(const Ray<double>& ray, const Solid<double>& solid, co
     return "";
 }
 
-/// What was found of the rays of a family.
+/// What was found of the rays of a distribution.
 struct Found {
     int rays = 0, hits = 0, escalated = 0;
     std::string report;
@@ -145,10 +145,10 @@ struct Found {
     template <class Sample>
     void ask(const Sample& s, const Range<double>& range, bool few_bits) {
         const Ray<double>& ray = s.ray;
-        const Solid<double> solid = solid_of(s);
+        const Primitive<double> primitive = primitive_of(s);
         ++rays;
         if (!range.holds_any()) {
-            if (measure::truth::find_truth(ray, solid, {}, {}, range).is_hit())
+            if (measure::truth::find_truth(ray, primitive, {}, {}, range).is_hit())
                 add("a hit in a range of none", s, range);
             return;
         }
@@ -156,13 +156,13 @@ struct Found {
         const bool touches = closed.hit != open.hit;
         hits += closed.hit;
         bool more = false;
-        std::string what = disagreement(ray, solid, closed, range, Touching::hit, more);
+        std::string what = disagreement(ray, primitive, closed, range, Touching::hit, more);
         escalated += more;
-        if (what.empty()) what = disagreement(ray, solid, open, range, Touching::miss, more);
+        if (what.empty()) what = disagreement(ray, primitive, open, range, Touching::miss, more);
         for (const Touching touching : {Touching::hit, Touching::miss})
-            if (what.empty() && measure::truth::find_truth(ray, solid, {}, touching, range).touches != touches)
+            if (what.empty() && measure::truth::find_truth(ray, primitive, {}, touching, range).touches != touches)
                 what = "the conventions differ otherwise";
-        if (what.empty() && few_bits) what = contradiction(ray, solid, closed, touches, range);
+        if (what.empty() && few_bits) what = contradiction(ray, primitive, closed, touches, range);
         if (!what.empty()) add(what, s, range);
     }
     template <class Sample>
@@ -171,41 +171,41 @@ struct Found {
     }
 };
 
-template <class Family>
-void check(const Family& family, const FloatFormat& storage, std::uint64_t seed) {
+template <class Distribution>
+void check(const Distribution& distribution, const FloatFormat& storage, std::uint64_t seed) {
     Seeded rng(seed);
     Found found;
-    for (int i = 0; i < test::draws(rays_of(family, storage)); ++i) {
-        const auto s = family.make(rng, storage);
-        if (!keeps(family.promise, s)) found.add("the generator missed its aim", s, range_of(s));
+    for (int i = 0; i < test::draws(rays_of(distribution, storage)); ++i) {
+        const auto s = distribution.make(rng, storage);
+        if (!keeps(distribution.promise, s)) found.add("the generator missed its aim", s, range_of(s));
         found.ask(s, range_of(s), i % 4 == 0);
     }
-    INFO(family.name << ", seed " << seed << ", " << storage.precision << " bits:\n" << found.report);
+    INFO(distribution.name << ", seed " << seed << ", " << storage.precision << " bits:\n" << found.report);
     CHECK(found.report.empty());
-    if constexpr (requires { family.most_escalated; }) {
-        if (storage == binary32) CHECK(found.escalated <= family.most_escalated);
+    if constexpr (requires { distribution.most_escalated; }) {
+        if (storage == binary32) CHECK(found.escalated <= distribution.most_escalated);
     } else {
-        // A family that only ever hits or only ever misses tests half of what it seems to.
-        using Promise = BoxFamily::Promise;
-        const bool always = family.promise == Promise::inside || family.promise == Promise::on_boundary ||
-                            family.promise == Promise::at_end;
+        // A distribution that only ever hits or only ever misses tests half of what it seems to.
+        using Promise = BoxDistribution::Promise;
+        const bool always = distribution.promise == Promise::inside || distribution.promise == Promise::on_boundary ||
+                            distribution.promise == Promise::at_end;
         CHECK(found.hits > found.rays / 20);
         if (!always) CHECK(found.hits < found.rays);
     }
 }
 
-/// Every family, each ray in three ranges.
+/// Every distribution, each ray in three ranges.
 template <class Families>
-void check_in_ranges(const Families& families, const FloatFormat& storage, std::uint64_t seed) {
-    for (const auto& family : families) {
+void check_in_ranges(const Families& distributions, const FloatFormat& storage, std::uint64_t seed) {
+    for (const auto& distribution : distributions) {
         Seeded rng(seed);
         Found found;
         for (int i = 0; i < test::draws(400); ++i) {
-            const auto s = family.make(rng, storage);
+            const auto s = distribution.make(rng, storage);
             for (int k = 0; k < 3; ++k)
-                found.ask(s, range_about_solid(rng, s.ray, solid_of(s), storage), (i + k) % 4 == 0);
+                found.ask(s, range_about_primitive(rng, s.ray, primitive_of(s), storage), (i + k) % 4 == 0);
         }
-        INFO(family.name << ":\n" << found.report);
+        INFO(distribution.name << ":\n" << found.report);
         CHECK(found.report.empty());
     }
 }
@@ -214,34 +214,34 @@ void check_in_ranges(const Families& families, const FloatFormat& storage, std::
 
 TEST_CASE("truth in a range: the first root in it, by exact integers", "[range]") {
     for (const FloatFormat& storage : {binary32, binary64}) {
-        check_in_ranges(near_families, storage, 7);
-        check_in_ranges(power_families, storage, 8);
-        check_in_ranges(wide_families, storage, 9);
+        check_in_ranges(near_distributions, storage, 7);
+        check_in_ranges(power_distributions, storage, 8);
+        check_in_ranges(wide_distributions, storage, 9);
     }
 }
 
 TEST_CASE("truth of boxes in a range: the first t of both, by fractions", "[box][range]") {
-    for (const FloatFormat& storage : {binary32, binary64}) check_in_ranges(box_families, storage, 4);
+    for (const FloatFormat& storage : {binary32, binary64}) check_in_ranges(box_distributions, storage, 4);
 }
 
 TEST_CASE("truth agrees with exact integers on binary32 inputs", "[near][binary32]") {
-    for (const RayFamily& f : near_families) check(f, binary32, 1);
+    for (const RayDistribution& f : near_distributions) check(f, binary32, 1);
 }
 
 TEST_CASE("truth agrees with exact integers on binary64 inputs", "[near][binary64]") {
-    for (const RayFamily& f : near_families) check(f, binary64, 2);
+    for (const RayDistribution& f : near_distributions) check(f, binary64, 2);
 }
 
 TEST_CASE("the binade of t and of the distance is decided at powers of two, on them and from both sides", "[power]") {
-    for (const RayFamily& f : power_families) check(f, binary32, 5), check(f, binary64, 6);
+    for (const RayDistribution& f : power_distributions) check(f, binary32, 5), check(f, binary64, 6);
 }
 
 TEST_CASE("truth agrees where exponents are wide and where t is a tie", "[wide]") {
-    for (const RayFamily& f : wide_families) check(f, binary32, 3), check(f, binary64, 4);
+    for (const RayDistribution& f : wide_distributions) check(f, binary32, 3), check(f, binary64, 4);
 }
 
 TEST_CASE("truth of boxes agrees with fractions", "[box]") {
-    for (const BoxFamily& f : box_families) check(f, binary32, 1), check(f, binary64, 2);
+    for (const BoxDistribution& f : box_distributions) check(f, binary32, 1), check(f, binary64, 2);
 }
 
 TEST_CASE("a ray without length, and one that ends before it starts", "[box]") {

@@ -18,7 +18,7 @@ using measure::truth::TruthLimit;
 
 namespace {
 
-std::vector<Solid<double>> solids(const std::vector<Sphere<double>>& spheres) {
+std::vector<Primitive<double>> primitives(const std::vector<Sphere<double>>& spheres) {
     return {spheres.begin(), spheres.end()};
 }
 
@@ -43,7 +43,7 @@ TEST_CASE("the nearest of many spheres is the minimum of single ones") {
             if (rng.index(8) == 0) spheres.back().radius = nudged(spheres.back().radius, 1, binary64);
         }
         std::swap(spheres.front(), spheres[rng.index(static_cast<int>(spheres.size()))]);
-        const Truth all = find_truth(first.ray, solids(spheres));
+        const Truth all = find_truth(first.ray, primitives(spheres));
         INFO(i << ": " << paste(first.ray, first.sphere) << " and " << count << " more");
         bool any = false;
         int most_bits = 0;
@@ -70,7 +70,7 @@ TEST_CASE("the nearest of many spheres is the minimum of single ones") {
 
 TEST_CASE("where touching is a miss, a tangent goes on to what lies behind") {
     const Ray<double> ray{{3, 0, 0}, {0, 0, 0.5}};
-    const std::vector<Solid<double>> both{Sphere<double>{{0, 0, 5}, 3}, Sphere<double>{{3, 0, 20}, 1}};
+    const std::vector<Primitive<double>> both{Sphere<double>{{0, 0, 5}, 3}, Sphere<double>{{3, 0, 20}, 1}};
     const Truth closed = find_truth(ray, both);
     CHECK(closed.touches);
     CHECK(closed.object == 0);
@@ -100,7 +100,7 @@ TEST_CASE("a ray through the point where two spheres touch meets both there") {
                                                {combine(second, to, 0, to, 0, to), static_cast<double>(b * e.length)}};
         const Ray<double> ray{combine(-far, e.u, 0, e.v, 0, e.w), combine(1, e.u, 0, e.v, 0, e.w)};
         for (const auto& spheres : {both, std::vector(both.rbegin(), both.rend())}) {
-            const Truth t = find_truth(ray, solids(spheres));
+            const Truth t = find_truth(ray, primitives(spheres));
             REQUIRE(t.is_hit());
             REQUIRE(t.object == 0);
             for (const Sphere<double>& s : spheres) {
@@ -117,7 +117,7 @@ TEST_CASE("one unresolved sphere leaves the scene unresolved, wherever it stands
                          {{-0x1p-60, -0x1.8p-61, 0}, 0x1.dfffffffffee3p+59}};
     const Sphere<double> easy{hard.ray.origin, 1};
     for (const auto& spheres : {std::vector{hard.sphere, easy}, std::vector{easy, hard.sphere}}) {
-        const Truth t = find_truth(hard.ray, solids(spheres), TruthLimit{106});
+        const Truth t = find_truth(hard.ray, primitives(spheres), TruthLimit{106});
         CHECK(t.decision == Truth::Decision::unresolved);
         CHECK_FALSE(t.is_hit());
     }
@@ -145,11 +145,11 @@ TEST_CASE("the limit leaves a hard tangent unresolved that the default resolves"
 
 TEST_CASE("truth agrees with exact integers on 256-bit inputs") {
     Seeded rng(25);
-    RaySample (*const families[])(Seeded&, const FloatFormat&) = {
+    RaySample (*const distributions[])(Seeded&, const FloatFormat&) = {
         random_ray, near_tangent, tangent, on_surface, near_surface, inside, huge_sphere, tie, near_tie};
     int escalated = 0, hits = 0, beyond = 0;
     for (int i = 0; i < 20'000; ++i) {
-        const RaySample s = families[rng.index(9)](rng, binary64);
+        const RaySample s = distributions[rng.index(9)](rng, binary64);
         // One factor for all lengths: exact contacts become contacts to 256 bits, which only 512 can settle.
         const int over = rng.coin() ? 3 + rng.index(1000) : 1, under = rng.coin() ? 3 + rng.index(1000) : 1;
         const Real factor = Real(1) / over, stretch = Real(1) / under;

@@ -8,14 +8,14 @@
 #include <utility>
 
 #include "number/real.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::test::textbook {
 
 using Wide = BasicReal<2048>;
 constexpr std::size_t most_of_problem = 15;
 
-/// The numbers of a problem: origin, direction, solid.
+/// The numbers of a problem: origin, direction, primitive.
 template <class N>
 using NumbersOf = std::array<N, most_of_problem>;
 using Numbers = NumbersOf<Wide>;
@@ -104,13 +104,13 @@ N residual(Shape shape, const NumbersOf<N>& x, const N& t, std::size_t axis) {
     return dot(Vec<N>(point(x, 6) - point(x, 0)), n) - t * dot(point(x, 3), n);
 }
 
-/// The numbers of a ray and of a solid.
+/// The numbers of a ray and of a primitive.
 template <class N = Wide>
-NumbersOf<N> numbers_of(const Ray<double>& ray, const Solid<double>& solid) {
+NumbersOf<N> numbers_of(const Ray<double>& ray, const Primitive<double>& primitive) {
     NumbersOf<N> x;
     for (std::size_t k = 0; k < 3; ++k)
         x[k] = ray.origin[static_cast<int>(k)], x[3 + k] = ray.direction[static_cast<int>(k)];
-    for (std::size_t k = 6; k < 6 + solid.used().size(); ++k) x[k] = solid.numbers[k - 6];
+    for (std::size_t k = 6; k < 6 + primitive.used().size(); ++k) x[k] = primitive.numbers[k - 6];
     return x;
 }
 

@@ -254,7 +254,7 @@ TEST_CASE("a folder says that it is not finished from the first result to the la
     const Scratch folder;
     const auto unfinished = [&] { return ResultFolder::unfinished_in(folder.path()); };
     const auto write = [&](const std::string& name) { write_file(folder / name, name); };
-    const MadeBy first{"lostbits map a", "lostbits 0"}, second{"lostbits map b", "lostbits 0"};
+    const Provenance first{"lostbits map a", "lostbits 0"}, second{"lostbits map b", "lostbits 0"};
     {
         ResultFolder mine(folder.path(), first, {});
         CHECK(unfinished().empty());

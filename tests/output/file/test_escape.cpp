@@ -10,17 +10,17 @@
 #include "catch.hpp"
 #include "code_only.hpp"
 #include "measure/answer/one_ray.hpp"
-#include "measure/blame/explanation.hpp"
+#include "measure/attribution/explanation.hpp"
 #include "measure/rows.hpp"
 #include "measure/tape/tape_form.hpp"
-#include "output/blame/explain_command.hpp"
-#include "output/blame/explain_text.hpp"
+#include "output/attribution/explain_command.hpp"
+#include "output/attribution/explain_text.hpp"
 #include "output/file/csv.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/read_csv.hpp"
 #include "output/helpers.hpp"
-#include "output/mend/form_code.hpp"
 #include "output/page/text.hpp"
+#include "output/repair/form_code.hpp"
 #include "scene/toml/toml_tree.hpp"
 
 namespace test_escape {
@@ -339,7 +339,7 @@ TEST_CASE("names that a stranger gave to operations, and words about a form, are
     const auto& form = lostbits::test::form_named("sphere.half_b");
     const Format f32 = *find_format("f32");
     const scene::file::Scene scene = lostbits::test::load("near-benign");
-    auto explained = measure::blame::explain(form, f32, measure::answer::OneRay(scene, 6, 4));
+    auto explained = measure::attribution::explain(form, f32, measure::answer::OneRay(scene, 6, 4));
     Tape made = measure::tape::tape_of(form, f32);
     const auto name_anew = [](Tape& tape, std::size_t first) {
         for (TapeNode& node : tape.nodes)
@@ -361,22 +361,23 @@ TEST_CASE("names that a stranger gave to operations, and words about a form, are
     };
     for (const std::string& words : hostile) {
         name_anew(made, static_cast<std::size_t>(&words - hostile.data()));
-        const output::mend::FormWords said{.name = "mended.f", .title = words, .source = words, .head = {words, words}};
-        const std::string header = output::mend::form_header(made, form, said);
+        const output::repair::FormTexts said{
+            .name = "mended.f", .title = words, .source = words, .head = {words, words}};
+        const std::string header = output::repair::form_header(made, form, said);
         no_code("header", header, lostbits::test::c_code, 2);
         keywords += header.find("named(\"class\", ") != std::string::npos;
         CHECK(header.find(" class = ") == std::string::npos);
         const std::string shader =
-            output::mend::shader_code(made, form, {.name = "f", .title = words, .source = words, .head = {words}});
+            output::repair::shader_code(made, form, {.name = "f", .title = words, .source = words, .head = {words}});
         no_code("shader", shader, lostbits::test::c_code, 0);
         std::size_t marks = 0;
         for (std::size_t at = 0; (at = shader.find("lostbits:", at)) != std::string::npos; ++at) ++marks;
         CHECK(marks == 2 + (words.starts_with("lostbits:") ? 1 : 0));  // in the title, which is in quotation marks
     }
     CHECK(keywords > 0);
-    no_code("C", output::blame::explain_c(explained), lostbits::test::c_code, 2);
-    no_code("FPCore", output::blame::explain_fpcore(explained), lostbits::test::fpcore_code, 0);
-    const std::string latex = output::blame::explain_latex(explained);
+    no_code("C", output::attribution::explain_c(explained), lostbits::test::c_code, 2);
+    no_code("FPCore", output::attribution::explain_fpcore(explained), lostbits::test::fpcore_code, 0);
+    const std::string latex = output::attribution::explain_latex(explained);
     INFO(latex);
     CHECK(latex.find("\\backslash{}pwned\\{\\}\\$\\%\\&\\#\\sim{}") != std::string::npos);
     CHECK(latex.find("\\pwned") == std::string::npos);
@@ -392,7 +393,7 @@ TEST_CASE("a shell reads back every word", "[escape]") {
     std::string script = "printf '%s\\0'", expected;
     for (int i = 0; i < 2000; ++i) {
         const std::string text = random_text(random);
-        script += " " + output::blame::shell_word(text);
+        script += " " + output::attribution::shell_word(text);
         expected += text + '\0';
     }
     std::ofstream(folder / "script", std::ios::binary) << script;

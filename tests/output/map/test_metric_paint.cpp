@@ -7,7 +7,7 @@
 #include "catch.hpp"
 #include "measure/metric/metric_set.hpp"
 #include "measure/rows.hpp"
-#include "output/blame/explain_command.hpp"
+#include "output/attribution/explain_command.hpp"
 #include "output/helpers.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/map_pictures.hpp"
@@ -31,7 +31,8 @@ FormSummary summary_of(double lost, std::initializer_list<std::pair<Outcome, std
     FormSummary s({find_metric("lost_bits")});
     s.rays = 1000;
     for (const auto& [outcome, n] : outcomes) s.outcomes[static_cast<std::size_t>(outcome)] = n;
-    for (const Outcome o : {Outcome::agree_hit, Outcome::false_miss, Outcome::wrong_object}) s.true_hits += s.count(o);
+    for (const Outcome o : {Outcome::agree_hit, Outcome::false_miss, Outcome::wrong_primitive})
+        s.true_hits += s.count(o);
     for (std::uint64_t i = 0; i < s.count(Outcome::agree_hit); ++i) s.metrics[0].add(lost);
     return s;
 }
@@ -102,7 +103,7 @@ TEST_CASE("decisions lead, and the hits behind a quantile are counted", "[metric
     CHECK(glance(summary_of(18, {{Outcome::agree_hit, 200},
                                  {Outcome::false_miss, 50},
                                  {Outcome::false_hit, 20},
-                                 {Outcome::wrong_object, 730}})) ==
+                                 {Outcome::wrong_primitive, 730}})) ==
           "73% wrong primitive, 5.0% false miss, 2.0% other\np99 18.0 of 24 lost, 6.0 kept\nof 200 agreed hits");
     CHECK(glance(summary_of(0.7, {{Outcome::agree_hit, 5}, {Outcome::false_miss, 895}, {Outcome::agree_miss, 100}})) ==
           "90% false miss\nno p99: 5 of 900 hits agree");
@@ -225,7 +226,7 @@ TEST_CASE("a hit without a value has its outcome's colour, and the legend names 
     CHECK(legend.back().count == "7 (0.7%)");
     CHECK(legend.back().label == "correct hit without a value");
     CHECK(legend.back().colour == image::outcome_colours[0]);
-    CHECK(paint.colour(Outcome::wrong_object, 0) == image::outcome_colours[6]);
+    CHECK(paint.colour(Outcome::wrong_primitive, 0) == image::outcome_colours[6]);
 }
 
 TEST_CASE("a sheet has the forms with the fewest wrong decisions first, then those with the least p99",
@@ -265,9 +266,9 @@ TEST_CASE("a sheet has the forms with the fewest wrong decisions first, then tho
         return text;
     };
     CHECK(has_word(above(), "lostbits explain mine.toml --pixel X,Y -i FORM -f FORMAT shows how"));
-    blame::say_where_forms_are_from(" --plugin mine.so");
+    attribution::say_where_forms_are_from(" --plugin mine.so");
     CHECK(has_word(above(), "lostbits explain mine.toml --pixel X,Y -i FORM -f FORMAT --plugin mine.so shows how"));
-    blame::say_where_forms_are_from("");
+    attribution::say_where_forms_are_from("");
     // Rays of a file have no scene to name.
     CHECK_FALSE(has_word(above(""), "--pixel"));
     CHECK(has_word(above(""), "in the column worst_explain"));

@@ -104,7 +104,7 @@ TEST_CASE("every range has ticks that differ, and they lie on it", "[plot]") {
     CHECK_THROWS_AS(AxisRange({"", Scale::linear, {}, inf}, {}), std::invalid_argument);
 }
 
-TEST_CASE("things stay in order and apart, each as near to its wish as the others allow", "[plot]") {
+TEST_CASE("things stay in order and apart, each as near to its wanted place as the others allow", "[plot]") {
     using Places = std::vector<double>;
     const Places tens(3, 10.0);
     CHECK(places_near(Places{5, 40, 90}, tens, 0, 200) == Places{5, 40, 90});

@@ -54,55 +54,56 @@ int column_of(const PngImage& image, Rgb8 colour, int least) {
 TEST_CASE("labels lie on no other label and on nothing that is taken", "[scatter_plot]") {
     std::mt19937_64 random(1);
     const auto unit = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
-    std::size_t placed = 0, wished = 0;
+    std::size_t placed = 0, requested = 0;
     for (int round = 0; round < 200; ++round) {
-        std::vector<LabelWish> wishes;
+        std::vector<LabelRequest> requests;
         std::vector<Box2> taken, avoided;
         for (int i = 0; i < 12; ++i) {
             // Half of them crowded into a corner.
             const double reach = i % 2 == 0 ? 600 : 60;
             const Point at{20 + reach * unit(), 20 + reach * unit()};
-            wishes.push_back({at, 40 + 60 * unit(), 14});
+            requests.push_back({at, 40 + 60 * unit(), 14});
             taken.push_back({at.x - 5, at.y - 5, 10, 10});
             avoided.push_back({600 * unit(), 600 * unit(), 10, 10});
         }
-        const Box2 room{0, 0, 640, 640};
-        const auto places = place_labels(wishes, {room, taken, avoided});
-        REQUIRE(places.size() == wishes.size());
-        wished += wishes.size();
+        const Box2 limits{0, 0, 640, 640};
+        const auto places = place_labels(requests, {limits, taken, avoided});
+        REQUIRE(places.size() == requests.size());
+        requested += requests.size();
         for (std::size_t i = 0; i < places.size(); ++i) {
             if (!places[i]) continue;
             ++placed;
-            CHECK(places[i]->width == wishes[i].width);
-            CHECK(room.contains(*places[i]));
+            CHECK(places[i]->width == requests[i].width);
+            CHECK(limits.contains(*places[i]));
             for (const Box2& t : taken) CHECK_FALSE(places[i]->overlaps(t));
             for (std::size_t j = 0; j < i; ++j) CHECK_FALSE((places[j] && places[i]->overlaps(*places[j])));
         }
     }
-    CHECK(placed > wished * 9 / 10);
+    CHECK(placed > requested * 9 / 10);
 }
 
-TEST_CASE("a label lies beside its point, where it covers least, and nowhere when there is no room", "[scatter_plot]") {
-    const Box2 room{0, 0, 300, 100};
-    const LabelWish wish{{150, 50}, 50, 14};
-    const auto free = place_labels({&wish, 1}, {room, {}, {}});
+TEST_CASE("a label lies beside its point, where it covers least, and nowhere when there is no space",
+          "[scatter_plot]") {
+    const Box2 limits{0, 0, 300, 100};
+    const LabelRequest request{{150, 50}, 50, 14};
+    const auto free = place_labels({&request, 1}, {limits, {}, {}});
     REQUIRE(free[0].has_value());
-    const Point near = free[0]->nearest(wish.at);
+    const Point near = free[0]->nearest(request.at);
     CHECK(std::hypot(near.x - 150, near.y - 50) == Approx(6));
     const Box2 right{151, 0, 149, 100};
-    const auto left = place_labels({&wish, 1}, {room, {}, {&right, 1}});
+    const auto left = place_labels({&request, 1}, {limits, {}, {&right, 1}});
     REQUIRE(left[0].has_value());
     CHECK_FALSE(left[0]->overlaps(right));
     // A grey point everywhere within 60 pixels: the name goes where there is none, far as it is.
     std::vector<Box2> points;
     for (int x = 60; x < 240; x += 8) points.push_back({static_cast<double>(x), 0, 8, 100});
-    const LabelWish narrow{{150, 50}, 20, 14};
-    const auto far = place_labels({&narrow, 1}, {room, {}, points});
+    const LabelRequest narrow{{150, 50}, 20, 14};
+    const auto far = place_labels({&narrow, 1}, {limits, {}, points});
     REQUIRE(far[0].has_value());
     for (const auto& point : points) CHECK_FALSE(far[0]->overlaps(point));
-    const auto none = place_labels({&wish, 1}, {room, {&room, 1}, {}});
+    const auto none = place_labels({&request, 1}, {limits, {&limits, 1}, {}});
     CHECK_FALSE(none[0].has_value());
-    const auto nowhere = place_labels({&wish, 1}, {{0, 0, 40, 100}, {}, {}});
+    const auto nowhere = place_labels({&request, 1}, {{0, 0, 40, 100}, {}, {}});
     CHECK_FALSE(nowhere[0].has_value());
 }
 

@@ -172,21 +172,21 @@ radius = [0.5, 2]
         .metrics = lostbits::test::case_metrics};
     const Ray<double> ray{{0x1.79c78ap+2, -0x1.3d574ap-1, 0}, {-0x1.e0c60cp-1, 0x1p-149, -1}};
     const Sphere<double> sphere{{0x1.921fb54442d18p+0, -0.0, 0x1p-1074}, 0x1.fffffffffffffp+0};
-    const std::vector<std::optional<measure::sweep::WorstFound>> found{
-        measure::sweep::WorstFound{.outcome = measure::answer::Outcome::agree_hit,
-                                   .value = 6.400023458,
-                                   .ray = ray,
-                                   .solid = sphere,
-                                   .t = 5.5,
-                                   .truth = 5.25,
-                                   .evaluations = 640},
-        measure::sweep::WorstFound{.outcome = measure::answer::Outcome::false_hit,
-                                   .value = HUGE_VAL,
-                                   .ray = {{1, 2, 3}, {0, 0, 1}},
-                                   .solid = sphere,
-                                   .t = 0x1p-3,
-                                   .truth = std::nan(""),
-                                   .evaluations = 32},
+    const std::vector<std::optional<measure::sweep::WorstResult>> found{
+        measure::sweep::WorstResult{.outcome = measure::answer::Outcome::agree_hit,
+                                    .value = 6.400023458,
+                                    .ray = ray,
+                                    .primitive = sphere,
+                                    .t = 5.5,
+                                    .truth = 5.25,
+                                    .evaluations = 640},
+        measure::sweep::WorstResult{.outcome = measure::answer::Outcome::false_hit,
+                                    .value = HUGE_VAL,
+                                    .ray = {{1, 2, 3}, {0, 0, 1}},
+                                    .primitive = sphere,
+                                    .t = 0x1p-3,
+                                    .truth = std::nan(""),
+                                    .evaluations = 32},
         std::nullopt};
     output::sweep::write_worst(folder.path(), request, found);
 
@@ -213,8 +213,8 @@ radius = [0.5, 2]
     const scene::rays::RayGroup group = hard.rays(0, binary64).at(0);
     CHECK(group.rays[0].origin == ray.origin);
     CHECK(group.rays[0].direction == ray.direction);
-    CHECK(group.solids.at(0).numbers == Solid<double>(sphere).numbers);
-    CHECK(std::signbit(group.solids[0].numbers[1]));
+    CHECK(group.primitives.at(0).numbers == Primitive<double>(sphere).numbers);
+    CHECK(std::signbit(group.primitives[0].numbers[1]));
     CHECK(hard.rays(1, binary32).at(0).rays[0].origin == Vec<double>(1, 2, 3));
     CHECK(folder.entries() == 3);
 }

@@ -18,10 +18,10 @@ using measure::evaluate::TestedForm;
 
 namespace {
 
-std::string sweep_text(const std::string& set, const std::string& range, const std::string& solid) {
+std::string sweep_text(const std::string& set, const std::string& range, const std::string& primitive) {
     return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[axis]\nname = \"x\"\nunit = "
            "\"r\"\nspacing = \"every_float\"\nset = \"" +
-           set + "\"\n" + range + "\n[[ray]]\nname = \"a\"\norigin = [0, 0, 16]\ndirection = [0, 0, -1]\n" + solid;
+           set + "\"\n" + range + "\n[[ray]]\nname = \"a\"\norigin = [0, 0, 16]\ndirection = [0, 0, -1]\n" + primitive;
 }
 const std::string sphere = "[sphere]\ncentre = [0, 0, 0]\nradius = 1\n";
 const std::string box = "[box]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]\n";

@@ -39,7 +39,7 @@ std::string axis(const std::string& name, const std::string& from, const std::st
 
 std::string sweep_text(bool x_falls, bool y_falls) {
     const std::string low_x = "8", high_x = "\"0x1p12\"", low_y = "\"0x1p-12\"", high_y = "0.25";
-    return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[family]\nviews = 2\nrays = 16\n" +
+    return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[sphere_rays]\nviews = 2\nrays = 16\n" +
            axis("distance", x_falls ? high_x : low_x, x_falls ? low_x : high_x, columns, "distance") +
            axis("gap", y_falls ? high_y : low_y, y_falls ? low_y : high_y, lines, "silhouette_gap");
 }

@@ -26,10 +26,10 @@ constexpr std::uint64_t rays = 1000;
 constexpr std::size_t steps = 40;
 
 /// A sphere of radius 1 along the distance in radii, or one of another axis.
-std::string sweep_of(const std::string& family, const std::string& axis, const std::string& from, const std::string& to,
-                     std::size_t count = 9) {
-    return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[family]\nviews = 2\n" + family +
-           "\n[[axis]]\nname = \"" + axis + "\"\nspacing = \"log2\"\nfrom = " + from + "\nto = " + to +
+std::string sweep_of(const std::string& distribution, const std::string& axis, const std::string& from,
+                     const std::string& to, std::size_t count = 9) {
+    return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[sphere_rays]\nviews = 2\n" +
+           distribution + "\n[[axis]]\nname = \"" + axis + "\"\nspacing = \"log2\"\nfrom = " + from + "\nto = " + to +
            "\nsteps = " + std::to_string(count) + "\nset = [\"" + axis + "\"]\n";
 }
 

@@ -6,7 +6,7 @@
 #include "catch.hpp"
 #include "measure/seeded.hpp"
 #include "scene/dump/dump_writer.hpp"
-#include "scene/dump/number_words.hpp"
+#include "scene/dump/number_parser.hpp"
 #include "shapes/number_names.hpp"
 
 namespace test_dump {
@@ -43,14 +43,14 @@ void require_same(const std::vector<Chunk>& chunks, const Columns& c) {
     for (const Chunk& chunk : chunks) {
         REQUIRE(chunk.first == row);
         REQUIRE(chunk.rounded == 0);
-        REQUIRE(chunk.solids.size() == chunk.size());
+        REQUIRE(chunk.primitives.size() == chunk.size());
         for (std::size_t i = 0; i < chunk.size(); ++i, ++row) {
             const Ray<double> ray = chunk.rays[i];
             for (int k = 0; k < 3; ++k) {
                 REQUIRE(ray.origin[k] == c.numbers[static_cast<std::size_t>(k)][row]);
                 REQUIRE(ray.direction[k] == c.numbers[static_cast<std::size_t>(k) + 3][row]);
             }
-            for (std::size_t k = 0; k < 4; ++k) REQUIRE(chunk.solids[i].numbers[k] == c.numbers[6 + k][row]);
+            for (std::size_t k = 0; k < 4; ++k) REQUIRE(chunk.primitives[i].numbers[k] == c.numbers[6 + k][row]);
             REQUIRE(chunk.hit[i] == c.numbers[11][row]);
             if (chunk.hit[i] != 0) REQUIRE(chunk.t[i] == c.numbers[10][row]);
         }
@@ -130,7 +130,7 @@ TEST_CASE("fields of an array have their own types, and fields of three numbers 
 }
 
 TEST_CASE("decimals are rounded once to the format, and what it does not hold is counted") {
-    const NumberWords f32(*find_format("f32")), f64(*find_format("f64")), p5(*find_format("p5"));
+    const NumberParser f32(*find_format("f32")), f64(*find_format("f64")), p5(*find_format("p5"));
     // Between two floats, a bit above the middle: rounded to double first it is the middle, and goes to even.
     const std::string above = "1.00000005960464477539062500000000001";
     CHECK(f32.read(above).value == 0x1.000002p0);
@@ -151,11 +151,11 @@ TEST_CASE("decimals are rounded once to the format, and what it does not hold is
     CHECK(f64.read("+1e-400").value == 0);
     CHECK_FALSE(f64.read("+1e-400").value != 0);
     CHECK(f32.read("1e-45").value == 0x1p-149);
-    CHECK(f32.read("1e39").kind == NumberWords::Kind::too_large);
+    CHECK(f32.read("1e39").kind == NumberParser::Kind::too_large);
     CHECK(f64.read("-INF").value == -HUGE_VAL);
     CHECK(std::isnan(f64.read("NaN").value));
     for (const char* word : {"", "-", "1e", "0x", "0x1p", "1.2.3", "1,5", "nano", "infinit", "1f", "--1", "1 2"})
-        CHECK(f64.read(word).kind == NumberWords::Kind::not_a_number_word);
+        CHECK(f64.read(word).kind == NumberParser::Kind::not_a_number_word);
 }
 
 namespace {
@@ -167,7 +167,8 @@ const std::string head = "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,hit,t\n";
 TEST_CASE("what a t means where no column says whether it is a hit") {
     const auto hits = [](const std::string& t, std::optional<MissRule> miss) {
         const DumpFile file("a.csv", "ox,oy,oz,dx,dy,dz,t\n0,0,-5,0,0,1," + t + "\n");
-        const auto dump = open_dump(file.path(), {.format = find_format("f32"), .miss = miss, .solid = Shape::sphere});
+        const auto dump =
+            open_dump(file.path(), {.format = find_format("f32"), .miss = miss, .primitive = Shape::sphere});
         return read_all(*dump).front().hit.front() != 0;
     };
     const MissRule never{MissRule::Kind::never}, negative{MissRule::Kind::negative},
@@ -212,8 +213,8 @@ TEST_CASE("the columns of each shape, in either order, are its numbers") {
             }
             const DumpFile file("a.csv", text + ",t" + line + ",1\n");
             const Chunk chunk = read_all(*open_dump(file.path(), {})).front();
-            REQUIRE(chunk.solids.front().shape == row.shape);
-            for (std::size_t k = 0; k < row.numbers; ++k) CHECK(chunk.solids.front().numbers[k] == numbers[k]);
+            REQUIRE(chunk.primitives.front().shape == row.shape);
+            for (std::size_t k = 0; k < row.numbers; ++k) CHECK(chunk.primitives.front().numbers[k] == numbers[k]);
         }
     }
 }
@@ -223,10 +224,11 @@ TEST_CASE("numbers of another shape that lacks some are columns of the user's ow
     const DumpFile spheres("a.csv", first + "radius,t\n0,0,-5,0,0,1,1,2,3,0,0,1,2,4\n");
     const auto dump = open_dump(spheres.path(), {.keep = true});
     CHECK(dump->layout().kept() == std::vector<std::string>{"nx", "ny", "nz"});
-    CHECK(read_all(*dump).front().solids.front().numbers == Solid<double>(Sphere<double>{{1, 2, 3}, 2}).numbers);
+    CHECK(read_all(*dump).front().primitives.front().numbers ==
+          Primitive<double>(Sphere<double>{{1, 2, 3}, 2}).numbers);
     const DumpFile discs("a.csv", first + "outer_radius,t\n0,0,-5,0,0,1,1,2,3,0,0,1,2,4\n");
-    CHECK(read_all(*open_dump(discs.path(), {})).front().solids.front().numbers ==
-          Solid<double>(Disc<double>{{1, 2, 3}, {0, 0, 1}, 2, 0}).numbers);
+    CHECK(read_all(*open_dump(discs.path(), {})).front().primitives.front().numbers ==
+          Primitive<double>(Disc<double>{{1, 2, 3}, {0, 0, 1}, 2, 0}).numbers);
 }
 
 TEST_CASE("a hit at NaN is an answer, and the t of a miss is not looked at") {
@@ -241,9 +243,9 @@ TEST_CASE("a hit at NaN is an answer, and the t of a miss is not looked at") {
 
 TEST_CASE("cells in quotes may hold commas and lines, which places count") {
     const std::string text = "note,\"ox\",oy,oz,dx,dy,dz\n\"a, \"\"b\"\"\nc\",\"1\", 2 ,3,4,5,6\n\nx,1,2,3,4,5,six\n";
-    CHECK(fault_of("a.csv", text, {.solid = Shape::sphere}).starts_with("a.csv:5:13: dz \"six\" is not a number"));
+    CHECK(fault_of("a.csv", text, {.primitive = Shape::sphere}).starts_with("a.csv:5:13: dz \"six\" is not a number"));
     const DumpFile file("a.csv", text.substr(0, text.find("x,1,2")));
-    const Chunk chunk = read_all(*open_dump(file.path(), {.solid = Shape::sphere, .keep = true})).front();
+    const Chunk chunk = read_all(*open_dump(file.path(), {.primitive = Shape::sphere, .keep = true})).front();
     CHECK(chunk.kept == std::vector<std::string>{"a, \"b\"\nc"});
     CHECK(chunk.rays.dz == std::vector<double>{6});
 }

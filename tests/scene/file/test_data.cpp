@@ -29,16 +29,17 @@ std::vector<Scene> all_scenes() {
 /// one, it is every sixteenth.
 double hit_fraction(const Scene& scene) {
     const auto frame = make_frame<double>(scene);
-    std::vector<Solid<double>> solids;
-    for (const Solid<Real>& solid : scene.mesh ? scene.solids() : scene.listed)
-        solids.push_back(round_solid(solid, binary64));
+    std::vector<Primitive<double>> primitives;
+    for (const Primitive<Real>& primitive : scene.mesh ? scene.primitives() : scene.listed)
+        primitives.push_back(round_primitive(primitive, binary64));
     const int step = scene.mesh ? 16 : lostbits::test::is_long() ? 4 : 8;
     int hit = 0, seen = 0;
     for (int y = 1; y < scene.height; y += step) {
         for (int x = 1; x < scene.width; x += step) {
             ++seen;
-            hit += std::ranges::any_of(solids, [&](const Solid<double>& solid) {
-                const auto ends = with_span(ray(frame, x, y), solid, [](const auto& span) { return ends_of(span); });
+            hit += std::ranges::any_of(primitives, [&](const Primitive<double>& primitive) {
+                const auto ends =
+                    with_span(ray(frame, x, y), primitive, [](const auto& span) { return ends_of(span); });
                 return ends && ends->near <= ends->far && ends->far >= 0;
             });
         }
@@ -60,7 +61,7 @@ TEST_CASE("every scene is described and shows hits and misses") {
         if (each.id == "camera-inside" || each.id == "sphereflake-far" || each.id == "offset-shells.inside" ||
             each.id == "consistency-on-surface" || each.id == "triangle-edge.close" ||
             each.id == "cylinder-along.inside")
-            CHECK(hit == 1);  // there the ground, the solid around or under the eye, or a seam fills the picture
+            CHECK(hit == 1);  // there the ground, the primitive around or under the eye, or a seam fills the picture
         else CHECK(hit <= 0.98);
     }
 }

@@ -9,8 +9,8 @@
 
 #include "catch.hpp"
 #include "number/real.hpp"
+#include "scene/rays/primitive_list.hpp"
 #include "scene/rays/rays.hpp"
-#include "scene/rays/solid_list.hpp"
 #include "scene/scene_text.hpp"
 #include "shapes/sphere/flake/sphereflake.hpp"
 #include "shapes/triangle/mesh/made.hpp"
@@ -73,7 +73,7 @@ std::string error_of_mesh(const std::string& table) {
 
 std::vector<Sphere<double>> spheres_of(const Sphereflake& flake) {
     std::vector<Sphere<double>> all;
-    for_each_solid(flake, [&all](const Solid<double>& s) { all.push_back(s.sphere()); });
+    for_each_primitive(flake, [&all](const Primitive<double>& s) { all.push_back(s.sphere()); });
     return all;
 }
 
@@ -212,20 +212,20 @@ TEST_CASE("faces without area are told of, those of rounding where it rounds", "
     CHECK(remarks("shared").size() == 2);
 }
 
-TEST_CASE("meshes come after the other solids, and stored numbers are those of the scene's format", "[mesh]") {
+TEST_CASE("meshes come after the other primitives, and stored numbers are those of the scene's format", "[mesh]") {
     const std::string text = with_mesh("make = \"icosphere\"\nlevels = 1\n[[mesh]]\nmake = \"fan\"\ncount = 8\n");
     const auto scene = loaded(text);
     REQUIRE(scene.mesh);
     CHECK(scene.mesh->faces.size() == 88);
-    CHECK(scene.solid_count() == 88);
+    CHECK(scene.primitive_count() == 88);
     CHECK(scene.shapes() == std::vector{Shape::triangle});
-    const auto all = scene.solids();
-    const auto list = shared_solid_list(scene);
+    const auto all = scene.primitives();
+    const auto list = shared_primitive_list(scene);
     REQUIRE(list.size() == all.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
-        const Solid<double> stored = list[i], ideal = round_solid(all[i], binary32);
+        const Primitive<double> stored = list[i], ideal = round_primitive(all[i], binary32);
         CHECK(std::ranges::equal(stored.used(), ideal.used()));
-        CHECK(std::ranges::equal(shared_solids(scene)[i].used(), ideal.used()));
+        CHECK(std::ranges::equal(shared_primitives(scene)[i].used(), ideal.used()));
     }
     CHECK_FALSE(scene.mesh->share_a_vertex(0, 80));
 }
@@ -280,8 +280,8 @@ TEST_CASE("a flake stands behind the other spheres of its scene, and is refused 
     const std::string text = replaced(good_scene, "[[sphere]]", "[sphereflake]\nlevels = 1\nradius = 0.5\n[[sphere]]");
     const Scene s = loaded(text);
     CHECK(s.shapes() == std::vector{Shape::sphere});
-    CHECK(s.solids().size() == 11);
-    const auto shared = shared_solids(s);
+    CHECK(s.primitives().size() == 11);
+    const auto shared = shared_primitives(s);
     REQUIRE(shared.size() == 11);
     CHECK(shared[0].sphere().radius == 1);
     CHECK(shared[1].sphere().radius == 0.5);

@@ -132,7 +132,7 @@ TEST_CASE("a triangle has an area") {
               .starts_with("scene.toml:15:9: ellipsoid[0].radii must be greater than 0"));
 }
 
-TEST_CASE("a scene has a camera and a solid, and nothing unknown") {
+TEST_CASE("a scene has a camera and a primitive, and nothing unknown") {
     CHECK(broken("schema = \"lostbits-scene/1\"", "").starts_with("scene.toml:1:1: schema is missing"));
     CHECK(broken("[camera]", "[camra]") ==
           "scene.toml:7:2: camera is missing, but there is camra; did you mean \"camera\"?");

@@ -199,7 +199,7 @@ TEST_CASE("a malformed override says how one is written") {
           "--set sphere[0]radius=1: the path \"sphere[0]radius\" continues after an index without a dot" + keys);
 }
 
-TEST_CASE("solids are numbered in the order of the file, whatever their kinds") {
+TEST_CASE("primitives are numbered in the order of the file, whatever their kinds") {
     const std::string scene = replaced(good_scene, good_scene.substr(good_scene.find("[[sphere]]")), "");
     const std::string text =
         scene + "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n" +
@@ -207,7 +207,7 @@ TEST_CASE("solids are numbered in the order of the file, whatever their kinds") 
         "[[box]]\nlo = [0, 0, 0]\nhi = [2, 2, 2]\n";
     const auto shapes_of = [](const Scene& s) {
         std::vector<Shape> shapes;
-        for (const auto& solid : s.listed) shapes.push_back(solid.shape);
+        for (const auto& primitive : s.listed) shapes.push_back(primitive.shape);
         return shapes;
     };
     const std::vector written{Shape::box, Shape::sphere, Shape::triangle, Shape::sphere, Shape::box};
@@ -215,7 +215,7 @@ TEST_CASE("solids are numbered in the order of the file, whatever their kinds") 
     CHECK(shapes_of(s) == written);
     CHECK(s.listed[1].sphere().radius == 1);
     CHECK(s.listed[3].sphere().radius == 2);
-    // Paths count within a kind, and a changed number does not move its solid.
+    // Paths count within a kind, and a changed number does not move its primitive.
     const Scene changed = loaded(text, set("sphere[1].radius=7"));
     CHECK(shapes_of(changed) == written);
     CHECK(changed.listed[3].sphere().radius == 7);

@@ -1,12 +1,12 @@
-// Rays and solids rounded to a format, solids as columns, and lengths that a format cannot hold.
+// Rays and primitives rounded to a format, primitives as columns, and lengths that a format cannot hold.
 #include <cmath>
 
 #include "catch.hpp"
 #include "number/real.hpp"
 #include "scene/rays/camera.hpp"
 #include "scene/rays/lost_lengths.hpp"
+#include "scene/rays/primitive_list.hpp"
 #include "scene/rays/rays.hpp"
-#include "scene/rays/solid_list.hpp"
 #include "scene/scene_text.hpp"
 #include "scene/toml/round.hpp"
 
@@ -47,9 +47,9 @@ file::Scene flake_scene(const std::string& inputs) {
 }
 
 template <class T>
-void check_columns(const SolidList<double>& list, std::size_t begin, std::size_t count) {
-    std::array<std::vector<T>, 4> room;
-    const auto columns = list.columns<T>(begin, count, room);
+void check_columns(const PrimitiveList<double>& list, std::size_t begin, std::size_t count) {
+    std::array<std::vector<T>, 4> columns_of_spheres;
+    const auto columns = list.columns<T>(begin, count, columns_of_spheres);
     for (std::size_t k = 0; k < 4; ++k) {
         REQUIRE(columns[k].size() == count);
         for (std::size_t i = 0; i < count; ++i) CHECK(columns[k][i] == static_cast<T>(list[begin + i].numbers[k]));
@@ -60,13 +60,14 @@ using Lines = std::vector<std::string>;
 
 FloatFormat shape_of(const char* name) { return find_format(name).value().parameters; }
 
-Lines lost(const std::vector<Solid<double>>& solids, const char* format) {
+Lines lost(const std::vector<Primitive<double>>& primitives, const char* format) {
     LostLengths all(shape_of(format));
-    for (std::size_t i = 0; i < solids.size(); ++i) all.add(solids[i], [i] { return "solid " + std::to_string(i); });
+    for (std::size_t i = 0; i < primitives.size(); ++i)
+        all.add(primitives[i], [i] { return "solid " + std::to_string(i); });
     return all.lines();
 }
 
-Solid<double> ball(double x, double radius) { return Sphere<double>{{x, 0, 0}, radius}; }
+Primitive<double> ball(double x, double radius) { return Sphere<double>{{x, 0, 0}, radius}; }
 
 }  // namespace
 
@@ -155,22 +156,22 @@ TEST_CASE("a block of rays is rounded to a narrower format, its subnormals and o
     CHECK(half.y1 == 1);
 }
 
-TEST_CASE("a list with a flake as columns holds the numbers of the solids one by one") {
+TEST_CASE("a list with a flake as columns holds the numbers of the primitives one by one") {
     for (const char* inputs : {"shared", "own"}) {
         const file::Scene scene = flake_scene(inputs);
         const bool own = scene.inputs == file::Inputs::own;
-        const auto ideal = scene.solids();
-        const auto shared = shared_solids(scene);
+        const auto ideal = scene.primitives();
+        const auto shared = shared_primitives(scene);
         for (const char* name : {"f32", "f64", "fp16", "p20", "p30"}) {
             const FloatFormat f = find_format(name)->parameters;
             INFO(inputs << " in " << name);
-            const SolidList<double> list =
-                own ? round_solids(ideal_solid_list(scene), f) : round_solids(shared_solid_list(scene), f);
+            const PrimitiveList<double> list = own ? round_primitives(ideal_primitive_list(scene), f)
+                                                   : round_primitives(shared_primitive_list(scene), f);
             REQUIRE(list.size() == 93);
             REQUIRE(list.listed().size() == 2);
             CHECK(list.all().size() == 93);
             for (std::size_t i = 0; i < list.size(); ++i) {
-                const Solid<double> one = own ? round_solid(ideal[i], f) : round_solid(shared[i], f);
+                const Primitive<double> one = own ? round_primitive(ideal[i], f) : round_primitive(shared[i], f);
                 CHECK(list[i].numbers == one.numbers);
                 CHECK(list.all()[i].numbers == one.numbers);
             }
@@ -185,11 +186,12 @@ TEST_CASE("a list with a flake as columns holds the numbers of the solids one by
 }
 
 TEST_CASE("the copies of a list share the flake, and its columns are read where they stand") {
-    const SolidList<double> list = shared_solid_list(flake_scene("shared")), copy = round_solids(list, binary64);
+    const PrimitiveList<double> list = shared_primitive_list(flake_scene("shared")),
+                                copy = round_primitives(list, binary64);
     CHECK(copy.flake() == list.flake());
-    std::array<std::vector<float>, 4> room;
-    CHECK(copy.columns<float>(10, 64, room)[3].data() == list.flake()->stored<float>()->at(3).data() + 8);
-    CHECK(room[0].empty());
+    std::array<std::vector<float>, 4> columns_of_spheres;
+    CHECK(copy.columns<float>(10, 64, columns_of_spheres)[3].data() == list.flake()->stored<float>()->at(3).data() + 8);
+    CHECK(columns_of_spheres[0].empty());
     CHECK(list.flake()->stored<double>() == nullptr);
 }
 
@@ -210,7 +212,7 @@ TEST_CASE("a radius is lost from half of the smallest number down, and from half
 TEST_CASE("a coordinate is lost at infinity, not at 0, a box where it has no thickness left") {
     CHECK(lost({ball(1e-9, 1)}, "fp16").empty());
     CHECK(lost({ball(-1e6, 1)}, "fp16") == Lines{"a coordinate of centre = -1e+06 rounds to infinity (solid 0)"});
-    const auto box = [](double lo, double hi) { return Solid<double>(Box<double>{{0, lo, 0}, {1, hi, 1}}); };
+    const auto box = [](double lo, double hi) { return Primitive<double>(Box<double>{{0, lo, 0}, {1, hi, 1}}); };
     CHECK(lost({box(1, 1.125)}, "fp16").empty());
     CHECK(lost({box(1, 1.0001)}, "fp16") == Lines{"thickness = 0.0001 rounds to 0 (solid 0)"});
     CHECK(lost({box(1, 1)}, "fp16").empty());  // it had none before
@@ -219,7 +221,7 @@ TEST_CASE("a coordinate is lost at infinity, not at 0, a box where it has no thi
                                                      "a coordinate of hi = 1e+06 rounds to infinity (solid 0)"});
 }
 
-TEST_CASE("the lengths of a scene: its solids, its eye, in the words of --set") {
+TEST_CASE("the lengths of a scene: its primitives, its eye, in the words of --set") {
     const auto of = [](const std::string& text, const char* format) {
         return lost_lengths(loaded(text), shape_of(format));
     };

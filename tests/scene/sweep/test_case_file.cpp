@@ -39,14 +39,14 @@ std::string broken(const std::string& from, const std::string& to) {
 
 using Numbers = std::array<double, 10>;
 Numbers numbers_of(const RayGroup& g) {
-    const Sphere<double> s = g.solids.front().sphere();
+    const Sphere<double> s = g.primitives.front().sphere();
     return {g.rays.ox[0], g.rays.oy[0], g.rays.oz[0], g.rays.dx[0], g.rays.dy[0],
             g.rays.dz[0], s.centre.x,   s.centre.y,   s.centre.z,   s.radius};
 }
 
 }  // namespace
 
-TEST_CASE("cases are read in order, each with its rays and solids") {
+TEST_CASE("cases are read in order, each with its rays and primitives") {
     const CaseFile file = loaded_cases(good_cases);
     CHECK(file.id == "c");
     CHECK(file.right_within_bits == 3);
@@ -67,13 +67,13 @@ TEST_CASE("each format gets a case in its own numbers, lengths scale lengths, di
     const CaseFile file = loaded_cases(good_cases);
     for (const FloatFormat& f : {binary16, bfloat16, binary32, binary64}) {
         const auto group = file.rays(1, f).at(0);
-        REQUIRE(group.solids.size() == 2);
+        REQUIRE(group.primitives.size() == 2);
         REQUIRE(group.rays.size() == 2);
         CHECK(group.rays.width == 2);
-        CHECK(group.solids[0].sphere().centre == Vec<double>(2, 4, 6));
-        CHECK(group.solids[0].sphere().radius == 8);
-        CHECK(group.solids[1].sphere().centre.x == 2 + std::ldexp(1, 2 - f.precision));
-        CHECK(group.solids[1].sphere().radius == std::ldexp(1, f.emin));  // a word, not scaled
+        CHECK(group.primitives[0].sphere().centre == Vec<double>(2, 4, 6));
+        CHECK(group.primitives[0].sphere().radius == 8);
+        CHECK(group.primitives[1].sphere().centre.x == 2 + std::ldexp(1, 2 - f.precision));
+        CHECK(group.primitives[1].sphere().radius == std::ldexp(1, f.emin));  // a word, not scaled
         CHECK(std::isnan(group.rays.oz[0]));
         CHECK(group.rays.dz[0] == -INFINITY);
         CHECK(group.rays.ox[1] == 2);
@@ -81,7 +81,7 @@ TEST_CASE("each format gets a case in its own numbers, lengths scale lengths, di
     }
     const auto turned =
         loaded_cases(replaced(good_cases, "lengths = 1", "directions = \"emax/2\"")).rays(1, binary32).at(0);
-    CHECK(turned.solids[0].sphere().radius == 4);
+    CHECK(turned.primitives[0].sphere().radius == 4);
     const auto scaled =
         loaded_cases(replaced(good_cases, "name = \"one\"", "name = \"one\"\nlengths = \"emax/4\"\ndirections = -3"))
             .rays(0, binary32)
@@ -90,7 +90,7 @@ TEST_CASE("each format gets a case in its own numbers, lengths scale lengths, di
           Numbers{5 * 0x1p31, 6 * 0x1p31, 7 * 0x1p31, 1, 1.125, 1.25, 0x1p31, 0x1p32, 3 * 0x1p31, 0x1p33});
 }
 
-TEST_CASE("a symmetric case comes under 48 symmetries, ray and solid alike") {
+TEST_CASE("a symmetric case comes under 48 symmetries, ray and primitive alike") {
     const auto groups =
         loaded_cases(replaced(good_cases, "name = \"one\"", "name = \"one\"\nsymmetric = true")).rays(0, binary32);
     REQUIRE(groups.size() == 48);
@@ -123,12 +123,12 @@ rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
 )";
     const CaseFile file = loaded_cases(boxes);
     CHECK(file.shapes() == std::vector{Shape::box});
-    std::set<decltype(Solid<double>::numbers)> images;
+    std::set<decltype(Primitive<double>::numbers)> images;
     for (const RayGroup& g : file.rays(0, binary32)) {
-        REQUIRE(g.solids.size() == 1);
-        REQUIRE(g.solids[0].shape == Shape::box);
-        const Box<double> b = g.solids[0].box();
-        images.insert(g.solids[0].numbers);
+        REQUIRE(g.primitives.size() == 1);
+        REQUIRE(g.primitives[0].shape == Shape::box);
+        const Box<double> b = g.primitives[0].box();
+        images.insert(g.primitives[0].numbers);
         const Vec<double> d(g.rays.dx[0], g.rays.dy[0], g.rays.dz[0]);
         int inside = 0;
         for (int i = 0; i < 3; ++i) {
@@ -142,7 +142,7 @@ rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
     const std::string mixed = replaced(boxes, "rays =", "spheres = [{ centre = [7, 0, 0], radius = 1 }]\nrays =");
     const CaseFile several = loaded_cases(mixed);
     CHECK(several.shapes() == std::vector{Shape::sphere, Shape::box});
-    CHECK(several.rays(0, binary32)[0].solids.size() == 2);
+    CHECK(several.rays(0, binary32)[0].primitives.size() == 2);
     CHECK_FALSE(several.meets(Shape::box));
     const auto ended = loaded_cases(replaced(mixed, "direction =", "tmax = 4, direction ="));
     CHECK(ended.rays(0, binary32)[0].rays.tmax == std::vector{4.0});
@@ -156,7 +156,7 @@ TEST_CASE("the corners of a box keep the zeros of the file, whichever way round"
                          ", 1, 2] }]\nrays = [{ origin = [0, 0, 0], direction = [1, 1, 4] }]\n");
         std::set<std::pair<bool, bool>> signs;  // of lo and of hi, in the axis that holds the zeros
         for (const RayGroup& g : file.rays(0, binary32)) {
-            const Box<double> b = g.solids[0].box();
+            const Box<double> b = g.primitives[0].box();
             int zeros = 0;
             for (int i = 0; i < 3; ++i) {
                 if (b.lo[i] != 0) continue;
@@ -187,10 +187,10 @@ name = "b"
 boxes = [{ lo = ["1 + ulp", 1, 2], hi = [1.0001, 1, 2] }]
 rays = [{ origin = [0, 0, 0], direction = [1, 1, 4] }]
 )");
-    const Box<double> narrow = file.rays(0, find_format("bf16")->parameters)[0].solids[0].box();
+    const Box<double> narrow = file.rays(0, find_format("bf16")->parameters)[0].primitives[0].box();
     CHECK(narrow.lo.x == 1);
     CHECK(narrow.hi.x == 1 + 0x1p-7);
-    CHECK(file.rays_before(0, find_format("bf16")->parameters)[0].solids[0].box().hi.x == 1.0001);
+    CHECK(file.rays_before(0, find_format("bf16")->parameters)[0].primitives[0].box().hi.x == 1.0001);
 }
 
 TEST_CASE("the rays of a case have ranges, whatever the shape") {
@@ -270,7 +270,8 @@ TEST_CASE("a misspelt table of a sweep is told as one, whatever kind the file th
     CHECK(error(sweep_head + "[edge_serch]\n") == "s.toml:4:2: unknown key edge_serch; did you mean \"edge_search\"?");
     CHECK(error(sweep_head + "[serch]\n") == "s.toml:4:2: unknown key serch; did you mean \"search\"?");
     CHECK(error(sweep_head + "[[axes]]\n") == "s.toml:4:3: unknown key axes; did you mean \"axis\"?");
-    CHECK(error(sweep_head + "[famly]\n[[axis]]\n") == "s.toml:4:2: unknown key famly; did you mean \"family\"?");
+    CHECK(error(sweep_head + "[sphere_rys]\n[[axis]]\n") ==
+          "s.toml:4:2: unknown key sphere_rys; did you mean \"sphere_rays\"?");
     CHECK(error(sweep_head + "[[axis]]\n[spher]\n") == "s.toml:5:2: unknown key spher; did you mean \"sphere\"?");
     CHECK(error("schema = \"lostbits-scene/1\"\n[rays]\n").starts_with("s.toml:1:10: schema is"));
     CHECK(sweep_kind(folder.write("s.toml", sweep_head + "[unheard_of]\n")) == SweepKind::axes);  // told by its reader

@@ -46,7 +46,7 @@ std::string error(const std::string& what, const std::string& by, const std::str
 
 }  // namespace
 
-TEST_CASE("a sweep over every float between two: its ray and solid with the axis at a float") {
+TEST_CASE("a sweep over every float between two: its ray and primitive with the axis at a float") {
     const ExhaustiveFile sweep = swept(good_sweep);
     CHECK(sweep.ranges().size() == 1);
     CHECK(sweep.floats() == (1 << 23) + (1 << 22) + 1);
@@ -58,7 +58,7 @@ TEST_CASE("a sweep over every float between two: its ray and solid with the axis
     const auto group = sweep.group_at(0, 0x1.000002p0F);
     CHECK(group.rays[0].origin.z == 0x1.000002p0);
     CHECK(group.rays.tmax.empty());
-    CHECK(group.solids.front().numbers[3] == 1);
+    CHECK(group.primitives.front().numbers[3] == 1);
     const ExhaustiveFile box = swept(good_box);
     CHECK(box.group_at(0, 1).rays.tmax == std::vector<double>{9});
     CHECK(swept(replaced(good_sweep, "[axis]", "[[axis]]")).ranges() == sweep.ranges());
@@ -73,17 +73,17 @@ TEST_CASE("all = true takes every bit pattern, from each zero outwards") {
     CHECK(sweep.ranges()[1].falls());
 }
 
-TEST_CASE("several numbers move together, also of the solid, a range may fall, and -0 is not 0") {
+TEST_CASE("several numbers move together, also of the primitive, a range may fall, and -0 is not 0") {
     const ExhaustiveFile both =
         swept(replaced(good_sweep, "\"ray.origin.z\"", "[\"ray.origin.z\", \"ray.direction.x\", \"sphere.radius\"]"));
     CHECK(both.ray_places == std::vector<std::size_t>{2, 3});
-    CHECK(both.solid_places == std::vector<std::size_t>{3});
-    CHECK(both.solid_at(3).numbers[3] == 3);
+    CHECK(both.primitive_places == std::vector<std::size_t>{3});
+    CHECK(both.primitive_at(3).numbers[3] == 3);
     CHECK(both.ray_at(0, 3).direction.x == 3);
     const ExhaustiveFile falls =
         swept(replaced(replaced(good_sweep, "from = 1", "from = 1.5"), "\"0x1.8p+1\"", "-0.0"));
     REQUIRE(falls.ranges().front().falls());
-    CHECK(falls.ranges().front().last == place_of(-0.0F));
+    CHECK(falls.ranges().front().last == index_of(-0.0F));
 }
 
 TEST_CASE("a narrowed sweep has the floats between two others") {
@@ -128,7 +128,7 @@ TEST_CASE("what is wrong with a sweep over every float is said with its place an
     CHECK(has(error("[sphere]", "[box]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n[sphere]"), "one primitive"));
     CHECK(has(error("[[ray]]", "[[axis]]\n[[ray]]", replaced(good_sweep, "[axis]", "[[axis]]")),
               "s.toml:4:1: axis must be one [[axis]] table"));
-    // Solids that are none: of the file, or made so by the axis.
+    // Primitives that are none: of the file, or made so by the axis.
     CHECK(has(error("radius = 1", "radius = 0"), "s.toml:17:10: sphere.radius is not greater than 0"));
     CHECK(has(error("hi = [1, 1, 1]", "hi = [1, -2, 1]", good_box), ": box.hi is below lo in a component"));
     CHECK(
@@ -144,15 +144,15 @@ TEST_CASE("a place is that of one bit pattern, and places rise with values") {
     for (std::uint64_t p = 0; p < (std::uint64_t{1} << 32); p += stride) {
         const auto place = static_cast<std::uint32_t>(p);
         const float x = float_at(place);
-        if (place_of(x) != place) FAIL("place " << place);
+        if (index_of(x) != place) FAIL("place " << place);
         if (!std::isnan(x) && !std::isnan(before) && !(before < x)) FAIL("not in order at " << place);
         before = x;
     }
-    CHECK(place_of(0.0F) == place_of(-0.0F) + 1);
-    CHECK(place_of(std::nextafter(1.0F, 2.0F)) == place_of(1.0F) + 1);
-    CHECK(place_of(std::nextafter(-1.0F, -2.0F)) == place_of(-1.0F) - 1);
-    CHECK(place_of(std::numeric_limits<float>::denorm_min()) == place_of(0.0F) + 1);
-    const auto last = place_of(std::numeric_limits<float>::infinity());
+    CHECK(index_of(0.0F) == index_of(-0.0F) + 1);
+    CHECK(index_of(std::nextafter(1.0F, 2.0F)) == index_of(1.0F) + 1);
+    CHECK(index_of(std::nextafter(-1.0F, -2.0F)) == index_of(-1.0F) - 1);
+    CHECK(index_of(std::numeric_limits<float>::denorm_min()) == index_of(0.0F) + 1);
+    const auto last = index_of(std::numeric_limits<float>::infinity());
     CHECK(float_at(last - 1) == std::numeric_limits<float>::max());
     CHECK(std::isnan(float_at(last + 1)));
     CHECK(std::isnan(float_at(0xffffffffU)));
@@ -186,7 +186,7 @@ TEST_CASE("516 binades hold all 2^32 floats, each once, and are named as they ar
 }
 
 TEST_CASE("a range counts its floats in either direction") {
-    const FloatRange up{place_of(-1.0F), place_of(1.0F)}, down{up.last, up.first};
+    const FloatRange up{index_of(-1.0F), index_of(1.0F)}, down{up.last, up.first};
     CHECK(up.size() == 2 * (std::uint64_t{127} << 23) + 2);
     CHECK(down.size() == up.size());
     CHECK(down.falls());

@@ -31,7 +31,7 @@ std::string broken(const std::string& from, const std::string& to) {
 
 }  // namespace
 
-TEST_CASE("a search holds a range for every number of ray and solid") {
+TEST_CASE("a search holds a range for every number of ray and primitive") {
     const SearchFile s = loaded_search(good_search);
     CHECK(s.id == "s");
     CHECK(s.shape == Shape::sphere);
@@ -108,7 +108,7 @@ TEST_CASE("what is no search is refused where it is wrong") {
 }
 
 TEST_CASE("a mark may name the measured onset that is drawn beside it") {
-    const std::string head = sweep_head + R"([family]
+    const std::string head = sweep_head + R"([sphere_rays]
 [[axis]]
 name = "d"
 spacing = "log2"
@@ -166,10 +166,12 @@ TEST_CASE("a sweep goes by its path below data/sweeps, or by its own name where 
 TEST_CASE("a sweep drawn again has other rays at the same places, one over a scene has none to draw") {
     const std::string axis = "[[axis]]\nname = \"x\"\nspacing = \"linear\"\nfrom = 2\nto = 4\nsteps = 2\nset = [";
     const auto same = [](const RayGroup& a, const RayGroup& b) {
-        return a.rays.ox == b.rays.ox && a.rays.dz == b.rays.dz && a.solids.front().numbers == b.solids.front().numbers;
+        return a.rays.ox == b.rays.ox && a.rays.dz == b.rays.dz &&
+               a.primitives.front().numbers == b.primitives.front().numbers;
     };
-    for (const char* family : {"family", "box_family"}) {
-        const std::string text = sweep_head + "[" + family + "]\nseed = 7\nviews = 3\n" + axis + "\"distance\"]\n";
+    for (const char* distribution : {"sphere_rays", "box_rays"}) {
+        const std::string text =
+            sweep_head + "[" + distribution + "]\nseed = 7\nviews = 3\n" + axis + "\"distance\"]\n";
         const auto file = read_as<SweepFile>("s.toml", text, LOSTBITS_DATA_DIR);
         CHECK(file.is_drawn());
         const auto own = file.rays({3}), none = file.drawn_again(0).rays({3}), second = file.drawn_again(2).rays({3}),

@@ -109,7 +109,7 @@ TEST_CASE("every axis of the data says in words what it is, and another's follow
     CHECK(label("name = \"x\"\nlabel = \"how far, in miles\"\n") == "how far, in miles");
 }
 
-TEST_CASE("a sweep over a mesh has all solids of its scene, whatever stands beside") {
+TEST_CASE("a sweep over a mesh has all primitives of its scene, whatever stands beside") {
     const Scratch folder;
     const std::string mesh = "[[mesh]]\nmake = \"icosphere\"\nlevels = 1\n", march = "[march]\nhit_eps = 1e-4\n";
     const auto group = [&](const std::string& more) {
@@ -121,12 +121,12 @@ TEST_CASE("a sweep over a mesh has all solids of its scene, whatever stands besi
     const auto alone = group(mesh), flake = group(mesh + "[sphereflake]\nlevels = 1\nradius = 0.5\n"),
                marched = group(mesh + march);
     REQUIRE(alone.mesh);
-    CHECK(alone.solids.size() == 1);
+    CHECK(alone.primitives.size() == 1);
     CHECK(alone.mesh->size() == 80);
     CHECK_FALSE(flake.mesh);
-    CHECK(flake.solids.size() == 1 + 10 + 80);
+    CHECK(flake.primitives.size() == 1 + 10 + 80);
     CHECK_FALSE(marched.mesh);
-    CHECK(marched.solids.size() == 1 + 80);
+    CHECK(marched.primitives.size() == 1 + 80);
 }
 
 }  // namespace test_sweep_file

@@ -31,7 +31,7 @@ double quantity(const std::string& text, const FloatFormat& f, int scale = 0) {
 std::string exponent_error(const std::string& text) {
     return error_of([&] { Exponent{word(text)}; });
 }
-std::string solid_error(const std::string& text) {
+std::string primitive_error(const std::string& text) {
     return error_of([&] { Quantity(word(text), false); });
 }
 std::string ray_error(const std::string& text) {
@@ -165,7 +165,7 @@ TEST_CASE("an ulp away is the neighbour, across binades, zero and both ends") {
     }
 }
 
-TEST_CASE("what is no quantity is refused where it stands, a solid is finite") {
+TEST_CASE("what is no quantity is refused where it stands, a primitive is finite") {
     for (const std::string text : {"", "big", "max2", "2max", "maximum", "ulp", "+ ulp", "3 + 2 ulp", "3 + ulp + ulp",
                                    "--3", "3 +", "nan nan", "MAX", "1e400"}) {
         CAPTURE(text);
@@ -173,10 +173,10 @@ TEST_CASE("what is no quantity is refused where it stands, a solid is finite") {
     }
     CHECK(ray_error("1 2") == "t.toml:3:7: \"1 2\" contains a space inside a number or word; remove it");
     CHECK(has(ray_error("big"), "max, min, tiny, nan or inf"));
-    CHECK(solid_error("nan") == "t.toml:3:7: is nan, which is allowed in rays only; write a finite number");
-    CHECK(solid_error("-inf") == "t.toml:3:7: is inf, which is allowed in rays only; write a finite number");
-    CHECK(solid_error("inf - ulp").starts_with("t.toml:3:7: is inf"));
-    CHECK(solid_error("max") == "no error");
+    CHECK(primitive_error("nan") == "t.toml:3:7: is nan, which is allowed in rays only; write a finite number");
+    CHECK(primitive_error("-inf") == "t.toml:3:7: is inf, which is allowed in rays only; write a finite number");
+    CHECK(primitive_error("inf - ulp").starts_with("t.toml:3:7: is inf"));
+    CHECK(primitive_error("max") == "no error");
     CHECK(ray_error("-nan") == "no error");
     // TOML's own words arrive as floats.
     const Scratch folder;

@@ -109,6 +109,15 @@ TEST_CASE("a pipe that stays silent is left where the work is asked to end") {
     ::close(writer);
 }
 
+TEST_CASE("a name of an earlier version is read as the name of today") {
+    const Text file(
+        "event = \"wrong_object\"\nnames = [\"wrong_object_fraction\", \"lost_bits\"]\n[family]\nviews = 2\n");
+    TableReader table = file.reader();
+    CHECK(table.table("sphere_rays").integer("views", 1, 3) == 2);
+    CHECK(table.string("event") == "wrong_primitive");
+    CHECK(table.strings("names") == std::vector<std::string>{"wrong_primitive_fraction", "lost_bits"});
+}
+
 TEST_CASE("a syntax error carries its place") {
     CHECK(file_error("a = 1\nb = = 2\n").starts_with("t.toml:2:5: not valid TOML: "));
     CHECK(file_error("a = 1\na = 2\n").starts_with("t.toml:2:"));

@@ -3,7 +3,7 @@
 const index = JSON.parse(document.getElementById("index").textContent);
 const outcomeNames = index.outcomes.map(([name]) => name);
 const agreeHit = 0;
-const wrongDecisions = ["false_miss", "false_hit", "wrong_object", "crack", "double_hit", "out_of_order"].map(
+const wrongDecisions = ["false_miss", "false_hit", "wrong_primitive", "crack", "double_hit", "out_of_order"].map(
     (name) => outcomeNames.indexOf(name));
 const keyOf = (row) => `${row.form}.${row.format}`;
 const shortName = (row) => row.form.slice(row.form.indexOf(".") + 1);

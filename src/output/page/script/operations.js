@@ -51,7 +51,7 @@ function operationRow(held) {
 }
 
 function operationTable(row, ray) {
-    const of = ray.solid === undefined ? "" : `, primitive ${ray.solid}`;
+    const of = ray.primitive === undefined ? "" : `, primitive ${ray.primitive}`;
     const earlier = ray.earlier > 0 ? ` ${ray.earlier} operations of earlier samples are left out.` : "";
     return [
         make("h3", `Operation by operation: ${title(row)}${of}, pixel ${ray.x}, ${ray.y} (${reasons(ray)})`),

@@ -149,8 +149,7 @@ const titled = (parts) => parts.map(
         title
     }) => [id, parts.some((p) => p.id !== id && title && p.title === title) ? `${title} (${id})` : title || id]);
 
-const words = (name) =>
-    name.replace(/^agree_/, "correct_").replace(/^wrong_object/, "wrong_primitive").replaceAll("_", " ");
+const words = (name) => name.replace(/^agree_/, "correct_").replaceAll("_", " ");
 const total = (counts) => counts.reduce((sum, n) => sum + n, 0);
 const within = (x, low, high) => Math.min(high, Math.max(low, x));
 

@@ -4,7 +4,7 @@
 // result overflows, t is computed in wider numbers.
 #pragma once
 
-#include "intersect/way.hpp"
+#include "intersect/filter_arithmetic.hpp"
 #include "shapes/box/forms/filtered_steps.hpp"
 
 namespace lostbits::intersect::box {
@@ -26,7 +26,7 @@ struct FilteredSlabs {
     template <Number T, BoxOf<T> B, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit, Watch& watch) {
         T tmin(0), tmax = limit;
-        if constexpr (stands_for_exact<T>) {
+        if constexpr (is_exact<T>) {
             clip_by_signs(ray, box, tmin, tmax);
             return entered<T>(tmin <= tmax, {tmin, tmax});
         } else {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "geometry/vec.hpp"
-#include "intersect/way.hpp"
+#include "intersect/filter_arithmetic.hpp"
 #include "number/wide/dyadic_slabs.hpp"
 #include "shapes/box/forms/filtered_words.hpp"
 
@@ -33,10 +33,10 @@ struct Decided : SlabDecision<T> {
 /// left undecided.) tmin and tmax are right to 6.1u of themselves, or to the distance between subnormal numbers.
 template <Number T>
 Decided<T> by_bound(const T& tmin, const T& tmax, const T& way) {
-    if constexpr (tells_of_operations<T>) {
-        using number::wide::untold, number::wide::taken_for_granted;
-        const auto plain = by_bound(untold(tmin), untold(tmax), untold(way));
-        return {{taken_for_granted<T>(plain.proved), tmin <= tmax}, taken_for_granted<T>(plain.in_range)};
+    if constexpr (traces_operations<T>) {
+        using number::wide::value_of, number::wide::constant_mask;
+        const auto plain = by_bound(value_of(tmin), value_of(tmax), value_of(way));
+        return {{constant_mask<T>(plain.proved), tmin <= tmax}, constant_mask<T>(plain.in_range)};
     } else {
         const T slack = T(16) * unit_roundoff<T>(), least = number::wide::least_normal<T>();
         const mask_t<T> in_range = way < T(1) / T(0);
@@ -76,17 +76,17 @@ T longest_way(const Ray<T>& ray, const OrderedSlabs<T>& slabs) {
 /// places, are doubles. Floats always fit.
 template <Number T>
 mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
-    if constexpr (tells_of_operations<T>) {
-        using number::wide::untold;
-        return number::wide::taken_for_granted<T>(
-            fits<decltype(untold(limit))>({untold(ray.origin), untold(ray.direction)}, untold(slabs), untold(limit)));
+    if constexpr (traces_operations<T>) {
+        using number::wide::value_of;
+        return number::wide::constant_mask<T>(fits<decltype(value_of(limit))>(
+            {value_of(ray.origin), value_of(ray.direction)}, value_of(slabs), value_of(limit)));
     }
     mask_t<T> all = T(0) <= T(0);
     if constexpr (number::wide::has_whole_range<T>) {
         using B = number::wide::OneWord<T>;
         const B least = number::wide::power_of_two<B>(-450), most = B(1) / number::wide::power_of_two<B>(-500);
         const auto add = [&](const T& x) {
-            const B size = abs(number::wide::taken_to<B>(x));
+            const B size = abs(number::wide::widen<B>(x));
             all = all && size <= most && (size >= least || size <= B(0));
         };
         for (int axis = 0; axis < 3; ++axis) {
@@ -95,7 +95,7 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
             add(slabs.of[static_cast<std::size_t>(axis)].bmin);
             add(slabs.of[static_cast<std::size_t>(axis)].bmax);
         }
-        const mask_t<B> endless = number::wide::taken_to<B>(limit) >= far_away<B>();
+        const mask_t<B> endless = number::wide::widen<B>(limit) >= far_away<B>();
         add(select(endless, T(0), limit));
     }
     return all;
@@ -108,8 +108,8 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
 /// It is `static`: the linker must not use code that is compiled for wide registers in other files.
 template <class W, Number T>
 static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
-    using number::wide::taken_back, number::wide::taken_to;
-    const auto wide = [](const T& x) { return taken_to<W>(x); };
+    using number::wide::narrow, number::wide::widen;
+    const auto wide = [](const T& x) { return widen<W>(x); };
     std::array<W, 3> m{W(0), W(0), W(0)}, n = m, f = m;
     for (int axis = 0; axis < 3; ++axis) {
         const W d = wide(ray.direction[axis]), o = wide(ray.origin[axis]);
@@ -120,7 +120,7 @@ static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, c
     }
     const W v = unit_roundoff<W>(), end = min(wide(limit), far_away<W>());
     // The least of all comparisons: positive where every one is proved to hold, negative where one is proved to fail.
-    const auto room = [&](const W& less, const W& more) {
+    const auto certain_sign = [&](const W& less, const W& more) {
         const W apart = more - less, slack = W(3) * v * (abs(less) + abs(more));
         return select(apart >= slack, W(1), select(apart <= -slack, W(-1), W(0)));
     };
@@ -129,31 +129,31 @@ static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, c
     for (int i = 0; i < 3; ++i) {
         const auto at = static_cast<std::size_t>(i);
         least = min(least, exactly(f[at]));
-        least = min(least, room(n[at], end * m[at]));
+        least = min(least, certain_sign(n[at], end * m[at]));
     }
     least = every_pair<W>(
         [&](int i, int j) {
             const auto at = static_cast<std::size_t>(i), to = static_cast<std::size_t>(j);
-            return room(n[at] * m[to], f[to] * m[at]);
+            return certain_sign(n[at] * m[to], f[to] * m[at]);
         },
         [](const W& a, const W& b) { return min(a, b); }, least);
-    const T told = taken_back<T>(least);
+    const T told = narrow<T>(least);
     return {told > T(0) || told < T(0), told >= T(0)};
 }
 
 /// Computes tmin and tmax in W, where nothing overflows or underflows. They are accurate to u when narrowed to T.
 template <class W, Number T>
 static Segment<T> segment_in(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
-    using number::wide::taken_back, number::wide::taken_to;
-    W tmin(0), tmax = taken_to<W>(limit);
+    using number::wide::narrow, number::wide::widen;
+    W tmin(0), tmax = widen<W>(limit);
     for (int axis = 0; axis < 3; ++axis) {
         const Planes<T>& planes = slabs.of[static_cast<std::size_t>(axis)];
-        const W d = taken_to<W>(ray.direction[axis]), o = taken_to<W>(ray.origin[axis]);
+        const W d = widen<W>(ray.direction[axis]), o = widen<W>(ray.origin[axis]);
         const mask_t<W> runs = abs(d) > W(0);
-        tmin = select(runs, max((taken_to<W>(planes.bmin) - o) / d, tmin), tmin);
-        tmax = select(runs, min((taken_to<W>(planes.bmax) - o) / d, tmax), tmax);
+        tmin = select(runs, max((widen<W>(planes.bmin) - o) / d, tmin), tmin);
+        tmax = select(runs, min((widen<W>(planes.bmax) - o) / d, tmax), tmax);
     }
-    return {taken_back<T>(tmin), taken_back<T>(tmax)};
+    return {narrow<T>(tmin), narrow<T>(tmax)};
 }
 
 /// Returns `known`, decided over the whole range where `known` proves nothing. t comes from the whole range where
@@ -165,7 +165,7 @@ Hit<T> in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Fou
     const auto& [x, y, z] = slabs.of;
     const std::array<T, 13> in{o.x,    o.y,    o.z,    d.x,    d.y,    d.z,        x.bmin,
                                y.bmin, z.bmin, x.bmax, y.bmax, z.bmax, found.limit};
-    const std::array<T, 3> all = number::wide::asked_lanes<T, 13, 3>(
+    const std::array<T, 3> all = number::wide::masked_lanes<T, 13, 3>(
         select(known.proved, T(0), T(1)), in, {select(known.hit, T(1), -T(1)), found.segment.tmin, found.segment.tmax},
         number::wide::meet_slabs<T>);
     const Segment<T>& own = found.segment;
@@ -195,12 +195,12 @@ Hit<T> to_the_last_digit(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const 
 /// The same for number types that record operations. They have no operation for it, so it is recorded as a call.
 template <Number T>
 Hit<T> in_a_call(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>& found, const mask_t<T>& in_range) {
-    using number::wide::told_of_call, number::wide::untold;
-    using P = decltype(untold(found.limit));
-    const P none(0), tmin = untold(found.segment.tmin), tmax = untold(found.segment.tmax);
+    using number::wide::record_call, number::wide::value_of;
+    using P = decltype(value_of(found.limit));
+    const P none(0), tmin = value_of(found.segment.tmin), tmax = value_of(found.segment.tmax);
     const Hit<P> end =
-        to_the_last_digit<P>({untold(ray.origin), untold(ray.direction)}, untold(slabs),
-                             {{tmin, tmax}, untold(found.limit)}, {{none < none, none < none}, in_range.value()});
+        to_the_last_digit<P>({value_of(ray.origin), value_of(ray.direction)}, value_of(slabs),
+                             {{tmin, tmax}, value_of(found.limit)}, {{none < none, none < none}, in_range.value()});
     const Vec<T>&o = ray.origin, &d = ray.direction;
     const auto plane = [&](int axis, const auto& back) {
         const Planes<T>& planes = slabs.of[static_cast<std::size_t>(axis)];
@@ -211,7 +211,7 @@ Hit<T> in_a_call(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>
     const std::array<T, 13> of{o.x,    o.y,    o.z,     d.x,     d.y,     d.z,        low(0),
                                low(1), low(2), high(0), high(1), high(2), found.limit};
     const auto told = [&of](CallAnswer answer, const P& value) {
-        return told_of_call<T>({"box.filtered", answer}, of, value);
+        return record_call<T>({"box.filtered", answer}, of, value);
     };
     const mask_t<T> hit = told(CallAnswer::decision, select(end.hit, P(1), P(-1))) > T(0);
     const auto same = [](const P& a, const P& b) { return a == b && copysign(P(1), a) == copysign(P(1), b); };
@@ -234,7 +234,7 @@ Hit<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, Found<T> found, c
     if constexpr (number::wide::has_wider_word<T>) {
         if (number::wide::widens<T>()) {
             using B = number::wide::OneWord<T>;
-            watch(Way::wider);
+            watch(FilterArithmetic::wider);
             SlabDecision<T> wide = widely<B, T>(ray, slabs, found.limit);
             wide.proved = wide.proved && fits(ray, slabs, found.limit);
             known = {joined(known, wide), known.in_range};
@@ -246,8 +246,8 @@ Hit<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, Found<T> found, c
             if (!any_of(!known.proved)) return entered<T>(known.hit, found.segment);
         }
     }
-    watch(Way::exact);
-    if constexpr (tells_of_operations<T>) return in_a_call<T>(ray, slabs, found, known.in_range);
+    watch(FilterArithmetic::exact);
+    if constexpr (traces_operations<T>) return in_a_call<T>(ray, slabs, found, known.in_range);
     else return to_the_last_digit<T>(ray, slabs, found, known);
 }
 

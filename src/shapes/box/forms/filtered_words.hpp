@@ -4,7 +4,7 @@
 
 #include "geometry/vec.hpp"
 #include "number/wide/exact_sum.hpp"
-#include "number/wide/ladder.hpp"
+#include "number/wide/widening.hpp"
 #include "shapes/box/forms/slab.hpp"
 
 namespace lostbits::intersect::box {
@@ -18,7 +18,7 @@ struct SlabDecision {
     /// Returns `first` where it is proved, else `second`. A number that records operations belongs to one ray, which
     /// needed the second step because the first one proved nothing.
     friend SlabDecision joined(const SlabDecision& first, const SlabDecision& second) {
-        if constexpr (tells_of_operations<T>) return second;
+        if constexpr (traces_operations<T>) return second;
         else return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit)};
     }
 };
@@ -31,10 +31,10 @@ struct OrderedSlabs {
 
 /// The same as plain numbers.
 template <Number T>
-auto untold(const OrderedSlabs<T>& slabs) {
-    using P = decltype(number::wide::untold(slabs.of[0].bmin));
+auto value_of(const OrderedSlabs<T>& slabs) {
+    using P = decltype(number::wide::value_of(slabs.of[0].bmin));
     const auto planes = [](const Planes<T>& of) {
-        return Planes<P>{number::wide::untold(of.bmin), number::wide::untold(of.bmax)};
+        return Planes<P>{number::wide::value_of(of.bmin), number::wide::value_of(of.bmax)};
     };
     return OrderedSlabs<P>{{planes(slabs.of[0]), planes(slabs.of[1]), planes(slabs.of[2])}};
 }
@@ -86,7 +86,7 @@ template <Number T>
 auto ways_of(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     using B = number::wide::OneWord<T>;
     using number::wide::sum_of, number::wide::TwoWords;
-    const auto word = [](const T& x) { return number::wide::taken_to<B>(x); };
+    const auto word = [](const T& x) { return number::wide::widen<B>(x); };
     const TwoWords<B> none(0);
     const B end = word(limit);
     const mask_t<B> endless = end >= far_away<B>();
@@ -135,7 +135,7 @@ static SlabDecision<T> by_products(const Ways<number::wide::OneWord<T>>& ways) {
             compare(ways.n[i], ways.m[to], ways.f[to], ways.m[i]);
         }
     }
-    const T told = number::wide::taken_back<T>(select(hit, B(1), select(missed, B(-1), B(0))));
+    const T told = number::wide::narrow<T>(select(hit, B(1), select(missed, B(-1), B(0))));
     return {told > T(0) || told<T(0), told> T(0)};
 }
 
@@ -165,7 +165,7 @@ template <Number T>
             return yes(apart.value());
         },
         [](const B& a, const B& b) { return min(a, b); }, all);
-    return {fit, number::wide::taken_back<T>(all) > T(0)};
+    return {fit, number::wide::narrow<T>(all) > T(0)};
 }
 
 }  // namespace filtered

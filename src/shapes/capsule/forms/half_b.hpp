@@ -19,12 +19,12 @@ struct CapsuleHalfB {
         const T v2 = square(v), r2 = square(capsule.radius);
         const auto part = [](const T& a, const T& h, const T& c) {
             const T disc = named("disc", square(h) - a * c);
-            return PartMet<T>{disc < T(0), plain_half_roots<T>(a, h, sqrt(disc))};
+            return PartHit<T>{disc < T(0), plain_half_roots<T>(a, h, sqrt(disc))};
         };
         const auto ball = [&](const Vec<T>& from) {
             return part(square(d), named("h_ball", dot(from, d)), named("c_ball", square(from) - r2));
         };
-        const PartMet<T> side = part(named("a", square(n)), named("h", dot(m, n)), named("c", square(m) - r2 * v2));
+        const PartHit<T> side = part(named("a", square(n)), named("h", dot(m, n)), named("c", square(m) - r2 * v2));
         return joined<T>(side, ball(f), ball(ray.origin - capsule.end), named("v.f", dot(v, f)),
                          named("v.d", dot(v, d)), v2);
     }

@@ -8,7 +8,7 @@ namespace lostbits::intersect::capsule {
 
 /// The roots of the line with a part of a capsule; `missed` says that it misses the part.
 template <Number T>
-struct PartMet {
+struct PartHit {
     mask_t<T> missed;
     RootPair<T> roots;
 };
@@ -17,7 +17,7 @@ struct PartMet {
 /// capsule. Below 0 the ball at the base replaces the side, above v² the ball at the top. A line parallel to the axis
 /// (a NaN) takes the balls.
 template <Number T>
-Hit<T> joined(const PartMet<T>& side, const PartMet<T>& base, const PartMet<T>& top, const T& low, const T& across,
+Hit<T> joined(const PartHit<T>& side, const PartHit<T>& base, const PartHit<T>& top, const T& low, const T& across,
               const T& v2) {
     const T in = named("y_in", low + side.roots.near * across), out = named("y_out", low + side.roots.far * across);
     const mask_t<T> up = across >= T(0);

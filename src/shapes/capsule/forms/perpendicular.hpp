@@ -19,13 +19,13 @@ struct CapsulePerpendicular {
         const Vec<T> n = cross(v, d), m = cross(v, f);
         const T v2 = square(v), r2 = square(capsule.radius), a = named("a", square(n)), d2 = square(d);
         const T disc = named("disc", v2 * (r2 * a - square(dot(f, n))));
-        const PartMet<T> side{
+        const PartHit<T> side{
             disc < T(0), unified_roots<T>(a, named("h'", -dot(m, n)), named("c", square(m) - r2 * v2), sqrt(disc))};
         const auto ball = [&](const Vec<T>& from) {
             const T ahead = named("b'", -dot(from, d));
             const T delta = named("delta", r2 - square(Vec<T>(from + (ahead / d2) * d)));
             const T c = named("c_ball", square(from) - r2);
-            return PartMet<T>{delta < T(0), unified_roots<T>(d2, ahead, c, sqrt(d2 * delta))};
+            return PartHit<T>{delta < T(0), unified_roots<T>(d2, ahead, c, sqrt(d2 * delta))};
         };
         return joined<T>(side, ball(f), ball(ray.origin - capsule.end), named("v.f", dot(v, f)),
                          named("v.d", dot(v, d)), v2);

@@ -21,7 +21,7 @@ struct DotsInTwoWords {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Plane<T>& plane) {
-        if constexpr (stands_for_exact<T>) return met<T>(ray, plane, [](const T& x) { return x; });
+        if constexpr (is_exact<T>) return met<T>(ray, plane, [](const T& x) { return x; });
         else {
             using W = number::wide::TwoWords<T>;
             const auto wide = [](const Vec<T>& v) { return Vec<W>(W(v.x), W(v.y), W(v.z)); };

@@ -80,7 +80,7 @@ Sphereflake read_sphereflake(toml::TableReader table) {
     return flake;
 }
 
-void require_room_for(const Sphereflake& flake) {
+void require_memory_for(const Sphereflake& flake) {
     constexpr double bytes_a_sphere = 40, gigabyte = 1e9;
     const double there =
         0.75 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
@@ -94,7 +94,7 @@ void require_room_for(const Sphereflake& flake) {
         " GB, more than three quarters of this machine's memory; levels = " + std::to_string(smaller.levels) + " fits");
 }
 
-void for_each_solid(const Sphereflake& flake, const std::function<void(const Solid<double>&)>& take) {
+void for_each_primitive(const Sphereflake& flake, const std::function<void(const Primitive<double>&)>& take) {
     grow({flake.centre, flake.radius}, unit_of(flake.axis), flake.levels, [&](const Sphere<double>& s) {
         flake.stop.check();
         take(s);

@@ -6,7 +6,7 @@
 
 #include "intersect/process/stop_token.hpp"
 #include "scene/toml/toml_reader.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::scene::sphere {
 
@@ -34,10 +34,10 @@ Sphereflake read_sphereflake(toml::TableReader table);
 
 /// Throws EnvironmentError if the spheres need more than three quarters of this machine's memory. It counts 40 bytes
 /// for each, enough for own inputs and some formats (a map in binary32 takes 18 to 20).
-void require_room_for(const Sphereflake& flake);
+void require_memory_for(const Sphereflake& flake);
 
 /// Makes every sphere, parents before their children, always in the same order. It uses binary64 and only + − × ÷ √,
 /// so the numbers are the same on every machine. They are the ideal numbers of the scene.
-void for_each_solid(const Sphereflake& flake, const std::function<void(const Solid<double>&)>& take);
+void for_each_primitive(const Sphereflake& flake, const std::function<void(const Primitive<double>&)>& take);
 
 }  // namespace lostbits::scene::sphere

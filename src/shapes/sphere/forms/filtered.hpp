@@ -4,7 +4,7 @@
 // first intersection only: near = far = t.
 #pragma once
 
-#include "intersect/way.hpp"
+#include "intersect/filter_arithmetic.hpp"
 #include "shapes/sphere/forms/filtered_steps.hpp"
 
 namespace lostbits::intersect::sphere {
@@ -26,14 +26,14 @@ struct Filtered {
     /// Calls `watch(way)` for every arithmetic beyond the first that is used.
     template <Number T, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere, Watch& watch) {
-        if constexpr (stands_for_exact<T>) {
+        if constexpr (is_exact<T>) {
             return answered(filtered::unrounded<T>(ray, sphere));
         } else {
             const filtered::Settled<T> cheap = filtered::cheaply<T>(ray, sphere);
             if (!any_of(!cheap.proved)) return answered(cheap);
             if constexpr (number::wide::has_wider_word<T>) {
                 if (number::wide::widens<T>()) {
-                    watch(Way::wider);
+                    watch(FilterArithmetic::wider);
                     using W = number::wide::OneWord<T>;
                     const filtered::Settled<T> wide = joined(cheap, filtered::widely<W, T>(ray, sphere));
                     if (!any_of(!wide.proved)) return answered(wide);

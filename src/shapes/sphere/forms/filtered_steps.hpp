@@ -2,11 +2,11 @@
 #pragma once
 
 #include "geometry/vec.hpp"
+#include "intersect/filter_arithmetic.hpp"
 #include "intersect/roots.hpp"
-#include "intersect/way.hpp"
 #include "number/wide/dyadic_sphere.hpp"
 #include "number/wide/exact_sum.hpp"
-#include "number/wide/ladder.hpp"
+#include "number/wide/widening.hpp"
 
 namespace lostbits::intersect::sphere {
 namespace filtered {
@@ -20,7 +20,7 @@ struct Settled {
     /// Returns `first` where it is proved, else `second`. A number that records operations belongs to one ray, which
     /// needed the second step because the first one proved nothing.
     friend Settled joined(const Settled& first, const Settled& second) {
-        if constexpr (tells_of_operations<T>) return second;
+        if constexpr (traces_operations<T>) return second;
         else
             return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit),
                     select(first.proved, first.t, second.t)};
@@ -37,11 +37,12 @@ struct Cheap {
 /// Bounds of the values of `cheaply`.
 template <Number T>
 Settled<T> proved_cheaply(const Cheap<T>& of, const T& t) {
-    using number::wide::untold;
-    using P = decltype(untold(t));
-    const P u = unit_roundoff<P>(), none = P(1) / P(0), r = untold(of.r), s = untold(of.s), root = untold(of.root);
-    const P inv = untold(of.inv), delta = untold(of.delta);
-    const Vec<P> f = untold(of.f);
+    using number::wide::value_of;
+    using P = decltype(value_of(t));
+    const P u = unit_roundoff<P>(), none = P(1) / P(0), r = value_of(of.r), s = value_of(of.s),
+            root = value_of(of.root);
+    const P inv = value_of(of.inv), delta = value_of(of.delta);
+    const Vec<P> f = value_of(of.f);
     const P ff = square(f), w = (P(21) / P(10) * u) * (abs(f.x) + abs(f.y) + abs(f.z)) + P(4) * u * r;
     const P e = w * (P(2) * r + P(32) * w);
     // In coarser formats no distance is large enough.
@@ -52,8 +53,8 @@ Settled<T> proved_cheaply(const Cheap<T>& of, const T& t) {
     // The last comparison fails where s ≤ 0, so a hit is ahead.
     const mask_t<P> met = delta > P(4) * e && e * inv < root * (P(36) * u * s - P(66) * u * root);
     const mask_t<P> missed = s <= P(0) || delta < -e;
-    const mask_t<T> proved = number::wide::taken_for_granted<T>(in_range && (met || missed));
-    if constexpr (tells_of_operations<T>) return {proved, of.delta > T(0) && of.s > T(0), t};
+    const mask_t<T> proved = number::wide::constant_mask<T>(in_range && (met || missed));
+    if constexpr (traces_operations<T>) return {proved, of.delta > T(0) && of.s > T(0), t};
     else return {proved, met, t};
 }
 
@@ -108,20 +109,20 @@ struct Wide {
 /// Bounds of the values of `widely`. W is the wider number.
 template <class W, Number T>
 Settled<T> proved_widely(const Wide<T>& of, const T& t) {
-    using number::wide::untold;
-    using P = decltype(untold(t));
+    using number::wide::value_of;
+    using P = decltype(value_of(t));
     const P u = unit_roundoff<P>(), least = number::wide::least_normal<P>(), none = P(1) / P(0);
-    const P a = untold(of.a), h = untold(of.h), c = untold(of.c), disc = untold(of.disc), q = untold(of.q);
-    const P r2 = square(untold(of.r)), all = (c + r2) + r2;
-    const P v = max(untold(number::wide::taken_back<T>(unit_roundoff<W>())), P(2) * u * least);
+    const P a = value_of(of.a), h = value_of(of.h), c = value_of(of.c), disc = value_of(of.disc), q = value_of(of.q);
+    const P r2 = square(value_of(of.r)), all = (c + r2) + r2;
+    const P v = max(value_of(number::wide::narrow<T>(unit_roundoff<W>())), P(2) * u * least);
     const P e = (P(6) * v) * (P(4) * all * a) + P(64) * least;
     const P from = select(number::wide::goes_deeper<P>(), P(64) * least, least / v);
     const mask_t<P> sure = P(32) * u <= P(1) && P(2) * v <= u && min(abs(c), a) >= from && e < none && abs(h) < none &&
                            !(q >= none) && abs(c) >= all * (v / u);
     const mask_t<P> missed = c > P(0) && (h > P(0) || disc < -e);
-    const mask_t<P> met = !missed && disc > e && e <= untold(of.root) * (q * (P(16) * u));
-    const mask_t<T> proved = number::wide::taken_for_granted<T>(sure && (met || missed));
-    if constexpr (tells_of_operations<T>) return {proved, !(of.c > T(0) && of.h > T(0)) && of.disc > T(0), t};
+    const mask_t<P> met = !missed && disc > e && e <= value_of(of.root) * (q * (P(16) * u));
+    const mask_t<T> proved = number::wide::constant_mask<T>(sure && (met || missed));
+    if constexpr (traces_operations<T>) return {proved, !(of.c > T(0) && of.h > T(0)) && of.disc > T(0), t};
     else return {proved, met, t};
 }
 
@@ -146,14 +147,14 @@ Settled<T> proved_widely(const Wide<T>& of, const T& t) {
 /// are tested. Comparisons with a number that overflowed on the way are false.
 template <class W, Number T>
 Settled<T> widely(const Ray<T>& ray, const Sphere<T>& sphere) {
-    using number::wide::taken_back, number::wide::taken_to;
-    const auto wide = [](const Vec<T>& x) { return Vec<W>(taken_to<W>(x.x), taken_to<W>(x.y), taken_to<W>(x.z)); };
+    using number::wide::narrow, number::wide::widen;
+    const auto wide = [](const Vec<T>& x) { return Vec<W>(widen<W>(x.x), widen<W>(x.y), widen<W>(x.z)); };
     const Vec<W> d = wide(ray.direction), f = wide(ray.origin) - wide(sphere.centre);
-    const W aw = square(d), hw = dot(f, d), cw = square(f) - square(taken_to<W>(sphere.radius));
+    const W aw = square(d), hw = dot(f, d), cw = square(f) - square(widen<W>(sphere.radius));
     const W dw = square(hw) - aw * cw;
 
-    const T a = named("a", taken_back<T>(aw)), h = named("h", taken_back<T>(hw)), c = named("c", taken_back<T>(cw));
-    const T disc = named("D", taken_back<T>(dw));
+    const T a = named("a", narrow<T>(aw)), h = named("h", narrow<T>(hw)), c = named("c", narrow<T>(cw));
+    const T disc = named("D", narrow<T>(dw));
     const T root = named("root", sqrt(disc)), q = named("q", abs(h) + root);
     const mask_t<T> outside = c > T(0), behind = h > T(0), from_within = !(outside || behind);
     const T t = named("t", select(from_within, q, abs(c)) / select(from_within, a, q));
@@ -239,7 +240,7 @@ mask_t<T> fits(const Ray<T>& ray, const Sphere<T>& sphere) {
         const B least = number::wide::power_of_two<B>(-160), most = B(1) / least;
         B none(0);
         const auto add = [&](const T& x) {
-            const B size = abs(number::wide::taken_to<B>(x));
+            const B size = abs(number::wide::widen<B>(x));
             all = all && size <= most && (size >= least || size <= B(0));
             none = none + B(0) * size;
         };
@@ -259,12 +260,12 @@ mask_t<T> fits(const Ray<T>& ray, const Sphere<T>& sphere) {
 template <Number T>
 [[gnu::noinline]] Settled<T> exactly(const Ray<T>& ray, const Sphere<T>& sphere, const mask_t<T>& fit) {
     using B = number::wide::OneWord<T>;
-    const auto word = [](const T& x) { return number::wide::taken_to<B>(x); };
+    const auto word = [](const T& x) { return number::wide::widen<B>(x); };
     const auto words = [&](const Vec<T>& x) { return Vec<B>(word(x.x), word(x.y), word(x.z)); };
     const ExactTerms<B> in(Ray<B>{words(ray.origin), words(ray.direction)},
                            Sphere<B>{words(sphere.centre), word(sphere.radius)});
     const Settled<B> found = of_terms<B>(in.h, in.c, in.a, in.disc);
-    const T t = number::wide::taken_back<T>(select(found.hit, found.t, B(-1)));
+    const T t = number::wide::narrow<T>(select(found.hit, found.t, B(-1)));
     return {fit, t >= T(0), t};
 }
 
@@ -272,7 +273,7 @@ template <Number T>
 template <Number T>
 Settled<T> in_every_range(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& known) {
     const Vec<T>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
-    const std::array<T, 2> all = number::wide::asked_lanes<T, 10, 2>(
+    const std::array<T, 2> all = number::wide::masked_lanes<T, 10, 2>(
         select(known.proved, T(0), T(1)), {o.x, o.y, o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius},
         {select(known.hit, T(1), -T(1)), known.t}, number::wide::meet_sphere<T>);
     return {T(0) <= T(0), all[0] > T(0), all[1]};
@@ -291,32 +292,32 @@ Settled<T> to_the_last_digit(const Ray<T>& ray, const Sphere<T>& sphere, Settled
 /// The same for number types that record operations. They have no operation for it, so it is recorded as a call.
 template <Number T>
 Settled<T> in_a_call(const Ray<T>& ray, const Sphere<T>& sphere) {
-    using number::wide::untold, number::wide::told_of_call;
-    using P = decltype(untold(sphere.radius));
+    using number::wide::value_of, number::wide::record_call;
+    using P = decltype(value_of(sphere.radius));
     const P none(0);
     const Settled<P> found =
-        to_the_last_digit<P>({untold(ray.origin), untold(ray.direction)},
-                             {untold(sphere.centre), untold(sphere.radius)}, {none < none, none < none, none});
+        to_the_last_digit<P>({value_of(ray.origin), value_of(ray.direction)},
+                             {value_of(sphere.centre), value_of(sphere.radius)}, {none < none, none < none, none});
     const Vec<T>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
     const std::array<T, 10> of{o.x, o.y, o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius};
-    const T decision = told_of_call<T>({"sphere.filtered", CallAnswer::decision}, of, select(found.hit, P(1), P(-1)));
-    return {number::wide::taken_for_granted<T>(found.proved), decision > T(0),
-            told_of_call<T>({"sphere.filtered", CallAnswer::t}, of, found.t)};
+    const T decision = record_call<T>({"sphere.filtered", CallAnswer::decision}, of, select(found.hit, P(1), P(-1)));
+    return {number::wide::constant_mask<T>(found.proved), decision > T(0),
+            record_call<T>({"sphere.filtered", CallAnswer::t}, of, found.t)};
 }
 
 /// Decides what `soft` leaves open: in double-double, then without rounding.
 template <Number T, class Watch>
 Settled<T> beyond(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& soft, Watch& watch) {
     using W = number::wide::TwoWords<number::wide::OneWord<T>>;
-    watch(Way::two_words);
+    watch(FilterArithmetic::two_words);
     const auto in_two_words = [&] {
         const Part<T> part("in two words");
         return joined(soft, widely<W, T>(ray, sphere));
     };
     const Settled<T> wide = in_two_words();
     if (!any_of(!wide.proved)) return wide;
-    watch(Way::exact);
-    if constexpr (tells_of_operations<T>) return in_a_call<T>(ray, sphere);
+    watch(FilterArithmetic::exact);
+    if constexpr (traces_operations<T>) return in_a_call<T>(ray, sphere);
     else return to_the_last_digit<T>(ray, sphere, wide);
 }
 

@@ -4,7 +4,7 @@
 // common edge.
 #pragma once
 
-#include "intersect/way.hpp"
+#include "intersect/filter_arithmetic.hpp"
 #include "shapes/triangle/forms/filtered_steps.hpp"
 
 namespace lostbits::intersect::triangle {
@@ -26,7 +26,7 @@ struct FilteredTriangle {
     /// Calls `watch(way)` for every arithmetic beyond the first that is used.
     template <Number T, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle, Watch& watch) {
-        if constexpr (stands_for_exact<T>) {
+        if constexpr (is_exact<T>) {
             const filtered::Determinants<T> of = filtered::determinants_of(ray, triangle);
             return met<T>(filtered::meets<T>(of), named("t", of.k / of.m));
         } else {
@@ -34,7 +34,7 @@ struct FilteredTriangle {
             if (!any_of(!known.proved)) return met<T>(known.hit, known.t);
             if constexpr (number::wide::has_wider_word<T>) {
                 if (number::wide::widens<T>()) {
-                    watch(Way::wider);
+                    watch(FilterArithmetic::wider);
                     known = joined(known, filtered::settled_in<number::wide::OneWord<T>>(ray, triangle));
                     if (!any_of(!known.proved)) return met<T>(known.hit, known.t);
                 }

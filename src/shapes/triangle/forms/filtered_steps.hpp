@@ -2,10 +2,10 @@
 #pragma once
 
 #include "geometry/vec.hpp"
-#include "intersect/way.hpp"
+#include "intersect/filter_arithmetic.hpp"
 #include "number/wide/dyadic_triangle.hpp"
 #include "number/wide/exact_sum.hpp"
-#include "number/wide/ladder.hpp"
+#include "number/wide/widening.hpp"
 #include "shapes/triangle/forms/parts.hpp"
 
 namespace lostbits::intersect::triangle {
@@ -20,7 +20,7 @@ struct TriangleDecision {
     /// Returns `first` where it is proved, else `second`. A number that records operations belongs to one ray, which
     /// needed the second step because the first one proved nothing.
     friend TriangleDecision joined(const TriangleDecision& first, const TriangleDecision& second) {
-        if constexpr (tells_of_operations<T>) return second;
+        if constexpr (traces_operations<T>) return second;
         else
             return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit),
                     select(first.proved, first.t, second.t)};
@@ -143,39 +143,39 @@ Determinants<W> determinants_in(const Ray<T>& ray, const Triangle<T>& triangle, 
 /// The roundoff u of the format that `T` computes in, as a number of P.
 template <class T, class P>
 P roundoff_in() {
-    using number::wide::untold;
-    using Plain = decltype(untold(std::declval<T>()));
+    using number::wide::value_of;
+    using Plain = decltype(value_of(std::declval<T>()));
     if constexpr (std::same_as<P, Plain>) return unit_roundoff<P>();
-    else return number::wide::taken_to<P>(unit_roundoff<Plain>());
+    else return number::wide::widen<P>(unit_roundoff<Plain>());
 }
 
 /// Decides in W: T, its `OneWord`, or two of those.
 template <class W, Number T>
 TriangleDecision<T> settled_in(const Ray<T>& ray, const Triangle<T>& triangle) {
-    using number::wide::untold, number::wide::taken_for_granted;
+    using number::wide::value_of, number::wide::constant_mask;
     const auto in = determinants_in<W>(ray, triangle, [](const T& x) -> W {
         if constexpr (std::same_as<W, T>) return x;
-        else return number::wide::taken_to<W>(x);
+        else return number::wide::widen<W>(x);
     });
     const auto of = each_of(in, [](const W& x) { return word_of(x); });
     using B = std::decay_t<decltype(of.m)>;
-    using P = decltype(untold(of.m));
+    using P = decltype(value_of(of.m));
     P v = unit_roundoff<P>();
     if constexpr (!std::same_as<W, B>) v = unit_roundoff<number::wide::TwoWords<P>>().hi;
-    const Proved<P> by = proved_by<P>(each_of(of, [](const B& x) { return untold(x); }), v, roundoff_in<T, P>());
-    const mask_t<B> proved = taken_for_granted<B>(by.met || by.missed);
+    const Proved<P> by = proved_by<P>(each_of(of, [](const B& x) { return value_of(x); }), v, roundoff_in<T, P>());
+    const mask_t<B> proved = constant_mask<B>(by.met || by.missed);
     const B t = named("t", of.k / of.m);
     const auto hit = [&]() -> mask_t<B> {
-        if constexpr (tells_of_operations<T>) return meets<B>(of);
+        if constexpr (traces_operations<T>) return meets<B>(of);
         else return by.met;
     };
     if constexpr (std::same_as<W, T>) {
         return {proved, hit(), t};
     } else {
         const auto told = [](const mask_t<B>& mask) -> mask_t<T> {
-            return number::wide::taken_back<T>(select(mask, B(1), B(0))) > T(0);
+            return number::wide::narrow<T>(select(mask, B(1), B(0))) > T(0);
         };
-        return {told(proved), told(hit()), number::wide::taken_back<T>(t)};
+        return {told(proved), told(hit()), number::wide::narrow<T>(t)};
     }
 }
 
@@ -220,7 +220,7 @@ mask_t<T> fits(const Ray<T>& ray, const Triangle<T>& triangle) {
         B none(0);
         for (const Vec<T>* const p : {&ray.origin, &ray.direction, &triangle.a, &triangle.b, &triangle.c})
             for (int axis = 0; axis < 3; ++axis) {
-                const B size = abs(number::wide::taken_to<B>((*p)[axis]));
+                const B size = abs(number::wide::widen<B>((*p)[axis]));
                 all = all && size <= most && (size >= least || size <= B(0));
                 none = none + B(0) * size;
             }
@@ -234,9 +234,9 @@ mask_t<T> fits(const Ray<T>& ray, const Triangle<T>& triangle) {
 template <Number T>
 [[gnu::noinline]] TriangleDecision<T> exactly(const Ray<T>& ray, const Triangle<T>& triangle, const mask_t<T>& fit) {
     using B = number::wide::OneWord<T>;
-    using number::wide::sum_of, number::wide::taken_to, number::wide::TwoWords;
+    using number::wide::sum_of, number::wide::widen, number::wide::TwoWords;
     const auto apart = [](const Vec<T>& x, const Vec<T>& from) {
-        const auto one = [](const T& r, const T& s) { return sum_of<B>(taken_to<B>(r), -taken_to<B>(s)); };
+        const auto one = [](const T& r, const T& s) { return sum_of<B>(widen<B>(r), -widen<B>(s)); };
         return ThreeSums<B>{one(x.x, from.x), one(x.y, from.y), one(x.z, from.z)};
     };
     const ThreeSums<B> d = apart(ray.direction, Vec<T>(T(0), T(0), T(0))), a = apart(triangle.a, ray.origin),
@@ -245,7 +245,7 @@ template <Number T>
     const B k = triple_product<B>(a, apart(triangle.b, triangle.a), apart(triangle.c, triangle.a));
     const B m = ea + eb + ec, zero(0), least = min(min(ea, eb), ec), most = max(max(ea, eb), ec);
     const mask_t<B> hit = (least >= zero && m > zero && k >= zero) || (most <= zero && m < zero && k <= zero);
-    const T t = number::wide::taken_back<T>(select(hit, abs(k / m), B(-1)));
+    const T t = number::wide::narrow<T>(select(hit, abs(k / m), B(-1)));
     return {fit, t >= T(0), t};
 }
 
@@ -253,7 +253,7 @@ template <Number T>
 template <Number T>
 TriangleDecision<T> in_every_range(const Ray<T>& ray, const Triangle<T>& triangle, const TriangleDecision<T>& known) {
     const Vec<T>&o = ray.origin, &d = ray.direction, &a = triangle.a, &b = triangle.b, &c = triangle.c;
-    const std::array<T, 2> all = number::wide::asked_lanes<T, 15, 2>(
+    const std::array<T, 2> all = number::wide::masked_lanes<T, 15, 2>(
         select(known.proved, T(0), T(1)), {o.x, o.y, o.z, d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z},
         {select(known.hit, T(1), -T(1)), known.t}, number::wide::meet_triangle<T>);
     return {T(0) <= T(0), all[0] > T(0), all[1]};
@@ -272,32 +272,32 @@ TriangleDecision<T> to_the_last_digit(const Ray<T>& ray, const Triangle<T>& tria
 /// The same for number types that record operations. They have no operation for it, so it is recorded as a call.
 template <Number T>
 TriangleDecision<T> in_a_call(const Ray<T>& ray, const Triangle<T>& triangle) {
-    using number::wide::untold, number::wide::told_of_call;
-    using P = decltype(untold(ray.origin.x));
+    using number::wide::value_of, number::wide::record_call;
+    using P = decltype(value_of(ray.origin.x));
     const P none(0);
-    const TriangleDecision<P> found = to_the_last_digit<P>({untold(ray.origin), untold(ray.direction)},
-                                                           {untold(triangle.a), untold(triangle.b), untold(triangle.c)},
-                                                           {none < none, none < none, none});
+    const TriangleDecision<P> found = to_the_last_digit<P>(
+        {value_of(ray.origin), value_of(ray.direction)},
+        {value_of(triangle.a), value_of(triangle.b), value_of(triangle.c)}, {none < none, none < none, none});
     const Vec<T>&o = ray.origin, &d = ray.direction, &a = triangle.a, &b = triangle.b, &c = triangle.c;
     const std::array<T, 15> of{o.x, o.y, o.z, d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z};
-    const T decision = told_of_call<T>({"triangle.filtered", CallAnswer::decision}, of, select(found.hit, P(1), P(-1)));
-    return {number::wide::taken_for_granted<T>(found.proved), decision > T(0),
-            told_of_call<T>({"triangle.filtered", CallAnswer::t}, of, found.t)};
+    const T decision = record_call<T>({"triangle.filtered", CallAnswer::decision}, of, select(found.hit, P(1), P(-1)));
+    return {number::wide::constant_mask<T>(found.proved), decision > T(0),
+            record_call<T>({"triangle.filtered", CallAnswer::t}, of, found.t)};
 }
 
 /// Decides what `soft` leaves open: in double-double, then without rounding.
 template <Number T, class Watch>
 TriangleDecision<T> beyond(const Ray<T>& ray, const Triangle<T>& triangle, const TriangleDecision<T>& soft,
                            Watch& watch) {
-    watch(Way::two_words);
+    watch(FilterArithmetic::two_words);
     const auto in_two_words = [&] {
         const Part<T> part("in two words");
         return joined(soft, settled_in<number::wide::TwoWords<number::wide::OneWord<T>>>(ray, triangle));
     };
     const TriangleDecision<T> wide = in_two_words();
     if (!any_of(!wide.proved)) return wide;
-    watch(Way::exact);
-    if constexpr (tells_of_operations<T>) return in_a_call<T>(ray, triangle);
+    watch(FilterArithmetic::exact);
+    if constexpr (traces_operations<T>) return in_a_call<T>(ray, triangle);
     else return to_the_last_digit<T>(ray, triangle, wide);
 }
 

@@ -13,7 +13,7 @@
 #include "intersect/process/stop_token.hpp"
 #include "number/format.hpp"
 #include "scene/toml/toml_reader.hpp"
-#include "shapes/solid.hpp"
+#include "shapes/primitive.hpp"
 
 namespace lostbits::scene::triangle {
 

@@ -1,11 +1,11 @@
 // Random rays at half spaces.
-#include "scene/rays/aimed_family.hpp"
+#include "scene/rays/aimed_distribution.hpp"
 
 namespace lostbits::scene::half_space {
 
-struct HalfSpaceFamily : rays::AimedFamily<HalfSpaceFamily> {
-    static constexpr std::string_view table = "half_space_family";
-    static Solid<double> drawn(rays::Random& random, const Vec<double>& middle, double size) {
+struct HalfSpaceDistribution : rays::AimedDistribution<HalfSpaceDistribution> {
+    static constexpr std::string_view table = "half_space_rays";
+    static Primitive<double> drawn(rays::Random& random, const Vec<double>& middle, double size) {
         return HalfSpace<double>{middle, size * rays::draw_direction(random)};
     }
 };

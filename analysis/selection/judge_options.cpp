@@ -1,0 +1,195 @@
+#include "analysis/selection/judge_options.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <span>
+#include <string_view>
+
+#include "analysis/selection/select.hpp"
+#include "number/error.hpp"
+#include "scene/dump/number_parser.hpp"
+#include "scene/rays/rays.hpp"
+#include "shapes/number_names.hpp"
+
+namespace lostbits::analysis::selection {
+
+using scene::dump::Container;
+using scene::dump::DumpOptions;
+using scene::dump::MissRule;
+
+namespace {
+
+std::optional<MissRule> miss_rule(const std::string& word) {
+    if (word.empty()) return {};
+    if (word == "never") return MissRule{MissRule::Kind::never};
+    if (word == "negative") return MissRule{MissRule::Kind::negative};
+    const auto read = scene::dump::NumberParser(*find_format("f64")).read(word);
+    if (read.kind != scene::dump::NumberParser::Kind::number || !std::isfinite(read.value))
+        throw InputError(
+            fmt::format("--miss {}: is neither a finite number, negative nor never (NaN, infinities and empty "
+                        "cells are misses in any case)",
+                        word));
+    return MissRule{MissRule::Kind::number, read.value};
+}
+
+std::vector<std::string> listed(std::span<const std::string_view> names) { return {names.begin(), names.end()}; }
+
+}  // namespace
+
+const std::vector<RayFileOption>& ray_file_options() {
+    using Words = RayFileOptions;
+    static const std::vector<RayFileOption> options{
+        {"--scene", &Words::scene, "The scene at whose primitives the rays are aimed"},
+        {"--miss", &Words::miss,
+         "Without a column hit: the t that means a miss; or negative, or never (NaN and inf always mean one)"},
+        {"--direction",
+         &Words::direction,
+         "unit: t is a distance, of the direction normalised (default: any)",
+         {"any", "unit"},
+         true},
+        {"--touching",
+         &Words::touching,
+         "Whether a ray that touches should hit (default) or miss",
+         {"hit", "miss"},
+         true},
+        {"--at-origin", &Words::at_origin,
+         "Whether a surface at t = 0 should be hit (default) or miss; exit: a miss where the ray goes in",
+         listed(intersect::at_origin_names), true},
+        {"--inside", &Words::inside,
+         "The right answer from inside: exit, zero or miss; near: t < 0 is a miss (default: the exit of a sphere, "
+         "0 of a box)",
+         listed(intersect::inside_names), true},
+        {"--facing", &Words::facing,
+         "The side that triangles, discs and planes are met from: front, where a triangle's vertices run "
+         "counter-clockwise, or back (default: both)",
+         listed(intersect::facing_names), true},
+        {"--open-ends",
+         &Words::open_ends,
+         "Ends of the ranges in the columns that are excluded: a hit exactly there does not count (default: none)",
+         {"none", "tmin", "tmax", "both"}}};
+    return options;
+}
+
+void add_ray_options(const shell::Command& command, RayFileOptions& words) {
+    command.add("--container", words.container, "What the file is: csv, npy, raw (default: by its ending)",
+                shell::one_of({"auto", "csv", "npy", "raw"}));
+    command.add("--columns", words.columns,
+                "Names of the columns where the file has none, and of raw numbers their types: ox:f32,oy,oz");
+    command.add("--skip", words.skip, "Bytes in front of raw numbers");
+    command.add("--file-format", words.format,
+                "Format the answers were computed in (default: the file's; of a CSV f64)");
+    words.primitives.add_to(command, "The primitive of all rays");
+    for (const RayFileOption& o : ray_file_options())
+        command.add(o.name, words.*o.word, o.help, o.known.empty() ? shell::ValueRule() : shell::one_of(o.known));
+}
+
+std::optional<scene::file::Scene> scene_of(const RayFileOptions& o, const std::filesystem::path& data) {
+    if (o.scene.empty()) return {};
+    auto scene = load_one_scene({{o.scene}, "", "", {}, o.stop}, data);
+    constexpr std::size_t most = 1024;
+    const std::size_t beside = scene.primitive_count() - (scene.mesh ? scene.mesh->faces.size() : 0);
+    if (beside > most)
+        throw InputError(
+            fmt::format("--scene {}: has {} primitives beside its meshes; every ray is tested with each of them, and "
+                        "at most {} are allowed; give each ray the primitive that it meets in columns of the file, or "
+                        "write the scene as a mesh of triangles",
+                        o.scene, beside, most));
+    return scene;
+}
+
+std::optional<Shape> shape_given(const RayFileOptions& o, const std::optional<scene::file::Scene>& scene) {
+    const auto shapes = scene ? scene->shapes() : o.primitives.shapes();
+    if (scene && !o.primitives.empty())
+        throw InputError("--scene gives the primitives of all rays, and so do " + primitive_options(false, " and ") +
+                         "; write one or the other");
+    return shapes.empty() ? std::nullopt : std::optional(shapes.front());
+}
+
+std::vector<Primitive<double>> primitives_given(const RayFileOptions& o, const std::optional<scene::file::Scene>& scene,
+                                                const Format& format) {
+    if (scene) return scene::rays::stored_beside_mesh(*scene, format.parameters);
+    std::vector<Primitive<double>> primitives;
+    for (const auto& [shape, text] : o.primitives.given())
+        primitives.push_back(primitive_in_words(shape, text, format));
+    return primitives;
+}
+
+std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& o, const std::string& file,
+                                             std::optional<Shape> primitive, bool keep) {
+    static const std::map<std::string, Container> containers{
+        {"auto", Container::by_name}, {"csv", Container::csv}, {"npy", Container::npy}, {"raw", Container::raw}};
+    DumpOptions options{.container = containers.at(o.container), .columns = o.columns, .skip = o.skip, .stop = o.stop};
+    if (!o.format.empty()) {
+        const auto formats = select_formats({o.format}, "--file-format");
+        if (formats.size() > 1)
+            throw InputError("--file-format " + o.format + ": the answers are of one format; name one");
+        options.format = formats.front();
+    }
+    options.miss = miss_rule(o.miss);
+    options.primitive = primitive;
+    options.keep = keep;
+    options.open = open_ends_named(o.open_ends);
+    return scene::dump::open_dump(file, options);
+}
+
+Shapes shapes_of_rays(const scene::dump::Layout& layout, const std::vector<Primitive<double>>& given) {
+    const Shapes shapes = layout.primitive() ? Shapes(*layout.primitive()) : shapes_of(given);
+    return layout.has_matrix() ? shapes.placed() : shapes;
+}
+
+void put_under_matrices(scene::dump::Dump& dump, const std::vector<Primitive<double>>& given) {
+    if (!dump.layout().has_matrix() || dump.layout().primitive()) return;
+    if (given.size() != 1 || given.front().placed)
+        throw InputError(
+            dump.name() +
+            ": each ray has the matrix of its primitive, m00 to m23; give one primitive for all rays, without a "
+            "matrix of its own, or give the primitive of each ray in columns too");
+    dump.put_under_matrices(given.front());
+}
+
+intersect::Info contract_of(const RayFileOptions& o, const scene::dump::Dump& dump) {
+    for (const RayFileOption& option : ray_file_options())
+        if (option.of_answers && option.is_given(o) && !dump.layout().has_answers())
+            throw InputError(
+                fmt::format("{} {}: is about the answers of {}, which has none (columns hit or t); leave {} out: forms "
+                            "are judged by their own contract",
+                            option.name, o.*option.word, dump.name(), option.name));
+    intersect::Info info{};
+    info.direction = o.direction == "unit" ? intersect::Direction::unit : intersect::Direction::any;
+    info.touching = o.touching == "miss" ? intersect::Touching::miss : intersect::Touching::hit;
+    const auto place = [](const auto& names, const std::string& word) {
+        return std::ranges::find(names, word) - names.begin();
+    };
+    info.at_origin = static_cast<intersect::AtOrigin>(place(intersect::at_origin_names, o.at_origin));
+    info.inside = static_cast<intersect::Inside>(place(intersect::inside_names, o.inside));
+    info.facing = static_cast<intersect::Facing>(place(intersect::facing_names, o.facing));
+    return info;
+}
+
+std::optional<std::size_t> group_of(const JudgeOptions& o, const scene::dump::Layout& layout) {
+    if (o.by.empty()) return {};
+    const auto kept = layout.kept();
+    const auto found = std::ranges::find(kept, o.by);
+    if (found != kept.end()) return static_cast<std::size_t>(found - kept.begin());
+    throw InputError(fmt::format("--by {}: {} has no column of its own with that name; {}", o.by, o.file,
+                                 kept.empty() ? "all its columns belong to the ray, its primitive or the answer"
+                                              : fmt::format("it has {}", fmt::join(kept, ", "))));
+}
+
+void add_requirement(const JudgeOptions& o, measure::metric::MetricSet& made,
+                     std::vector<const measure::metric::Metric*>& metrics) {
+    std::vector<std::string> words;
+    if (o.bits >= 0) words.push_back(fmt::format("enough_bits:{}", o.bits));
+    if (!o.tolerance.empty())
+        words.insert(words.end(),
+                     {"distance_error", fmt::format("tolerance:{}", tolerance_in_units(o.tolerance, o.unit))});
+    else if (!o.unit.empty())
+        throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is missing; write both");
+    for (const measure::metric::Metric* m : select_metrics(words, made)) add_once(metrics, m);
+}
+
+}  // namespace lostbits::analysis::selection

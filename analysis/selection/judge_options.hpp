@@ -1,0 +1,93 @@
+// The options of a command line for files of rays, and the further options of `lostbits judge`.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/selection/ray_numbers.hpp"
+#include "analysis/shell/command_line.hpp"
+#include "intersect/info.hpp"
+#include "intersect/process/stop_token.hpp"
+#include "measure/metric/metric_set.hpp"
+#include "scene/dump/dump.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits::analysis::selection {
+
+/// The options for files of rays: the meaning of columns, the primitives of the rays, and the contract of the answers.
+struct RayFileOptions {
+    std::string container = "auto", columns, format;
+    std::uint64_t skip = 0;
+    PrimitiveOptions primitives;
+    std::string scene, miss;
+    std::string direction = "any", touching = "hit", at_origin = "hit", inside = "usual", facing = "both";
+    std::string open_ends = "none";
+    intersect::process::StopToken stop = {};
+};
+
+/// An option for files of rays whose value is a word. If it is not given, its word is that of `RayFileOptions()`.
+struct RayFileOption {
+    const char* name;
+    std::string RayFileOptions::*word;
+    const char* help;
+    std::vector<std::string> known = {};  ///< allowed words; empty: any
+    bool of_answers = false;              ///< it is about the meaning of answers
+
+    [[nodiscard]] bool is_given(const RayFileOptions& words) const { return words.*word != RayFileOptions().*word; }
+};
+const std::vector<RayFileOption>& ray_file_options();
+
+/// Adds the options for all of these; the one for `format` gets the name `format_option`.
+void add_ray_options(const shell::Command& command, RayFileOptions& words);
+
+struct JudgeOptions : RayFileOptions {
+    std::string file;
+    std::vector<std::string> forms, formats, metrics;
+    std::string against, by, tolerance, unit;
+    double bits = -1;  ///< below 0: not given
+    std::string size;
+    bool rows = false;
+    std::size_t worst = 10;
+    std::string out, shard, pictures = "sheets";
+};
+
+/// The scene whose primitives the rays are tested with; nothing if none is named. Throws InputError for several scenes,
+/// and for one with too many primitives.
+std::optional<scene::file::Scene> scene_of(const RayFileOptions& o, const std::filesystem::path& data);
+
+/// The shape of the first primitive that is given for all rays; nothing if there is none.
+std::optional<Shape> shape_given(const RayFileOptions& o, const std::optional<scene::file::Scene>& scene);
+
+/// The primitives that are given for all rays, with numbers in the format. Those of a scene are as in a map of it.
+std::vector<Primitive<double>> primitives_given(const RayFileOptions& o, const std::optional<scene::file::Scene>& scene,
+                                                const Format& format);
+
+/// Opens the file as the options say. `keep`: also keep the user's own columns.
+std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& o, const std::string& file,
+                                             std::optional<Shape> primitive, bool keep = false);
+
+/// The shapes of the primitives of the rays, from columns or given for all rays.
+Shapes shapes_of_rays(const scene::dump::Layout& layout, const std::vector<Primitive<double>>& given);
+
+/// If the file has matrices but no primitives: places the primitive that is given for all rays by the matrix of each
+/// ray. Throws InputError if there is not exactly one primitive, or if it has a matrix already.
+void put_under_matrices(scene::dump::Dump& dump, const std::vector<Primitive<double>>& given);
+
+/// A matrix to stand for any: a form has the same operations for all matrices.
+inline Placement<double> any_matrix() { return {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, false, 1}; }
+
+/// The index, among the file's own columns, of the column to group rays by; nothing if none is asked for.
+std::optional<std::size_t> group_of(const JudgeOptions& o, const scene::dump::Layout& layout);
+
+/// Adds the metrics that count the rays that fail `--bits` or `--tolerance`.
+void add_requirement(const JudgeOptions& o, measure::metric::MetricSet& made,
+                     std::vector<const measure::metric::Metric*>& metrics);
+
+/// The contract of the answers. Throws InputError for an option about answers if the file has none.
+intersect::Info contract_of(const RayFileOptions& o, const scene::dump::Dump& dump);
+
+}  // namespace lostbits::analysis::selection

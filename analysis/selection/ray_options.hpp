@@ -1,0 +1,67 @@
+// Finds the ray for `lostbits explain`: of a scene, of a file of cases, or with primitives given as options. Also finds
+// the worst ray of a form: a wrong decision or, if there is none, the largest error.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/selection/ray_numbers.hpp"
+#include "intersect/process/stop_token.hpp"
+#include "measure/answer/one_ray.hpp"
+#include "measure/evaluate/evaluate.hpp"
+#include "scene/sweep/case_file.hpp"
+#include "scene/sweep/sweep_file.hpp"
+
+namespace lostbits::analysis::selection {
+
+/// The options of the command line that name a ray and its primitives.
+struct RayOptions {
+    std::string subject;  ///< a scene, a sweep or a file of cases; empty if `primitives` has the primitives
+    std::string pixel, size, variant;  ///< of a scene; the size also for the scene of a sweep
+    std::string steps;                 ///< of a sweep
+    bool worst = false;                ///< the worst of all pixels of a scene, or of all rays of a sweep
+    std::string named_case;            ///< NAME or NAME:K, in a file of cases
+    std::string ray, as;               ///< six numbers, and the format to which they are rounded first
+    PrimitiveOptions primitives;
+    std::string tmin, tmax, open_ends, convention;
+    std::vector<std::string> set;
+    intersect::process::StopToken stop = {};
+};
+
+/// A ray with its primitives.
+struct SelectedRay {
+    std::shared_ptr<const scene::file::Scene> scene;  ///< null if the ray belongs to no scene; the ray may refer to it
+    measure::answer::OneRay ray;
+    /// The form to run: that of the row or, for primitives placed by matrices, the same with the usual transform.
+    const intersect::table::Intersector* form = nullptr;
+    std::string note = {};                          ///< says which ray it is, if the options leave that open
+    std::optional<std::pair<int, int>> pixel = {};  ///< pixel of the scene, if the ray is that of one
+};
+
+/// Finds the ray that the options name, with the numbers that the form of the row gets: a case has other numbers in
+/// each format. Throws InputError if they name no ray, and for primitives that the form does not take.
+SelectedRay find_ray(const RayOptions& words, const measure::evaluate::TestedForm& row,
+                     const std::filesystem::path& data);
+
+/// The file of a sweep if the subject is one: its path, or its name, unless a scene has that name.
+std::optional<std::filesystem::path> sweep_named(const std::string& subject, const std::filesystem::path& data);
+
+/// Ray `k` of a case, counted through its groups of `rays` rays each.
+scene::rays::RayGroup ray_of(std::vector<scene::rays::RayGroup> groups, int rays, int k);
+/// The index of the worst of these rays, which is the ray that cases.csv names.
+int worst_of(std::vector<scene::rays::RayGroup> groups, int rays, const measure::evaluate::TestedForm& row,
+             intersect::process::StopToken stop);
+
+/// The worst ray of all pixels of a scene, of all steps of a sweep, or of all cases of a file, with a note that names
+/// it. Throws InputError if every decision is right and no hit has an error of t, as in a scene that no ray hits.
+SelectedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const measure::evaluate::TestedForm& row,
+                           intersect::process::StopToken stop);
+SelectedRay worst_along(const scene::sweep::SweepFile& sweep, const measure::evaluate::TestedForm& row,
+                        intersect::process::StopToken stop);
+SelectedRay worst_of_cases(const scene::sweep::CaseFile& file, const measure::evaluate::TestedForm& row,
+                           intersect::process::StopToken stop);
+
+}  // namespace lostbits::analysis::selection

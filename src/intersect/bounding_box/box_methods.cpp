@@ -1,0 +1,80 @@
+#include "intersect/bounding_box/box_methods.hpp"
+
+#include <vector>
+
+#include "number/interval.hpp"
+#include "number/with_number.hpp"
+#include "shapes/lift.hpp"
+
+namespace lostbits::intersect::bounding_box {
+
+namespace {
+
+/// The bounding box of a primitive, computed over T, in the world.
+template <class Method, class T>
+BoundingBox<T> computed(const Primitive<T>& primitive) {
+    const BoundingBox<T> own = bounding_box_of(primitive);
+    if (!primitive.placed) return own;
+    const Affine<T> stored = primitive.placed->map();
+    const Affine<T> to_world = primitive.placed->is_inverse ? transform::adjugate_over_determinant(stored) : stored;
+    return bounding_box_of_corners(own, [&](const Vec<T>& p) { return Method::point(to_world, p); });
+}
+
+/// `down`: the largest number of the format that is not above x. `up`: the smallest that is not below x.
+double down(mpfr_srcptr x, const FloatFormat& format) {
+    const double d = mpfr_get_d(x, MPFR_RNDD), near = rounding::to_format(d, 0, format);
+    return near > d ? -rounding::next_up(-near, format) : near;
+}
+double up(mpfr_srcptr x, const FloatFormat& format) {
+    const double d = mpfr_get_d(x, MPFR_RNDU), near = rounding::to_format(d, 0, format);
+    return near < d ? rounding::next_up(near, format) : near;
+}
+
+template <class Method>
+BoundingBox<double> outward(const Format& format, const Primitive<double>& primitive) {
+    const Interval::Precision precision(256);
+    const auto bounding_box = computed<Method>(lift_primitive<Interval>(primitive));
+    BoundingBox<double> box;
+    for (int i = 0; i < 3; ++i) {
+        box.lo[i] = down(bounding_box.lo[i].lower(), format.parameters);
+        box.hi[i] = up(bounding_box.hi[i].upper(), format.parameters);
+    }
+    return box;
+}
+
+template <class Method>
+BoundingBox<double> in_format(const Format& format, const Primitive<double>& given) {
+    return with_number(format, [&]<class T>() {
+        const auto primitive = lift_primitive<T>(given);
+        if constexpr (Method::info.outward) {
+            return outward<Method>(format, transformed(primitive, [](const T& x) { return as_double(x); }));
+        } else {
+            auto bounding_box = computed<Method>(primitive);
+            BoundingBox<double> box;
+            for (int i = 0; i < 3; ++i) {
+                for (int step = 0; step < Method::info.steps; ++step) {
+                    bounding_box.lo[i] = next_down(bounding_box.lo[i]);
+                    bounding_box.hi[i] = next_up(bounding_box.hi[i]);
+                }
+                box.lo[i] = as_double(bounding_box.lo[i]);
+                box.hi[i] = as_double(bounding_box.hi[i]);
+            }
+            return box;
+        }
+    });
+}
+
+}  // namespace
+
+std::span<const BoxMethod> box_methods() {
+    static const std::vector<BoxMethod> all = [] {
+        std::vector<BoxMethod> rows;
+        for_each_box_method([&rows]<class Method>() { rows.push_back({&Method::info, in_format<Method>}); });
+        return rows;
+    }();
+    return all;
+}
+
+const BoxMethod& usual_box_method() { return box_methods().front(); }
+
+}  // namespace lostbits::intersect::bounding_box

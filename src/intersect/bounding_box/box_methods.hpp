@@ -1,0 +1,25 @@
+// The table of methods to compute the bounding box of a primitive, in any format.
+#pragma once
+
+#include <span>
+
+#include "intersect/bounding_box/list.hpp"
+#include "number/format.hpp"
+#include "shapes/bounding_box.hpp"
+
+namespace lostbits::intersect::bounding_box {
+
+struct BoxMethod {
+    const BoxMethodInfo* info;
+    /// Computes the box of a primitive whose numbers are first rounded to the format; the numbers of the box are of the
+    /// format too. Under a matrix the box is in the world, around the corners of the one in the space of the primitive.
+    /// Ask only if `has_bounding_box`.
+    BoundingBox<double> (*in)(const Format&, const Primitive<double>&);
+};
+
+/// In the order of the list.
+std::span<const BoxMethod> box_methods();
+/// The method used if none is named: the exact box rounded outward.
+const BoxMethod& usual_box_method();
+
+}  // namespace lostbits::intersect::bounding_box

@@ -1,0 +1,94 @@
+// The closed list of methods to compute the bounding box of a primitive: a struct for each, and its index in the list.
+#pragma once
+
+#include <string_view>
+
+#include "intersect/transform/info.hpp"
+
+namespace lostbits::intersect::bounding_box {
+
+struct BoxMethodInfo {
+    std::string_view name;  ///< `nearest` of `sphere.unified^box.signs~nearest`, unique
+    std::string_view title;
+    std::string_view source;
+    bool outward = false;  ///< the exact box with its numbers rounded outward; otherwise it is computed in the format
+    int steps = 0;         ///< number of steps in the format by which each number is then moved outward
+};
+
+/// A point of a box under a matrix: each row as ((a p.x + b p.y) + c p.z) + d.
+struct FromTheFirst {
+    template <Number T>
+    static Vec<T> point(const Affine<T>& m, const Vec<T>& p) {
+        return m.point(p);
+    }
+};
+
+struct OutwardBox : FromTheFirst {
+    static constexpr BoxMethodInfo info{
+        .name = "outward",
+        .title = "the exact box, its numbers rounded outward",
+        .source = "-",
+        .outward = true,
+    };
+};
+
+struct NearestBox : FromTheFirst {
+    static constexpr BoxMethodInfo info{
+        .name = "nearest",
+        .title = "c - r and c + r rounded to nearest; corners by rows from the first product on",
+        .source = "bvh v2, src/bvh/v2/sphere.h:25; tinybvh, tiny_bvh.h:8386 BLASInstance::Update",
+    };
+};
+
+/// One rounding to nearest is off by at most half a last place, so the next number outward covers it.
+struct NextBox : FromTheFirst {
+    static constexpr BoxMethodInfo info{
+        .name = "next",
+        .title = "as nearest, and each number then moved to the next one outward",
+        .source = "-",
+        .steps = 1,
+    };
+};
+
+struct PbrtBox {
+    static constexpr BoxMethodInfo info{
+        .name = "pbrt",
+        .title = "as nearest; corners by (a x + b y) + (c z + d)",
+        .source = "pbrt-v4, src/pbrt/util/transform.cpp:134 Transform::operator()(Bounds3f)",
+    };
+
+    template <Number T>
+    static Vec<T> point(const Affine<T>& m, const Vec<T>& p) {
+        const auto of = [&](std::size_t i) {
+            const Vec<T>& a = m.rows[i];
+            return (a.x * p.x + a.y * p.y) + (a.z * p.z + m.shift[static_cast<int>(i)]);
+        };
+        return {of(0), of(1), of(2)};
+    }
+};
+
+struct EmbreeBox {
+    static constexpr BoxMethodInfo info{
+        .name = "embree",
+        .title = "as nearest; corners by fma from the last component on",
+        .source = "Embree 4, common/math/affinespace.h:106 xfmBounds",
+    };
+
+    template <Number T>
+    static Vec<T> point(const Affine<T>& m, const Vec<T>& p) {
+        return transform::point_by_fma(m, p);
+    }
+};
+
+/// Calls `act.template operator()<OutwardBox>()` for each in turn; the first is the default.
+template <class Act>
+constexpr void for_each_box_method(const Act& act) {
+    const auto all = [&act]<class... L>() { (act.template operator()<L>(), ...); };
+    all.template operator()<OutwardBox,  //
+                            NearestBox,  //
+                            NextBox,     //
+                            PbrtBox,     //
+                            EmbreeBox>();
+}
+
+}  // namespace lostbits::intersect::bounding_box

@@ -1,0 +1,40 @@
+// Forms in every arithmetic, as exported by a library that was compiled with lostbits_form.hpp.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include <lostbits_plugin.h>
+#include "intersect/simd/packed_raw.hpp"
+#include "intersect/table/table.hpp"
+
+namespace lostbits::intersect::external {
+
+/// Calls by which a library reports that a form begins and ends, so that a crash or a hang can be attributed to it.
+struct FormulaWatch {
+    void (*enter)(const char* who);
+    void (*leave)();
+};
+
+/// A form as the library compiled it.
+struct Formula {
+    table::Intersector row;
+    std::array<simd::RawRow, 3> packed;  ///< registers of 128, 256 and 512 bits; null: not compiled
+    const char** who;                    ///< the name passed to `FormulaWatch::enter`, set by the program
+    /// In float and in double: the t of its hits, for which the C interface has no field beside near and far. Null if
+    /// the form yields only t.
+    std::array<const lb_form*, 2> first;
+};
+
+/// The list that `lostbits_formulas` returns. `build` stands first and is compared before anything else is read: the
+/// layout of everything that follows depends on the build of the headers.
+struct FormulaList {
+    const char* build;
+    const Formula* all;
+    std::size_t count;
+    bool contracts;  ///< compiled so that a·b + c is rounded once
+};
+
+using AskForFormulas = const FormulaList* (*)(const FormulaWatch*);
+
+}  // namespace lostbits::intersect::external

@@ -1,0 +1,225 @@
+// Converts a form written once for every number into a library's row in every arithmetic, and into answers through the
+// C interface. It is compiled into the library with all that it needs; nothing here refers to the program.
+#pragma once
+
+#include <exception>
+#include <string>
+
+#include <lostbits_plugin.h>
+#include "intersect/external/formula.hpp"
+#include "intersect/table/arithmetics.hpp"
+#include "number/archetype.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::intersect::external {
+
+inline const FormulaWatch* formula_watch = nullptr;
+template <class Form>
+inline const char* name_for_messages = nullptr;
+
+/// Calls `function` and reports the running form to the program.
+template <class Form, auto function, class = std::decay_t<decltype(function)>>
+struct ReportingCall;
+template <class Form, auto function, class R, class... A>
+struct ReportingCall<Form, function, R (*)(A...)> {
+    static R run(A... arguments) {
+        const struct Telling {
+            Telling() {
+                if (formula_watch != nullptr) formula_watch->enter(name_for_messages<Form>);
+            }
+            ~Telling() {
+                if (formula_watch != nullptr) formula_watch->leave();
+            }
+        } telling;
+        try {
+            return function(arguments...);
+        } catch (const std::exception& thrown) {
+            throw EnvironmentError(std::string(name_for_messages<Form>) + ": threw an exception: " + thrown.what() +
+                                   "; a form must answer every ray, with a miss or a NaN if it has no better answer");
+        } catch (...) {
+            throw EnvironmentError(std::string(name_for_messages<Form>) +
+                                   ": threw something that is not a std::exception; a form must answer every ray, with "
+                                   "a miss or a NaN if it has no better answer");
+        }
+    }
+};
+
+/// A field and a watch, to test the arguments that a form takes.
+struct AnyField {
+    template <class T>
+    T operator()(const Vec<T>& p) const {
+        return p.x;
+    }
+};
+
+template <class Form>
+concept TakesAPrimitive =
+    !marches<Form> || requires(const Ray<float>& ray, const MarchConstants<float>& c, sdf::Unwatched& w) {
+    Form::intersect(ray, AnyField(), c, w);
+};
+
+/// True if this library was compiled so that a·b − c is rounded once: then it computes in float and double what no tape
+/// records. (1 + 2^-12)² is 1 + 2^-11 + 2^-24, half an ulp beyond its rounding.
+inline bool contracts() {
+    volatile float a = 1 + 0x1p-12F, c = 1 + 0x1p-11F;
+    const float x = a, y = c;
+    return x * x - y != 0;
+}
+
+/// Compiled but never run. Operations that no number of the laboratory has (a constant that is not whole, a call of
+/// std::, a number without a value) have no place in a formula, yet some of them would compile over all numbers.
+template <class Form>
+void obey_the_rules(const Ray<Archetype>* ray, const Primitive<Archetype>* primitive,
+                    const MarchConstants<Archetype>* c) {
+    if constexpr (marches<Form>) {
+        sdf::Unwatched unwatched;
+        static_cast<void>(Form::intersect(*ray, AnyField(), *c, unwatched));
+    } else {
+        Primitives::of_shape<shape_of<Form>>([&]<template <class> class S>() {
+            static_cast<void>(intersect_primitive<Form>(*ray, primitive->as<S>(), ray->origin.x));
+        });
+    }
+}
+
+/// Sets the working precision of intervals. It is a thread variable in each binary: the library's own follows the
+/// program's through its numbers.
+template <class Form>
+Hit<Interval> enclosed_by_intervals(const Ray<Interval>& ray, const Target<Interval>& target) {
+    const Interval::Precision same(mpfr_get_prec(ray.origin.x.lower()));
+    return table::enclosed<Form, Interval>(ray, target);
+}
+
+/// Kernels from the objects of the register widths.
+template <class Form>
+inline std::array<simd::RawRow, 3> compiled_packs{};
+
+template <class Form, std::size_t width, class S>
+void run_pack(const simd::RawBatch<S>& batch) {
+    if constexpr (std::same_as<S, float>) compiled_packs<Form>[width].f32(batch);
+    else compiled_packs<Form>[width].f64(batch);
+}
+
+template <class Form, std::size_t width>
+simd::RawRow told_pack() {
+    const simd::RawRow& compiled = compiled_packs<Form>[width];
+    return {compiled.f32 ? ReportingCall<Form, run_pack<Form, width, float>>::run : nullptr,
+            compiled.f64 ? ReportingCall<Form, run_pack<Form, width, double>>::run : nullptr};
+}
+
+/// Checks the rules by this many calls. Compilers report last what is called last, and for an `if` on a comparison the
+/// message of the masks (see `NotABool`) should come before the archetype's errors.
+template <class Form, int calls = 12>
+void obey_the_rules_after() {
+    if constexpr (calls > 0) obey_the_rules_after<Form, calls - 1>();
+    else obey_the_rules<Form>(nullptr, nullptr, nullptr);
+}
+
+/// The answers in S through the C interface; `told`: only t, or near and far.
+template <class Form, class S, Roots told = Form::info.roots>
+const char* answer_batch_of(const lb_batch* batch) {
+    const auto* const rays = static_cast<const S*>(batch->rays);
+    const auto* const ends = static_cast<const S*>(batch->ends);
+    auto* const near_far = static_cast<S*>(batch->near_far);
+    for (std::size_t i = 0; i < batch->size; ++i) {
+        const S* const r = rays + 6 * i;
+        const S* const n = static_cast<const S*>(batch->primitives) + batch->primitive_stride * i;
+        const Ray<S> ray{{r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
+        const S end = ends ? ends[i] : std::numeric_limits<S>::infinity();
+        const Hit<S> hit = intersect_numbers<Form>(
+            ray, [n](std::size_t k) { return n[k]; }, end);
+        batch->hit[i] = hit.hit ? 1 : 0;
+        near_far[2 * i] = told == Roots::both ? hit.near : hit.t;
+        near_far[2 * i + 1] = hit.far;
+    }
+    return nullptr;
+}
+
+template <class Form, class S, Roots told = Form::info.roots>
+constexpr lb_form plain_form() {
+    return {.name = Form::info.name.data(),
+            .title = Form::info.title.data(),
+            .source = Form::info.source.data(),
+            .shape = static_cast<int>(shape_of<Form>),
+            .format = 8 * sizeof(S),
+            .direction = static_cast<int>(Form::info.direction),
+            .roots = static_cast<int>(told),
+            .touching = static_cast<int>(Form::info.touching),
+            .at_origin = static_cast<int>(Form::info.at_origin),
+            .flags = (!takes_tmax(shape_of<Form>) && Form::info.roots != Roots::none ? unsigned{LB_NO_END} : 0U) |
+                     (Form::info.endless ? unsigned{LB_NO_END} : 0U) |
+                     static_cast<unsigned>(Form::info.inside) * LB_INSIDE_EXIT |
+                     static_cast<unsigned>(Form::info.facing) * LB_FACING_FRONT,
+            .own = nullptr,
+            .run = answer_batch_of<Form, S, told>};
+}
+
+/// The t of its hits, as a form of the first root.
+template <class Form, class S>
+inline constexpr lb_form first_form = plain_form<Form, S, Roots::first_only>();
+
+template <class Form>
+Formula formula_of() {
+    static_assert(TakesAPrimitive<Form>,
+                  "intersect must be static and take (const Ray<T>&, const Sphere<T>&), or (const Ray<T>&, const "
+                  "Box<T>&, const T& tmax), or (const Ray<T>&, const Field&, const intersect::MarchConstants<T>&, "
+                  "Watch&)");
+    table::Intersector row{.info = &Form::info, .shape = shape_of<Form>, .native32 = {}, .native64 = {}};
+    row.native32 = ReportingCall<Form, table::native_batch<Form, float>>::run;
+    row.ball = ReportingCall<Form, table::enclosed<Form, Ball>>::run;
+    row.interval = ReportingCall<Form, enclosed_by_intervals<Form>>::run;
+    row.record = ReportingCall<Form, table::record_of<Form>>::run;
+    row.record_all = ReportingCall<Form, table::record_all_of<Form>>::run;
+    row.count = ReportingCall<Form, table::count_of<Form>>::run;
+    row.bounded = ReportingCall<Form, table::bounded_of<Form>>::run;
+    if constexpr (marches<Form>) row.log = ReportingCall<Form, table::log_of<Form>>::run;
+    if constexpr (Form::info.formats == Formats::all) {
+        row.native64 = ReportingCall<Form, table::native_batch<Form, double>>::run;
+        row.rounded = ReportingCall<Form, table::rounded_batch<Form>>::run;
+    }
+    if (false) obey_the_rules_after<Form>();
+    std::array<const lb_form*, 2> first{};
+    if constexpr (!marches<Form> && Form::info.roots == Roots::both) {
+        first[0] = &first_form<Form, float>;
+        if constexpr (Form::info.formats == Formats::all) first[1] = &first_form<Form, double>;
+    }
+    return {row, {told_pack<Form, 0>(), told_pack<Form, 1>(), told_pack<Form, 2>()}, &name_for_messages<Form>, first};
+}
+
+/// Exports a list of forms from a library.
+template <class... Form>
+struct Formulas {
+    static const FormulaList* list(const FormulaWatch* watch, const char* build,
+                                   const std::array<void (*)(simd::RawRow*), 3>& fill_packs) {
+        formula_watch = watch;
+        for (std::size_t width = 0; width < fill_packs.size(); ++width) {
+            if (fill_packs[width] == nullptr) continue;
+            std::array<simd::RawRow, sizeof...(Form)> rows;
+            fill_packs[width](rows.data());
+            std::size_t i = 0;
+            ((compiled_packs<Form>[width] = rows[i++]), ...);
+        }
+        static const std::array<Formula, sizeof...(Form)> all{formula_of<Form>()...};
+        static const FormulaList told{build, all.data(), all.size(), contracts()};
+        return &told;
+    }
+
+    /// In float and in double. Forms that march are left out: they take no primitive that the C interface could name.
+    static const lb_form* plain(int abi, std::size_t* count) {
+        if (abi != LOSTBITS_PLUGIN_ABI) return nullptr;
+        static const std::vector<lb_form> all = [] {
+            std::vector<lb_form> forms;
+            const auto add = [&forms]<class F>() {
+                if constexpr (!marches<F>) {
+                    forms.push_back(plain_form<F, float>());
+                    if constexpr (F::info.formats == Formats::all) forms.push_back(plain_form<F, double>());
+                }
+            };
+            (add.template operator()<Form>(), ...);
+            return forms;
+        }();
+        *count = all.size();
+        return all.data();
+    }
+};
+
+}  // namespace lostbits::intersect::external

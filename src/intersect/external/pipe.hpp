@@ -1,0 +1,72 @@
+// Any program, in any language, as an intersector: it reads batches on its standard input and answers on its standard
+// output. The protocol is in docs/pipe.md.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "intersect/external/contract.hpp"
+#include "intersect/process/stop_token.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::intersect::external {
+
+/// Header of a batch, little-endian. The numbers follow: 6 per ray; where each ray begins, for a form that says range;
+/// where each ray ends, if rays have ends; then for each primitive the numbers of its shape.
+struct PipeRequest {
+    char magic[4] = {'L', 'B', 'Q', '1'};
+    std::uint32_t form = 0;  ///< index of the form in the program's header, from 0
+    std::uint32_t rays = 0;
+    std::uint32_t primitives = 0;  ///< 1, or as many as rays
+    std::uint32_t ends = 0;        ///< as many as rays, or 0
+};
+static_assert(sizeof(PipeRequest) == 20);
+
+/// Header of an answer. Near and far of every ray follow, then a byte `hit` for each ray; or, if `error` is not 0, a
+/// text of that many bytes.
+struct PipeAnswer {
+    char magic[4] = {'L', 'B', 'A', '1'};
+    std::uint32_t error = 0;
+};
+static_assert(sizeof(PipeAnswer) == 8);
+
+/// Bit in `error` from a process of this program: the form changes how the processor computes and does not restore it.
+inline constexpr std::uint32_t changes_state = 1U << 31;
+
+/// Sent in place of a request, to a process of this program. From then on the columns of a batch and of its answer are
+/// in memory that both share (process/shared_memory.hpp); only the headers go through the pipe.
+inline constexpr char shares_memory[4] = {'L', 'B', 'M', '1'};
+
+/// The columns of a batch in the order in which they go through the pipe: first those of the request, then those of the
+/// answer.
+struct BatchColumn {
+    enum : std::size_t { rays, starts, ends, primitives, near_far, hit, count, asked = near_far };
+};
+/// Size of each column in bytes; 0 if the batch has none.
+using ColumnBytes = std::array<std::size_t, BatchColumn::count>;
+ColumnBytes column_bytes(const PipeRequest& request, const Contract& contract);
+/// Offset of each column in shared memory; the last entry is the end of all.
+std::array<std::size_t, BatchColumn::count + 1> places_of(const ColumnBytes& bytes);
+
+struct PipeTerms {
+    double seconds = 30;           ///< limit for one answer
+    unsigned processes = 1;        ///< at most; one per thread, and a single one for a form that says one_thread
+    process::StopToken stop = {};  ///< stop request of the caller: ends every wait for an answer
+    std::string who = {};          ///< begins messages; empty: the command
+    bool ours = false;  ///< the command is this program: its error texts are passed on unchanged, and it shares memory
+};
+
+/// Starts the command and reads its header. InputError for an invalid header or one that says `error=`;
+/// EnvironmentError if the process does not answer, or says `missing=`. The processes end with the program.
+std::vector<ForeignForm> open_pipe(const std::string& command, const PipeTerms& terms);
+
+/// Text sent in place of a header: why the program cannot serve, line by line.
+std::string refusal_of(const Error& error);
+
+/// The serving side: answers requests on `input` with these forms until the input ends. False if the input was not a
+/// request; EnvironmentError if an answer cannot be written although somebody still asks.
+bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output);
+
+}  // namespace lostbits::intersect::external

@@ -1,0 +1,96 @@
+// Adds external forms to the table as rows.
+#include <algorithm>
+#include <deque>
+#include <memory>
+
+#include "intersect/external/contract.hpp"
+#include "intersect/external/foreign_batch.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::intersect::external {
+namespace {
+
+std::deque<ForeignRow>& all_registered() {
+    static std::deque<ForeignRow> rows;
+    return rows;
+}
+
+template <class S>
+void answer_batch(void* own, const table::RayBatch<S>& rays, const Target<S>& target, const table::HitBatch<S>& hits) {
+    static_cast<ForeignBatch*>(own)->answer(rays, target, hits);
+}
+
+}  // namespace
+
+ForeignRow::ForeignRow(ForeignForm first) {
+    put(std::move(first));
+    info = info_of((of32 ? of32 : of64)->form().contract);
+}
+
+void ForeignRow::add(ForeignForm other) {
+    put(std::move(other));
+    info.formats = Formats::all;
+}
+
+void ForeignRow::put(ForeignForm form) {
+    std::unique_ptr<ForeignBatch>& place = form.contract.bits == 32 ? of32 : of64;
+    const std::unique_ptr<ForeignBatch>& other = form.contract.bits == 32 ? of64 : of32;
+    if (place)
+        throw InputError(form.from + ": " + form.contract.name + " comes twice in binary" +
+                         std::to_string(form.contract.bits) + ", the first time from " + place->form().from +
+                         "; give each form its own name, or add a prefix to the names of one library: --plugin new=" +
+                         form.from + " calls this form new." + form.contract.name);
+    if (other) {
+        Contract same = other->form().contract;
+        same.bits = form.contract.bits;
+        same.title = form.contract.title, same.source = form.contract.source, same.flags = form.contract.flags;
+        if (same != form.contract)
+            throw InputError(form.from + ": " + form.contract.name +
+                             " has different contracts in binary32 and binary64; give the two forms different names");
+    }
+    place = std::make_unique<ForeignBatch>(std::move(form));
+}
+
+table::Intersector ForeignRow::row() const {
+    const Contract& contract = (of32 ? of32 : of64)->form().contract;
+    table::Intersector row{.info = &info, .shape = contract.shape, .native32 = {}, .native64 = {}};
+    if (of32) row.native32 = {answer_batch<float>, of32.get()};
+    if (of64) row.native64 = {answer_batch<double>, of64.get()};
+    return row;
+}
+
+void register_forms(std::vector<ForeignForm> forms) {
+    const std::size_t before = all_registered().size();
+    for (ForeignForm& form : forms) {
+        const auto added =
+            std::ranges::find_if(all_registered().begin() + static_cast<std::ptrdiff_t>(before), all_registered().end(),
+                                 [&form](const ForeignRow& e) { return e.info.name == form.contract.name; });
+        if (added != all_registered().end()) {
+            added->add(std::move(form));
+            continue;
+        }
+        all_registered().emplace_back(std::move(form));
+    }
+    std::vector<table::Intersector> rows;
+    for (std::size_t i = before; i < all_registered().size(); ++i) rows.push_back(all_registered()[i].row());
+    table::register_rows(rows);
+}
+
+std::vector<const ForeignForm*> behind(const table::Intersector& row) {
+    std::vector<const ForeignForm*> forms;
+    for (const ForeignRow& e : all_registered()) {
+        if (&e.info != row.info) continue;
+        if (e.of32) forms.push_back(&e.of32->form());
+        if (e.of64) forms.push_back(&e.of64->form());
+    }
+    return forms;
+}
+
+bool is_safe_to_run(const table::Intersector& row) {
+    const auto own = table::catalogue();
+    if (&row >= own.data() && &row < own.data() + own.size()) return true;
+    const auto forms = behind(row);  // empty for a formula of a library, which runs in this process
+    return !forms.empty() && std::ranges::all_of(forms, &ForeignForm::isolated);
+}
+
+}  // namespace lostbits::intersect::external

@@ -1,0 +1,102 @@
+// The first meeting of a ray with a closed primitive, from the span of its line (geometry/span.hpp). One formula serves
+// numbers that prove what they decide, enclosures, and numbers without rounding.
+#pragma once
+
+#include "geometry/capped_span.hpp"
+#include "geometry/flat_span.hpp"
+#include "geometry/joined_span.hpp"
+#include "geometry/span.hpp"
+#include "geometry/wall_span.hpp"
+
+namespace lostbits::intersect::filter {
+
+/// The decision that some t ≥ 0 lies in the closed primitive (touching counts, and so does t = 0), and the first such
+/// t; from inside, the exit.
+template <class E>
+struct FirstSpanHit {
+    mask_t<E> hit;
+    E t;
+};
+
+/// Selects the arithmetics that settle a ray's first meeting of a span when that of the form proves nothing.
+template <class Span>
+struct Deciding {
+    /// The deciding polynomials are of degree at most 12 in the inputs, so this many bits hold them exactly.
+    static constexpr long enough_bits = 32768;
+    /// True if two words with a running bound are tried before balls.
+    static constexpr bool tries_running_words = false;
+};
+
+/// True if x is positive. For an x close to 0 either answer may come, but there always is one.
+template <class E>
+mask_t<E> leans_up(const E& x) {
+    if constexpr (requires { x.leans_up(); }) return x.leans_up();
+    else if constexpr (std::same_as<mask_t<E>, Tri>) return Tri((x > E(0)).is_yes());
+    else return x > E(0);
+}
+
+/// True if E proves that a number is 0.
+template <class E>
+inline constexpr bool knows_zero = !requires(const E& x) {
+    x.leans_up();
+};
+
+/// The near root: c/(−h + √q), or −(h + √q)/a if h is positive. The far root: (−h + √q)/a, or −c/(h + √q). None of them
+/// subtracts. If h = q = 0, the roots are 0, as the surface is met there alone (c = 0).
+template <class E>
+Fraction<E> root_of(const QuadraticSpan<E>& s, const mask_t<E>& far) {
+    const auto past = leans_up(s.h), by_a = (far && !past) || (!far && past);
+    const E size = sqrt(s.q) + select(past, s.h, -s.h), n = select(by_a, size, s.c);
+    const Fraction<E> root{select(past, -n, n), select(by_a, s.a, size)};
+    if constexpr (knows_zero<E>) return select(size <= E(0), Fraction<E>{E(0), E(1)}, root);
+    else return root;
+}
+
+/// The t at which the line enters, or leaves if `far`.
+template <class E>
+Fraction<E> end_of(const CappedSpan<E>& s, const mask_t<E>& far) {
+    const auto by_cap = (far && s.leaves_by_cap()) || (!far && s.enters_by_cap());
+    return select(by_cap, select(far, s.exit, s.entry), root_of(s.side, far));
+}
+template <class E>
+Fraction<E> end_of(const JoinedSpan<E>& s, const mask_t<E>& far) {
+    return root_of(select(far, s.leave, s.enter), far);
+}
+
+template <class E>
+FirstSpanHit<E> hit_at(const mask_t<E>& hit, const Fraction<E>& at) {
+    return {hit, at.n / at.m};
+}
+
+/// From outside (c > 0) the near root, if the line comes closer and meets the surface. For a ray that begins on the
+/// surface the root that is 0, which is the far one if the ray leaves.
+template <class E>
+FirstSpanHit<E> first_span_hit(const QuadraticSpan<E>& s) {
+    const E zero(0);
+    const auto outside = s.c > zero, far = s.c < zero || (!outside && s.h > zero);
+    return hit_at(!outside || (s.h < zero && s.q >= zero), root_of(s, far));
+}
+
+/// If the line leaves no earlier than the ray begins: the entry, or the exit if the ray begins behind the entry. A line
+/// that meets only the surface, along a cap or a side, has no inside: a ray that begins behind its entry begins on it.
+template <class E, template <class> class Span>
+requires ComparableSpan<Span<E>, E> FirstSpanHit<E> first_span_hit(const Span<E>& s) {
+    const auto far = s.enters_to(Start{}).less;
+    FirstSpanHit<E> met = hit_at(s.is_hit() && !s.leaves_to(Start{}).less, end_of(s, far));
+    if constexpr (knows_zero<E>) met.t = select(far && !s.is_open(), E(0), met.t);
+    return met;
+}
+
+template <class E>
+FirstSpanHit<E> first_span_hit(const FlatSpan<E>& s) {
+    return hit_at(s.closed && s.at.n >= E(0), s.at);
+}
+
+template <class E>
+FirstSpanHit<E> first_span_hit(const WallSpan<E>& s) {
+    const auto ahead = [&s](int i) { return s.crossing(i).closed && !s.order_to(i, Start{}).less; };
+    const auto near = ahead(0);
+    return hit_at(near || ahead(1), root_of(s.primitive.side, !near));
+}
+
+}  // namespace lostbits::intersect::filter

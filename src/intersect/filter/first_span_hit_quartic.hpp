@@ -1,0 +1,97 @@
+// The first meeting of a ray with a surface of degree four: over numbers that prove what they decide, over enclosures,
+// and over numbers without rounding.
+#pragma once
+
+#include "geometry/first_root.hpp"
+#include "geometry/quartic_span.hpp"
+#include "intersect/filter/first_span_hit.hpp"
+#include "number/wide/proving.hpp"
+
+namespace lostbits::intersect::filter {
+
+/// Divided by what it has in common with its slope, f is of degree 62 in the inputs where the ray begins:
+/// 62 (1024 + 1074) + 70 < 131072. Balls tell double roots of some numbers, and take seven times as long as two words
+/// with a running bound.
+template <class E>
+struct Deciding<QuarticSpan<E>> {
+    static constexpr long enough_bits = 131072;
+    static constexpr bool tries_running_words = true;
+};
+
+/// The first root as far as the signs along Sturm's chain decide it, and 0 if the ray begins at a root.
+template <class E>
+FirstSpanHit<E> first_span_hit(const QuarticSpan<E>& s) {
+    const QuarticChain<E> chain(s.f);
+    const auto values = chain.at(s.b);
+    const auto at_begin = values[0] <= E(0) && values[0] >= E(0);
+    const E x = near_first_root<E>(chain, s.b, s.bound, 6);
+    return {at_begin || sign_changes(values) > sign_changes(chain.at_infinity()), select(at_begin, E(0), s.time(x))};
+}
+
+/// Numbers that enclose roots (geometry/real_roots.hpp).
+template <class E>
+concept EnclosesRoots = is_exact<E> && requires(const E& x) {
+    largest(x);
+};
+
+/// The first root that does not lie before the beginning of the ray, touched or crossed.
+template <EnclosesRoots E>
+FirstSpanHit<E> first_span_hit(const QuarticSpan<E>& s) {
+    const E zero(0);
+    const FirstSpanHit<E> unknown{Tri::unknown, zero / zero};
+    if (known_sign(s.f.leading()) != 1) return unknown;  // the axis has no length
+    const auto roots = enclosed_roots(s.f, s.bound);
+    if (!roots) return unknown;
+    for (int i = 0; i < roots->count; ++i) {
+        const auto order = roots->order(i, s.b);
+        if (!order) return unknown;
+        if (*order == 0) return {Tri::yes, zero};
+        if (*order > 0) return {Tri::yes, s.time((*roots)[i].root)};
+    }
+    return {Tri::no, E(-1)};
+}
+
+/// True if p > 0 and q² < 4 p r. Then p x² + q x + r is positive and f has no root. For a line far from the surface,
+/// two pairs of complex roots are so close to each other that signs along the chain are not known.
+template <class U>
+mask_t<typename U::P> is_above(const QuarticChain<U>& f) {
+    return (f.p > U(0) && U(4) * f.p * f.r > square(f.q)).yes();
+}
+
+/// Finds the first root by the signs along Sturm's chain. A Newton step near the root, with its bound, says how far
+/// away the root can be. One sixteenth further on either side, f has different signs. A miss skips this search, except
+/// while a tape is written, which has the same operations for every ray.
+template <class T>
+FirstSpanHit<number::wide::Proving<T>> first_span_hit(const QuarticSpan<number::wide::Proving<T>>& s) {
+    using E = number::wide::Proving<T>;
+    using P = typename E::P;
+    using U = number::wide::Proving<P>;
+    using lostbits::abs;
+    const auto value_of = [](const E& x) { return U(number::wide::value_of(x.word()), x.radius()); };
+    const QuarticChain<U> f(value_of(s.f.c[4]), value_of(s.f.c[2]), value_of(s.f.c[1]), value_of(s.f.c[0]));
+    const U b = value_of(s.b);
+    const auto from = changes_in(f.at(b));
+    const auto ahead = roots_between(from, changes_in(f.at_infinity()), f.last);
+    const auto none = ahead.none || is_above(f);
+    const E missed(-1);
+    if constexpr (!traces_operations<T>)
+        if (!any_of(!none)) return {typename E::Mask(!none, none), missed};
+    const QuarticChain<T> words(s.f.c[4].word(), s.f.c[2].word(), s.f.c[1].word(), s.f.c[0].word());
+    const T x = near_first_root<T>(words, s.b.word(), s.bound.word(), 5);
+    const P at = number::wide::value_of(x);
+    const U step = f.value(U(at)) / f.slope(U(at));
+    const P away = P(17) / P(16) * (abs(step.word()) + step.radius()) + P(4) * number::wide::roundoff_of<P>() * abs(at);
+    const U low(at - away), high(at + away);
+    const auto found = !none && (low > b).yes() && is_first_between(f, from, low, high);
+    const typename E::Mask hit(found, none);
+    return {hit, select(hit, s.time(E(x, away * number::wide::outward_of<P>())), missed)};
+}
+
+/// Computes in two words, as the packs of the truth do.
+template <class W>
+FirstSpanHit<number::wide::Running<W>> first_span_hit(const QuarticSpan<number::wide::Running<W>>& s) {
+    const auto root = first_root(s.f, s.b, s.bound);
+    return {{root.found, root.none}, s.time(root.x)};
+}
+
+}  // namespace lostbits::intersect::filter

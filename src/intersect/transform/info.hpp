@@ -1,0 +1,114 @@
+// Description of a transform method: a way to take a ray into the space of a primitive.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "intersect/info.hpp"
+#include "shapes/placement.hpp"
+
+namespace lostbits::intersect::transform {
+
+struct TransformMethodInfo {
+    std::string_view name;  ///< `pbrt` of `sphere.unified@pbrt`, unique
+    std::string_view title;
+    std::string_view source;
+    /// The directions that it takes in the world. With unit directions, t is a distance.
+    Direction direction = Direction::any;
+    bool normalises = false;  ///< the form receives directions of length one
+};
+
+/// The steps, in this order. `measure::blame` tells the rounding errors of each step apart.
+enum class TransformStep {
+    inverse,    ///< computes the other matrix from the stored one
+    origin,     ///< converts the origin of the ray to the space of the primitive
+    direction,  ///< converts its direction
+    finish,     ///< normalises the ray or moves it along itself; scales the primitive
+    form,       ///< runs the form of the shape
+    back        ///< converts t to the world
+};
+inline constexpr std::array<std::string_view, 6> step_names{"inverse", "origin", "direction", "finish", "form", "back"};
+
+/// Both matrices. One of them is the stored one.
+template <class T>
+struct Maps {
+    Affine<T> to_world, to_object;
+};
+
+/// The ray that the form is given: t in the world is t there over `length`. The primitive is `scale` times as large.
+template <class T>
+struct ObjectRay {
+    Ray<T> ray;
+    T length, scale;
+};
+
+/// Base of the methods without a finish: t is the same in both spaces, since affine maps keep it.
+struct SameT {
+    template <Number T>
+    static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {
+        return {ray, T(1), T(1)};
+    }
+    template <Number T>
+    static T back(const Maps<T>&, const Ray<T>&, const ObjectRay<T>&, const T& t) {
+        return t;
+    }
+};
+
+/// Base of methods that normalise: d' = d/|d|, each component a quotient; t = t'/|d|.
+struct MadeUnit {
+    template <Number T>
+    static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {
+        const T size = named("|d'|", length(ray.direction));
+        const Vec<T>& d = ray.direction;
+        return {{ray.origin, {d.x / size, d.y / size, d.z / size}}, size, T(1)};
+    }
+    template <Number T>
+    static T back(const Maps<T>&, const Ray<T>&, const ObjectRay<T>& in, const T& t) {
+        return named("t'/|d'|", t / in.length);
+    }
+};
+
+/// [A⁻¹, −A⁻¹τ] from the columns of adj(A), each number of which `over_det` divides by det(A).
+template <Number T, class OverDet>
+Affine<T> inverse_from(const std::array<Vec<T>, 3>& columns, const Vec<T>& shift, const OverDet& over_det) {
+    const auto row = [&](int i) {
+        return Vec<T>(named("A^-1", over_det(columns[0][i])), named("A^-1", over_det(columns[1][i])),
+                      named("A^-1", over_det(columns[2][i])));
+    };
+    Affine<T> inverse{{row(0), row(1), row(2)}, shift};
+    inverse.shift = -inverse.linear(shift);
+    return inverse;
+}
+template <Number T>
+Affine<T> adjugate_over_determinant(const Affine<T>& m) {
+    const auto columns = m.adjugate();
+    const T det = named("det", m.determinant());
+    return inverse_from(columns, m.shift, [&](const T& c) { return c / det; });
+}
+/// The same with one division: 1/det(A) is multiplied.
+template <Number T>
+Affine<T> adjugate_times_reciprocal(const Affine<T>& m) {
+    const auto columns = m.adjugate();
+    const T r = named("1/det", T(1) / m.determinant());
+    return inverse_from(columns, m.shift, [&](const T& c) { return c * r; });
+}
+
+/// fma(a.x, p.x, fma(a.y, p.y, fma(a.z, p.z, τ))) for each row: the last component first.
+template <Number T>
+Vec<T> point_by_fma(const Affine<T>& m, const Vec<T>& p) {
+    const auto of = [&](std::size_t i) {
+        const Vec<T>& a = m.rows[i];
+        return fma(a.x, p.x, fma(a.y, p.y, fma(a.z, p.z, m.shift[static_cast<int>(i)])));
+    };
+    return {of(0), of(1), of(2)};
+}
+template <Number T>
+Vec<T> linear_by_fma(const Affine<T>& m, const Vec<T>& v) {
+    const auto of = [&](std::size_t i) {
+        const Vec<T>& a = m.rows[i];
+        return fma(a.x, v.x, fma(a.y, v.y, a.z * v.z));
+    };
+    return {of(0), of(1), of(2)};
+}
+
+}  // namespace lostbits::intersect::transform

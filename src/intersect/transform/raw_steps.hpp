@@ -1,0 +1,35 @@
+// The interface between space.cpp and the objects of the register widths: plain pointers.
+#pragma once
+
+#include <cstddef>
+
+namespace lostbits::intersect::transform {
+
+/// Whole packs of rays, structure of arrays: `size` is a multiple of the lanes.
+template <class F>
+struct RawSteps {
+    const F* maps;      ///< to the world, then to the primitive, each three rows of four
+    const F* world[6];  ///< ox, oy, oz, dx, dy, dz
+    F* object[6];       ///< the same in the space of the primitive
+    F *length, *scale;  ///< a length for each ray; one scale for all
+    F* told[3];         ///< t, near and far, converted back in place
+    std::size_t size;
+};
+
+template <class F>
+struct RawTransform {
+    void (*to_object)(const RawSteps<F>&);
+    void (*back)(const RawSteps<F>&);
+};
+struct RawTransformRow {
+    RawTransform<float> f32;
+    RawTransform<double> f64;
+};
+
+/// One function for each register width, each in its own object. It fills a row for each method, in the order of the
+/// list.
+void fill_transforms_w128(RawTransformRow* rows);
+void fill_transforms_w256(RawTransformRow* rows);
+void fill_transforms_w512(RawTransformRow* rows);
+
+}  // namespace lostbits::intersect::transform

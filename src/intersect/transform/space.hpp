@@ -1,0 +1,89 @@
+// The table of transform methods: each in every arithmetic, as plain functions.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "intersect/table/table.hpp"
+#include "intersect/transform/info.hpp"
+#include "number/ball.hpp"
+#include "number/interval.hpp"
+#include "number/real.hpp"
+#include "number/rounded.hpp"
+
+namespace lostbits::intersect::transform {
+
+/// Rays in the space of a primitive, structure of arrays.
+template <class S>
+struct ObjectColumns {
+    std::array<std::vector<S>, 6> ray;
+    std::vector<S> length;
+    S scale;
+};
+
+/// The steps in one arithmetic.
+template <class T>
+struct StepsIn {
+    Maps<T> (*maps)(const Placement<T>&);
+    Vec<T> (*origin)(const Maps<T>&, const Vec<T>&);
+    Vec<T> (*direction)(const Maps<T>&, const Vec<T>&);
+    ObjectRay<T> (*finish)(const Maps<T>&, const Vec<T>& origin, const Ray<T>& object);
+    T (*back)(const Maps<T>&, const Ray<T>& world, const ObjectRay<T>&, const T& t);
+
+    [[nodiscard]] ObjectRay<T> to_object(const Maps<T>& m, const Ray<T>& world) const {
+        return finish(m, world.origin, {origin(m, world.origin), direction(m, world.direction)});
+    }
+};
+
+/// The steps for whole batches against one matrix, with the same bits as ray by ray.
+template <class T, class S>
+struct BatchIn {
+    Maps<T> (*maps)(const Placement<T>&);
+    void (*to_object)(const Maps<T>&, const table::RayBatch<S>&, ObjectColumns<S>&);
+    /// Converts the answers of the form in place.
+    void (*back)(const Maps<T>&, const table::RayBatch<S>&, const ObjectColumns<S>&, const table::HitBatch<S>&);
+};
+
+/// Nodes on a tape: `WorldNodes` are the inputs of a transform method, `ObjectNodes` those of the form behind it.
+struct WorldNodes {
+    std::array<NodeId, 6> ray;
+    std::array<NodeId, Affine<double>::numbers> matrix;
+    bool is_inverse = false;
+};
+struct ObjectNodes {
+    std::array<NodeId, 6> ray;
+    NodeId length, scale;
+};
+/// Records the form after the steps that are on the tape, and returns its outputs.
+using RecordForm = std::function<TapeOutputs(const ObjectNodes&)>;
+
+struct TransformMethod {
+    const TransformMethodInfo* info;
+    StepsIn<float> f32;
+    StepsIn<double> f64;
+    StepsIn<RoundedAny> rounded;
+    StepsIn<Ball> ball;
+    StepsIn<Interval> interval;
+    StepsIn<Real> real;
+    BatchIn<float, float> batch32;
+    BatchIn<double, double> batch64;
+    BatchIn<RoundedAny, double> batch_rounded;
+    /// Appends every operation of the method to the tape, in a format, with those of the form where it runs.
+    void (*record)(const Format&, Tape&, const WorldNodes&, const RecordForm&);
+};
+
+/// The steps of a method in the arithmetic of a format.
+template <class T>
+const StepsIn<T>& steps_in(const TransformMethod& space) {
+    if constexpr (std::same_as<T, float>) return space.f32;
+    else if constexpr (std::same_as<T, double>) return space.f64;
+    else return space.rounded;
+}
+
+/// All methods, in the order of the list.
+std::span<const TransformMethod> transform_methods();
+/// The default method.
+const TransformMethod& usual_transform_method();
+
+}  // namespace lostbits::intersect::transform

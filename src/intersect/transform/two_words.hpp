@@ -1,0 +1,66 @@
+// The difference to the position of the primitive and the product with the inverse, in two words of the format and
+// rounded once.
+#pragma once
+
+#include "intersect/transform/relative.hpp"
+#include "number/wide/two_words.hpp"
+
+namespace lostbits::intersect::transform {
+
+/// The inverse of the stored matrix is computed in two words as well. The second word is dropped only at the end of
+/// each step.
+struct TwoWordsTransform : SameT {
+    static constexpr TransformMethodInfo info{
+        .name = "two_words",
+        .title = "inverse, origin and direction in two words of the format, each rounded once; t kept",
+        .source = "two words after Dekker 1971 and Joldes, Muller and Popescu 2017",
+    };
+
+    /// The rounded inverse. If the matrix to the world is the stored one, the steps below do not use it: each inverts
+    /// that matrix in two words.
+    template <Number T>
+    static Affine<T> inverse(const Affine<T>& m) {
+        if constexpr (is_exact<T>) return adjugate_over_determinant(m);
+        else {
+            const auto wide = adjugate_over_determinant(in_words(m));
+            return {{first(wide.rows[0]), first(wide.rows[1]), first(wide.rows[2])}, first(wide.shift)};
+        }
+    }
+    template <Number T>
+    static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
+        if constexpr (is_exact<T>) return RelativeTransform::origin(m, o);
+        else return named("o'", first(solved(m, Vec<Words<T>>(in_words(o) - in_words(m.to_world.shift)))));
+    }
+    template <Number T>
+    static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
+        if constexpr (is_exact<T>) return RelativeTransform::direction(m, d);
+        else return named("d'", first(solved(m, in_words(d))));
+    }
+
+private:
+    template <class T>
+    using Words = number::wide::TwoWords<T>;
+
+    template <Number T>
+    static Vec<Words<T>> in_words(const Vec<T>& v) {
+        return {Words<T>(v.x), Words<T>(v.y), Words<T>(v.z)};
+    }
+    template <Number T>
+    static Affine<Words<T>> in_words(const Affine<T>& m) {
+        return {{in_words(m.rows[0]), in_words(m.rows[1]), in_words(m.rows[2])}, in_words(m.shift)};
+    }
+    template <Number T>
+    static Vec<T> first(const Vec<Words<T>>& v) {
+        return {v.x.hi, v.y.hi, v.z.hi};
+    }
+    /// adj(A) v/det(A).
+    template <Number T>
+    static Vec<Words<T>> solved(const Maps<T>& m, const Vec<Words<T>>& v) {
+        const Affine<Words<T>> world = in_words(m.to_world);
+        const Words<T> det = world.determinant();
+        const Vec<Words<T>> scaled = times(world.adjugate(), v);
+        return {scaled.x / det, scaled.y / det, scaled.z / det};
+    }
+};
+
+}  // namespace lostbits::intersect::transform

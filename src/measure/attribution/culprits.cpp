@@ -1,0 +1,216 @@
+#include "measure/attribution/culprits.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "intersect/bounding_box/behind.hpp"
+#include "measure/attribution/operation_error.hpp"
+#include "measure/attribution/range_on_tape.hpp"
+#include "measure/attribution/tape_text.hpp"
+#include "measure/truth/missing.hpp"
+#include "scene/file/march_table.hpp"
+#include "scene/rays/made_rows.hpp"
+
+namespace lostbits::measure::attribution {
+
+using intersect::Target;
+using intersect::table::Intersector;
+using truth::missing;
+
+namespace {
+
+/// Hash of all that decides the names of a form's operations: their kinds and operands. FNV-1a over 64 bits.
+std::uint64_t structure_of(const Tape& tape) {
+    std::uint64_t h = 14695981039346656037u;
+    const auto mix = [&h](std::uint64_t x) { h = (h ^ x) * 1099511628211u; };
+    for (const TapeNode& n : tape.nodes) {
+        mix(static_cast<std::uint64_t>(n.op));
+        for (const NodeId operand : n.operands) mix(static_cast<std::uint32_t>(operand));
+    }
+    return h;
+}
+
+/// For each operation its label, or the label that it leads to first.
+std::vector<std::string_view> steps_of(const Tape& tape) {
+    std::vector<std::string_view> step(tape.nodes.size());
+    for (NodeId i = tape.size() - 1; i >= 0; --i) {
+        const TapeNode& n = tape[i];
+        if (!n.label.empty()) step[static_cast<std::size_t>(i)] = n.label;
+        // Users come later on the tape. The earliest of them is visited last, so its label stays.
+        for (const NodeId operand : tape.operands_of(i)) {
+            if (tape[operand].label.empty() && !is_decision(n.op))
+                step[static_cast<std::size_t>(operand)] = step[static_cast<std::size_t>(i)];
+        }
+    }
+    return step;
+}
+
+std::optional<Target<double>> target_of(const Intersector& form, const Setting& setting) {
+    if (!form.is_template()) return std::nullopt;
+    if (!is_primitive(form.shape))
+        return setting.march ? std::optional(Target<double>(setting.primitives, *setting.march)) : std::nullopt;
+    const auto fits = std::ranges::find(setting.primitives, form.shape, &Primitive<double>::shape);
+    return fits == setting.primitives.end() ? std::nullopt : std::optional(Target<double>(*fits));
+}
+
+/// A ray of the setting's camera in binary32, if formats make its rays.
+std::optional<scene::rays::RecordedRay> some_ray(const Intersector& form, const Setting& setting) {
+    const auto* const generator = scene::rays::generator_of(form);
+    if (setting.scene == nullptr || !(generator || setting.scene->camera.rays)) return std::nullopt;
+    const scene::rays::MadeRays rays(generator ? with_rays(*setting.scene, *generator) : *setting.scene);
+    return rays.record(*find_format("f32"), {0, 0});
+}
+
+/// Records all operations of a form, after those that make its rays. Returns the names of the inputs.
+std::vector<std::string> record_all(const Intersector& form, const Target<double>& target, const Setting& setting,
+                                    Tape& tape) {
+    form.record_all(target, tape);
+    auto made = some_ray(form, setting);
+    const bool is_led = made && form.info->direction != intersect::Direction::unit;
+    if (is_led) made->put_before(tape);
+    std::vector<std::string> names = names_of_inputs(form, target, is_led ? &*made : nullptr);
+    if (setting.ranged) put_range_behind(tape, names, form, *find_format("f32"), {.tmin = 1, .tmax = 2});
+    return names;
+}
+
+/// Joins `names` of all forms of a set, each name once.
+template <class Names>
+auto of_parts(const Intersector& set, const Setting& setting, const Names& names) {
+    decltype(names(set, setting)) all;
+    for (const Intersector* const part : set.parts) {
+        for (const auto& name : names(*part, setting))
+            if (std::ranges::find(all, name) == all.end()) all.push_back(name);
+    }
+    return all;
+}
+
+}  // namespace
+
+SettingOf::SettingOf(const scene::file::Scene& scene)
+    : primitives_(scene::rays::shared_primitives(scene)),
+      scene_(std::shared_ptr<void>(), &scene),
+      ranged_(!scene.range.is_whole()) {
+    if (scene.march) march_ = scene::file::round_march(*scene.march, binary32);
+}
+
+std::vector<std::string> operation_names(const Intersector& form, const Setting& setting) {
+    if (form.is_set()) return of_parts(form, setting, operation_names);
+    std::vector<std::string> operations;
+    const auto target = target_of(form, setting);
+    if (!target) return operations;
+    Tape tape;
+    const TapeText text(tape, record_all(form, *target, setting, tape), TapeText::Style::generic);
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        if (!can_err(tape[i].op)) continue;
+        std::string category = text.category(i);
+        if (std::ranges::find(operations, category) == operations.end()) operations.push_back(std::move(category));
+    }
+    return operations;
+}
+
+std::vector<std::string_view> labels_of(const Intersector& form, const Setting& setting) {
+    if (form.is_set()) return of_parts(form, setting, labels_of);
+    std::vector<std::string_view> labels;
+    const auto target = target_of(form, setting);
+    if (!target) return labels;
+    Tape tape;
+    record_all(form, *target, setting, tape);
+    for (const TapeNode& n : tape.nodes) {
+        if (!n.label.empty() && std::ranges::find(labels, n.label) == labels.end()) labels.push_back(n.label);
+    }
+    return labels;
+}
+
+std::vector<std::string> names_of_inputs(const Intersector& form, const Target<double>& target,
+                                         const scene::rays::RecordedRay* made) {
+    std::vector<std::string> names = intersect::bounding_box::names_on_tape(form, target);
+    if (made == nullptr) return names;
+    names.erase(names.begin(), names.begin() + 6);
+    names.insert(names.begin(), made->names.begin(), made->names.end());
+    return names;
+}
+
+std::uint64_t rays_with_culprit(std::span<const std::uint64_t> counts) {
+    return std::accumulate(counts.begin() + 1, counts.end(), std::uint64_t{0});
+}
+
+double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> places) {
+    const std::uint64_t all = rays_with_culprit(counts);
+    std::uint64_t some = 0;
+    for (const std::size_t place : places) some += counts[place];
+    return truth::fraction(some, all);
+}
+
+double contribution_of(const Tape& tape, const Attribution& attribution, std::string_view label) {
+    const auto steps = steps_of(tape);
+    double sum = 0;
+    bool any = false;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        if (steps[i] != label) continue;
+        any = true;
+        if (attribution.of[i].live) sum += attribution.of[i].contribution;
+    }
+    return any ? sum : missing;
+}
+
+int worst_cancellation(const Attribution& attribution) {
+    int worst = 0;
+    for (const OperationError& e : attribution.of) {
+        if (e.live && e.carried) worst = std::max(worst, e.cancelled);
+    }
+    return worst;
+}
+
+double cancellation_of(const Tape& tape, const Attribution& attribution, std::string_view label) {
+    double worst = missing;
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        if (tape[i].label != label) continue;
+        const OperationError& e = attribution[i];
+        worst = std::fmax(worst, e.live && e.carried ? e.cancelled : 0);
+    }
+    return worst;
+}
+
+const std::vector<std::int32_t>& Attributor::places(const std::function<std::vector<std::string>()>& names) {
+    const auto [found, fresh] = known_.try_emplace(structure_of(tape_));
+    if (!fresh) return found->second;
+    const TapeText text(tape_, names(), TapeText::Style::generic);
+    for (NodeId i = 0; i < tape_.size(); ++i) {
+        const auto place = std::ranges::find(categories_, text.category(i));
+        found->second.push_back(place == categories_.end() ? -1
+                                                           : static_cast<std::int32_t>(place - categories_.begin()));
+    }
+    return found->second;
+}
+
+RayAttribution Attributor::of(const Ray<double>& ray, const Target<double>& target, const Range<double>& range,
+                              const std::optional<scene::rays::RecordedRay>& made) {
+    form_.record(format_, ray, target, range.tmax, tape_);
+    const bool is_led = made && made->lead(tape_);
+    const auto names_without_range = [&] { return names_of_inputs(form_, target, is_led ? &*made : nullptr); };
+    std::vector<std::string> names;  // computed only where needed
+    if (!range.is_whole()) {
+        names = names_without_range();
+        put_range_behind(tape_, names, form_.of(target.primitives.front().shape), format_, range);
+    }
+    attribution_ = attribute(tape_);
+    RayAttribution blame{.culprit = missing, .tape = &tape_, .attribution = &attribution_, .ulp = missing};
+    const NodeId subject = attribution_.subject;
+    if (subject == no_node) return blame;
+    blame.ulp = ulp_at(attribution_[subject].exact, format_.parameters);
+    if (with_counterfactuals_ && attribution_.culprit != no_node && subject == tape_.outputs.t)
+        blame.culprit_alone = counterfactuals(tape_, attribution_.culprit);
+    if (categories_.empty() || is_plain_miss(tape_, attribution_)) return blame;
+    if (attribution_.culprit == no_node) {
+        blame.culprit = 0;
+        return blame;
+    }
+    const auto names_of_all = [&] { return names.empty() ? names_without_range() : names; };
+    const std::int32_t place = places(names_of_all)[static_cast<std::size_t>(attribution_.culprit)];
+    if (place >= 0) blame.culprit = place;
+    return blame;
+}
+
+}  // namespace lostbits::measure::attribution

@@ -1,0 +1,124 @@
+// Explanation of one ray and one form.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "measure/answer/one_ray.hpp"
+#include "measure/attribution/attribution.hpp"
+#include "measure/attribution/rerun.hpp"
+#include "measure/truth/missing.hpp"
+
+namespace lostbits::measure::attribution {
+
+/// Result of a form on the ray.
+struct Standing {
+    const intersect::table::Intersector* form = nullptr;
+    answer::Outcome outcome = answer::Outcome::agree_miss;
+    double t = 0;                  ///< the form's answer
+    double ulps = truth::missing;  ///< (t − t*)/ulp(t*); NaN unless both hit
+    double lost = truth::missing;  ///< bits; NaN unless both hit
+    /// Mean lost bits over the ray's `neighbours`, or over the pixels around it if a camera makes the ray. A wrong
+    /// decision counts as all bits. NaN if not computed, or if no truth is proved.
+    double around = truth::missing;
+    bool other_question = false;  ///< its contract gives another truth on this ray than that of the explained form
+    bool is_right() const { return outcome == answer::Outcome::agree_hit || outcome == answer::Outcome::agree_miss; }
+    /// Compares on this ray alone, which may be luck: a right decision beats a wrong one, then fewer lost bits win.
+    bool beats(const Standing& other) const;
+};
+
+/// Answer of a form on the primitive that a ray truly meets first, tested alone. Set if the form hits another one.
+struct TruePrimitive {
+    int primitive = 0;  ///< index, from 0
+    bool hit = false;
+    double t = 0;                      ///< the form's answer; meaningless for a miss
+    bool exact_hit = false;            ///< the form's decision without rounding
+    double exact_t = 0;                ///< the form's t without rounding
+    scene::rays::RayGroup alone = {};  ///< the ray, as the format holds it, with that primitive
+};
+
+struct Explanation {
+    const intersect::table::Intersector* form;
+    Format format;
+    std::vector<std::string> names = {};  ///< names of the inputs, in the tape's order
+    std::vector<double> inputs = {};      ///< as the form received them
+    Range<double> range = {};             ///< range of the ray, in the format and in the unit of the form's t
+    bool made_ray = false;                ///< a camera makes the ray: the true ray is ideal, the form's is computed
+    /// Direction of the ray, if the form received it normalised and rounded
+    std::optional<Vec<double>> given = {};
+    bool rounded_inputs = false;                     ///< the format cannot represent the ray or a primitive as given
+    std::optional<intersect::Touching> judged = {};  ///< touching convention of all forms; absent: each form's own
+    int primitive = 0, primitives = 1;  ///< index of the primitive that is explained, from 0, and the number of all;
+                                        ///< for a march, all together
+    Shape shape = {};                   ///< shape of that primitive
+    Tape tape = {};
+    Attribution attribution = {};
+    std::optional<Counterfactuals> culprit_alone = {};  ///< effects of the culprit alone, if there is one
+    Standing standing = {};
+    bool hit = false;  ///< the form's decision
+    truth::Truth::Decision truth = truth::Truth::Decision::miss;
+    std::optional<double> true_t = {};  ///< t*, correctly rounded to binary64
+    /// For a ray that truly misses: its hit if the range had no end, and its hit if it began at 0, in the unit of the
+    /// form's t.
+    std::optional<double> beyond_end = {}, before_begin = {};
+    double condition = 0;  ///< κ; NaN for a miss
+    double inherent = 0;   ///< bits of the envelope; NaN for a miss
+    double beyond = 0;     ///< lost bits beyond the envelope, see `truth::excess_bits`
+    /// Set if the form hits another primitive than the ray; never for a march.
+    std::optional<TruePrimitive> missed = {};
+    /// Outcome at a mesh: a crack, a double hit, a wrong neighbour or out of order; absent for other rays.
+    std::optional<answer::Outcome> in_mesh = {};
+    /// Forms of the same shape in the same format that are right on the ray and lose fewer bits around it, best first.
+    std::vector<Standing> better = {};
+    std::vector<Standing> beside = {};  ///< results of the forms that were named for comparison
+    std::vector<const intersect::table::Intersector*> unasked =
+        {};                 ///< named forms of another shape, or not available in the format
+    int pixels_around = 0;  ///< number of rays in the means; 0: the ray's `neighbours` are used
+    /// Errors of external intersectors that were tried in the comparison and did not answer.
+    std::vector<std::string> silent = {};
+
+    /// Lost bits beyond the envelope.
+    [[nodiscard]] double excess() const { return beyond; }
+    /// True if the form answers t, and not only hit or miss.
+    [[nodiscard]] bool tells_t() const { return form->info->roots != intersect::Roots::none; }
+    /// True if the operations are known; those of a compiled external function are not.
+    [[nodiscard]] bool has_tape() const { return tape.size() > 0; }
+    /// The ulp of the format at the subject's exact value (for a comparison, at the larger side).
+    [[nodiscard]] double ulp_of_subject() const;
+    /// The live cancellation of the most bits that the error of operation `from` goes through; none below two bits.
+    [[nodiscard]] NodeId amplifier(NodeId from) const;
+    /// True if the form would hit `missed` first without rounding.
+    [[nodiscard]] bool rounding_turned_order() const;
+    /// Decisions on the path to the answer that rounding turned: live choices, and the form's own decision.
+    [[nodiscard]] std::vector<NodeId> turned() const;
+};
+
+/// Explains the form on the ray without comparing it with others: `better`, `beside` and `around` keep their defaults.
+Explanation explain_alone(const intersect::table::Intersector& form, const Format& format, const answer::OneRay& ray);
+
+/// The pixel of a ray, in a scene whose camera names a ray generator (`scene::file::with_rays`).
+struct PixelOf {
+    const scene::file::Scene* scene;
+    int x, y;
+    truth::TruthLimit limit = {};
+};
+
+/// Explains the form on the ray and finds forms that do better. Compares all forms whose faults cannot end this process
+/// (`external::is_safe_to_run`), and those in `beside` whatever they are: an external intersector may crash or hang,
+/// and the answer would be lost with it. If a camera makes the ray, compares the other ray generators too. Rays near
+/// the one that was made do not show the error of making it, so `around` is then the mean over the pixels around it.
+Explanation explain(const intersect::table::Intersector& form, const Format& format, const answer::OneRay& ray,
+                    std::span<const intersect::table::Intersector* const> beside = {},
+                    const std::optional<PixelOf>& pixel = {});
+
+inline constexpr int neighbours = 64;
+
+/// Makes `neighbours` rays near this one, with these primitives. Each number moves by one ulp of the format down, up or
+/// not at all, by a fixed rule without random numbers. 0 and values that are not finite stay: an ulp of 0 is not a
+/// small change of a direction.
+std::vector<answer::OneRay> neighbours_of(const answer::OneRay& ray, const answer::OneRay::Inputs& in,
+                                          const FloatFormat& format, const std::vector<Primitive<double>>& primitives);
+
+}  // namespace lostbits::measure::attribution

@@ -1,0 +1,148 @@
+#include "measure/attribution/operation_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "measure/attribution/exact_arithmetic.hpp"
+#include "measure/attribution/operations.hpp"
+#include "number/real.hpp"
+
+namespace lostbits::measure::attribution {
+namespace {
+
+/// Exact for a fused operation on any doubles: 3 · 1074 + 1024 bits and a few.
+struct ResidualExact {
+    using Number = BasicReal<4400>;
+    static Number sum(const Number& a, const Number& b) { return a + b; }
+};
+
+/// Decides by computed values, as the format did.
+struct ComputedJudge {
+    const Tape& tape;
+    const TapeNode& n;
+    [[nodiscard]] double value(std::size_t k) const { return tape[n.operands[k]].value; }
+    [[nodiscard]] bool less(std::size_t a, std::size_t b) const { return value(a) < value(b); }
+    [[nodiscard]] bool holds(std::size_t k) const { return value(k) != 0; }
+};
+
+/// Rounding error for finite operands and a result that is not NaN.
+template <TapeOp op>
+double rounding_from(const std::array<double, 3>& x, double value) {
+    using Deep = ResidualExact::Number;
+    const auto operand = [&](std::size_t k) { return x[k]; };
+    if (std::isfinite(value)) {
+        const auto residual = [value](auto... of) { return Operation<op>::residual(of..., value); };
+        if (const auto known = with_operands<op>(residual, operand)) return *known;
+    }
+    const Deep exact =
+        with_operands<op>([](auto... of) -> Deep { return Operation<op>::exact(ResidualExact(), of...); },
+                          [&](std::size_t k) { return Deep(x[k]); });
+    if (std::isinf(value)) return mpfr_number_p(exact.backend().data()) != 0 ? value : 0;  // a/0 is not an overflow
+    return mpfr_get_d(Deep(Deep(value) - exact).backend().data(), MPFR_RNDN);
+}
+
+}  // namespace
+
+NodeId side_taken(const Tape& tape, NodeId i) {
+    const TapeNode& n = tape[i];
+    return kind_of(n.op) == OperationKind::choice ? side_taken(n, ComputedJudge{tape, n}) : no_node;
+}
+
+bool can_err(TapeOp op) {
+    switch (kind_of(op)) {
+        case OperationKind::given: return op == TapeOp::constant;
+        case OperationKind::rounded:
+        case OperationKind::called:
+        case OperationKind::moved:
+        case OperationKind::sign:
+        case OperationKind::choice: return true;
+        case OperationKind::exact:
+        case OperationKind::comparison:
+        case OperationKind::logic: return false;
+    }
+    return false;
+}
+
+double rounding_of(const Tape& tape, NodeId i) {
+    const TapeNode& n = tape[i];
+    if (is_given(n.op)) {
+        return with<OperationKind::given>(n.op, [&]<TapeOp op>() { return Operation<op>::rounding(n); });
+    }
+    if (std::isnan(n.value)) return 0;
+    std::array<double, 3> x{};
+    for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
+        x[k] = tape[n.operands[k]].value;
+        if (!std::isfinite(x[k])) return 0;
+    }
+    switch (kind_of(n.op)) {
+        case OperationKind::rounded:
+            return with<OperationKind::rounded>(n.op, [&]<TapeOp op>() { return rounding_from<op>(x, n.value); });
+        case OperationKind::moved: return n.value - x[0];
+        case OperationKind::called: {
+            const auto exact =
+                called<DeepExact>(tape, i, [&](NodeId operand) { return DeepExact::lift(tape[operand].value); });
+            return exact ? DeepExact::difference(n.value, *exact) : 0;
+        }
+        case OperationKind::given:
+        case OperationKind::exact:
+        case OperationKind::sign:
+        case OperationKind::choice:
+        case OperationKind::comparison:
+        case OperationKind::logic: return 0;
+    }
+    return 0;
+}
+
+int cancellation(const Tape& tape, NodeId i) {
+    const TapeNode& n = tape[i];
+    if (kind_of(n.op) != OperationKind::rounded) return 0;
+    const Addends addends = with<OperationKind::rounded>(n.op, [&]<TapeOp op>() {
+        return with_operands<op>([](auto... x) { return Operation<op>::addends(x...); },
+                                 [&](std::size_t k) { return tape[n.operands[k]].value; });
+    });
+    if (!addends) return 0;
+    const auto [a, b] = *addends;
+    const double largest = std::max(std::fabs(a), std::fabs(b));
+    if (!std::isfinite(a) || !std::isfinite(b) || !std::isfinite(n.value) || largest == 0) return 0;
+    if (n.value == 0) return tape.format_of(i).precision;
+    return std::max(0, std::ilogb(largest) - std::ilogb(n.value));
+}
+
+double ulp_at(double x, const FloatFormat& format) {
+    return std::ldexp(1.0,
+                      static_cast<int>(ulp_exponent(format, x == 0 || !std::isfinite(x) ? -100000 : std::ilogb(x))));
+}
+
+double result_of(TapeOp op, const std::array<double, 3>& x, const FloatFormat& format) {
+    using enum OperationKind;
+    return with<rounded, exact, moved, sign>(op, [&]<TapeOp known>() {
+        return with_operands<known>([&](auto... of) { return Operation<known>::computed(of..., format); },
+                                    [&](std::size_t k) { return x[k]; });
+    });
+}
+
+Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId taken) {
+    const auto own = [&]<TapeOp op>() {
+        return with_operands<op>([](const auto&... of) { return Operation<op>::quotients(of...); },
+                                 [&](std::size_t k) -> const Step& { return x[k]; });
+    };
+    switch (kind_of(n.op)) {
+        case OperationKind::rounded:
+        case OperationKind::exact:
+        case OperationKind::sign:
+            return with<OperationKind::rounded, OperationKind::exact, OperationKind::sign>(n.op, own);
+        case OperationKind::moved: return {1};
+        case OperationKind::comparison: return {1, -1};  // stands for the difference of its sides
+        case OperationKind::choice: {
+            Quotients q;
+            q[static_cast<std::size_t>(std::ranges::find(n.operands, taken) - n.operands.begin())] = 1;
+            return q;
+        }
+        case OperationKind::called:
+        case OperationKind::given:
+        case OperationKind::logic: return {};
+    }
+    return {};
+}
+
+}  // namespace lostbits::measure::attribution

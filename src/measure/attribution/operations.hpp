@@ -1,0 +1,84 @@
+// Finds the struct of an operation of a tape.
+#pragma once
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "measure/attribution/operation_rows.hpp"
+
+// A switch over kinds or operations must name all of them.
+#pragma GCC diagnostic error "-Wswitch"
+
+namespace lostbits::measure::attribution {
+
+/// Calls f<op>() for an operation of one of these kinds.
+template <OperationKind... kinds, class F>
+decltype(auto) with(TapeOp op, const F& f) {
+    switch (op) {
+#define LOSTBITS_CASE(name, kind_of_name, operands)                                                                  \
+    case TapeOp::name:                                                                                               \
+        if constexpr (((OperationKind::kind_of_name == kinds) || ...)) return f.template operator()<TapeOp::name>(); \
+        else break;
+        LOSTBITS_TAPE_OPERATIONS(LOSTBITS_CASE)
+#undef LOSTBITS_CASE
+    }
+    throw std::logic_error("an operation of another kind");
+}
+
+/// Calls f(operand(0), …) with as many operands as the operation has.
+template <TapeOp op, class F, class Operand>
+decltype(auto) with_operands(const F& f, const Operand& operand) {
+    return [&]<std::size_t... k>(std::index_sequence<k...>)->decltype(auto) { return f(operand(k)...); }
+    (std::make_index_sequence<row_of(op).operands>());
+}
+
+/// Result of an operation on operand(0), … without rounding. Only for kinds that are given, rounded or exact.
+template <class Exact, class Operand>
+typename Exact::Number without_rounding(const TapeNode& n, const Operand& operand) {
+    using Number = typename Exact::Number;
+    const auto made = [&]<TapeOp op>() -> Number {
+        if constexpr (is_given(op)) return Operation<op>::exact(Exact(), n);
+        else
+            return with_operands<op>([](const auto&... x) -> Number { return Operation<op>::exact(Exact(), x...); },
+                                     operand);
+    };
+    return with<OperationKind::given, OperationKind::rounded, OperationKind::exact>(n.op, made);
+}
+
+constexpr const OperationText& text_of(TapeOp op) {
+    switch (op) {
+#define LOSTBITS_CASE(name, kind, operands) \
+    case TapeOp::name: return Operation<TapeOp::name>::text;
+        LOSTBITS_TAPE_OPERATIONS(LOSTBITS_CASE)
+#undef LOSTBITS_CASE
+    }
+    throw std::logic_error("not an operation");
+}
+
+static_assert(std::ranges::all_of(tape_operations,
+                                  [](const TapeOpRow& row) {
+                                      const bool rounds =
+                                          row.kind == OperationKind::rounded || row.kind == OperationKind::moved;
+                                      const OperationText& text = text_of(row.op);
+                                      return !rounds || !text.c_wide.empty() || !text.c_lacks.empty();
+                                  }),
+              "explain --c: an operation that rounds has no text for formats that C lacks");
+
+/// True if the decision holds.
+template <class Judge>
+bool holds(TapeOp op, const Judge& judge) {
+    return with<OperationKind::comparison, OperationKind::logic>(
+        op, [&]<TapeOp decision>() { return Operation<decision>::holds(judge); });
+}
+
+/// The operand that a choice takes.
+template <class Judge>
+NodeId side_taken(const TapeNode& n, const Judge& judge) {
+    return with<OperationKind::choice>(n.op, [&]<TapeOp choice>() {
+        const auto [first, second] = Operation<choice>::sides;
+        return n.operands[Operation<choice>::takes_first(judge) ? first : second];
+    });
+}
+
+}  // namespace lostbits::measure::attribution

@@ -1,0 +1,273 @@
+#include "measure/attribution/tape_text.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include "measure/attribution/operations.hpp"
+
+namespace lostbits::measure::attribution {
+namespace {
+
+constexpr std::size_t short_enough = 40,
+                      short_in_latex = 120;  ///< longest expression that is written out within another, in characters
+
+/// `o.x` without its component; empty where it has none.
+std::string vector_of(const std::string& name) {
+    const auto n = name.size();
+    return n > 2 && name[n - 2] == '.' && name[n - 1] >= 'x' && name[n - 1] <= 'z' ? name.substr(0, n - 2) : "";
+}
+
+std::string in_brackets(const std::string& text) {
+    std::string all = "(";
+    return all.append(text).append(")");
+}
+
+/// Escapes a label for math mode: every character is shown, and none is a command.
+std::string latex_letters(std::string_view text) {
+    std::string out;
+    for (const char c : text) {
+        if (static_cast<unsigned char>(c) < ' ' || c == 0x7F) out += ' ';
+        else if (c == '\\') out += "\\backslash{}";
+        else if (c == '~') out += "\\sim{}";
+        else if (c == '^') out += "\\hat{}";
+        else if (std::string_view("_{}$&#%").find(c) != std::string_view::npos) out.append("\\").push_back(c);
+        else out += c;
+    }
+    return out;
+}
+
+/// `centre.x`, `tmin2`, `hit_eps`, `A^-1_2` in math mode: \mathit{centre}_{x}, \mathit{tmin}_{2}, \mathit{hit\_eps},
+/// A^{-1}_{2}.
+std::string in_latex(const std::string& name) {
+    if (const auto hat = name.find('^'); hat != std::string::npos) {
+        const auto end = std::min(name.find('_', hat), name.size());
+        const std::string power =
+            in_latex(name.substr(0, hat)) + "^{" + latex_letters(name.substr(hat + 1, end - hat - 1)) + "}";
+        return end == name.size() ? power : power + "_{" + latex_letters(name.substr(end + 1)) + "}";
+    }
+    const auto digits = name.find_last_not_of("0123456789") + 1;
+    const std::string base = vector_of(name);
+    const std::string stem = base.empty() ? name.substr(0, digits) : base,
+                      index = base.empty() ? name.substr(digits) : name.substr(name.size() - 1);
+    if (stem.empty()) return name;
+    std::string escaped = latex_letters(stem);
+    if (stem.size() > 1 && stem[1] != '\'') escaped = "\\mathit{" + escaped + "}";
+    return index.empty() ? escaped : escaped + "_{" + index + "}";
+}
+
+/// True for a word with another meaning in a program that `explain` writes: in C, in FPCore, or among its own
+/// functions.
+bool is_taken(std::string_view word) {
+    static constexpr std::array<std::string_view, 42> taken{
+        "auto",   "break",   "case",     "char",   "const",   "continue", "default", "do",      "double",
+        "else",   "enum",    "extern",   "float",  "for",     "if",       "int",     "let",     "long",
+        "return", "short",   "static",   "struct", "switch",  "void",     "while",   "main",    "printf",
+        "fabs",   "fma",     "fmin",     "fmax",   "sqrt",    "copysign", "isnan",   "signbit", "nextafter",
+        "sum",    "product", "quotient", "root",   "rounded", "show"};
+    return std::ranges::find(taken, word) != taken.end();
+}
+
+}  // namespace
+
+TapeText::TapeText(const Tape& tape, std::vector<std::string> inputs, Style style)
+    : tape_(tape),
+      inputs_(std::move(inputs)),
+      style_(style),
+      names_(tape.nodes.size()),
+      expressions_(tape.nodes.size()),
+      part_of_dot_(tape.nodes.size(), no_node) {
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        if (tape[i].op == TapeOp::input)
+            names_[static_cast<std::size_t>(i)] = inputs_.at(static_cast<std::size_t>(tape[i].operands[0]));
+    }
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        Dot dot;
+        if (!dot_of(i, dot)) continue;
+        name_vector(dot.a);
+        name_vector(dot.b);
+        const TapeNode& last = tape[i];
+        const TapeNode& first = tape[last.operands[0]];
+        for (const NodeId part : {i, last.operands[0], last.operands[1], first.operands[0], first.operands[1]})
+            part_of_dot_[static_cast<std::size_t>(part)] = i;
+    }
+    name_all();
+}
+
+bool TapeText::is_vector(const Triple& v) const {
+    const TapeOp op = tape_[v[0]].op;
+    if (tape_[v[1]].op != op || tape_[v[2]].op != op || v[0] == v[1] || v[1] == v[2]) return false;
+    if (op != TapeOp::input) return op != TapeOp::constant;
+    const std::string base = vector_of(name(v[0]));
+    return !base.empty() && name(v[0]) == base + ".x" && name(v[1]) == base + ".y" && name(v[2]) == base + ".z";
+}
+
+bool TapeText::dot_of(NodeId i, Dot& dot) const {
+    const TapeNode& last = tape_[i];
+    if (last.op != TapeOp::add) return false;
+    const TapeNode& first = tape_[last.operands[0]];
+    if (first.op != TapeOp::add || !first.label.empty()) return false;
+    const std::array products{first.operands[0], first.operands[1], last.operands[1]};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const TapeNode& product = tape_[products[k]];
+        if (product.op != TapeOp::mul || !product.label.empty()) return false;
+        dot.a[k] = product.operands[0];
+        dot.b[k] = product.operands[1];
+    }
+    return is_vector(dot.a) && is_vector(dot.b);
+}
+
+void TapeText::name_vector(const Triple& v) {
+    if (tape_[v[0]].op == TapeOp::input || vectors_.contains(v)) return;
+    if (std::ranges::any_of(
+            v, [&](NodeId i) { return !names_[static_cast<std::size_t>(i)].empty() || !tape_[i].label.empty(); }))
+        return;
+    std::string base = "v";
+    if (style_ != Style::generic) base += std::to_string(vectors_.size() + 1);
+    vectors_.emplace(v, base);
+    for (std::size_t k = 0; k < 3; ++k) names_[static_cast<std::size_t>(v[k])] = base + "." + "xyz"[k];
+}
+
+void TapeText::name_all() {
+    std::map<std::string, int> times;
+    for (const std::string& input : inputs_) ++times[input];
+    for (NodeId i = 0; i < tape_.size(); ++i) {
+        const TapeNode& n = tape_[i];
+        std::string& name = names_[static_cast<std::size_t>(i)];
+        if (n.op == TapeOp::constant) name = std::to_string(n.operands[0]);
+        else if (!n.label.empty()) {
+            name = n.label;
+            if (const int again = ++times[name]; again > 1 && style_ != Style::generic) {
+                const std::string base = vector_of(name), stem = base.empty() ? name : base;
+                const bool is_number = std::isdigit(static_cast<unsigned char>(stem.back())) != 0;  // A^-1, not A^-12
+                name = stem + (is_number ? "_" : "") + std::to_string(again) + name.substr(stem.size());
+            }
+        } else if (name.empty()) {
+            name = (is_decision(n.op) ? "m" : "s") + std::to_string(i);
+        }
+    }
+}
+
+std::string TapeText::shown(NodeId i) const { return style_ == Style::latex ? in_latex(name(i)) : name(i); }
+
+std::string TapeText::vector_shown(const std::string& base) const {
+    return style_ == Style::latex ? "\\mathbf{" + latex_letters(base) + "}" : base;
+}
+
+std::string TapeText::identifier(NodeId i) const {
+    std::string id = name(i);
+    if (tape_[i].op == TapeOp::constant) return id;
+    std::string safe;
+    for (const char c : id) {
+        if (c == '\'') safe += "_prime";
+        else safe += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+    }
+    if (std::isdigit(static_cast<unsigned char>(safe.front()))) safe.insert(0, "_");  // 1/det
+    return is_taken(safe) ? safe + "_" : safe;
+}
+
+/// True for a sum or difference of inputs, or for one input: short enough to replace a name.
+bool TapeText::is_simple(NodeId i) const {
+    const TapeNode& n = tape_[i];
+    if (is_given(n.op)) return true;
+    const auto named = [&](NodeId part) { return !tape_[part].label.empty() || tape_[part].op == TapeOp::input; };
+    if (style_ == Style::generic && n.label.empty() && (n.op == TapeOp::add || n.op == TapeOp::sub) &&
+        named(n.operands[0]) && named(n.operands[1]))
+        return true;
+    return n.label.empty() && (n.op == TapeOp::add || n.op == TapeOp::sub) &&
+           tape_[n.operands[0]].op == TapeOp::input && tape_[n.operands[1]].op == TapeOp::input;
+}
+
+std::string TapeText::vector_text(const Triple& v, bool alone) const {
+    const TapeNode& n = tape_[v[0]];
+    if (n.op == TapeOp::input) return vector_shown(vector_of(name(v[0])));
+    const auto found = vectors_.find(v);
+    if (std::ranges::all_of(v, [&](NodeId i) { return is_simple(i); })) {
+        const auto side = [&](std::size_t k) {
+            return Triple{tape_[v[0]].operands[k], tape_[v[1]].operands[k], tape_[v[2]].operands[k]};
+        };
+        if (is_vector(side(0)) && is_vector(side(1))) {
+            const std::string sign = n.op == TapeOp::add ? " + " : style_ == Style::pretty ? " − " : " - ";
+            const std::string text =
+                vector_shown(vector_of(name(side(0)[0]))) + sign + vector_shown(vector_of(name(side(1)[0])));
+            return alone ? text : in_brackets(text);
+        }
+    }
+    if (found != vectors_.end()) return vector_shown(found->second);
+    const std::string base = vector_of(name(v[0]));  // named by the formula, or by the watch of a march
+    if (!base.empty() && vector_of(name(v[1])) == base && vector_of(name(v[2])) == base) return vector_shown(base);
+    return in_brackets(shown(v[0]) + ", " + shown(v[1]) + ", " + shown(v[2]));
+}
+
+std::string TapeText::operand(NodeId i, int binds) const {
+    const TapeNode& n = tape_[i];
+    const std::string own = shown(i);
+    if (n.op == TapeOp::input || !n.label.empty()) return own;
+    if (n.op == TapeOp::constant) return n.operands[0] < 0 && binds > 1 ? in_brackets(own) : own;
+    if (!vector_of(name(i)).empty() && !is_simple(i)) return own;
+    if (style_ == Style::generic && !text_of(n.op).generic.empty()) return "(...)";
+    const std::string text = expression(i);
+    Dot dot;
+    const bool function = style_ == Style::plain && dot_of(i, dot);
+    if (text.size() > (style_ == Style::latex ? short_in_latex : short_enough) && !dot_of(i, dot))
+        return style_ == Style::generic ? "(...)" : own;
+    return !function && text_of(n.op).binds.level < binds ? in_brackets(text) : text;
+}
+
+std::string TapeText::written_out(NodeId i) const {
+    const TapeNode& n = tape_[i];
+    const auto pattern = [this](const OperationText& text) {
+        switch (style_) {
+            case Style::pretty: return text.pretty.text;
+            case Style::latex: return text.latex.text;
+            case Style::generic: return text.generic.empty() ? text.plain.text : text.generic;
+            case Style::plain: break;
+        }
+        return text.plain.text;
+    };
+    return filled(pattern(text_of(n.op)), [&](std::size_t k, int binds) { return operand(n.operands[k], binds); });
+}
+
+const std::string& TapeText::expression(NodeId i) const {
+    std::string& known = expressions_[static_cast<std::size_t>(i)];
+    if (known.empty()) known = composed(i);
+    return known;
+}
+
+std::string TapeText::composed(NodeId i) const {
+    if (is_given(tape_[i].op)) return shown(i);
+    Dot dot;
+    if (!dot_of(i, dot)) return written_out(i);
+    if (style_ == Style::pretty) return vector_text(dot.a, false) + "·" + vector_text(dot.b, false);
+    if (style_ == Style::latex) return vector_text(dot.a, false) + " \\cdot " + vector_text(dot.b, false);
+    return "dot(" + vector_text(dot.a, true) + ", " + vector_text(dot.b, true) + ")";
+}
+
+std::string TapeText::definition(NodeId i) const {
+    const TapeNode& n = tape_[i];
+    if (is_given(n.op)) return name(i);
+    const bool own = !n.label.empty() || !vector_of(name(i)).empty();
+    return own ? shown(i) + " = " + expression(i) : expression(i);
+}
+
+std::string TapeText::category(NodeId i) const {
+    // A label with spaces names a stretch of many operations (`Part`) and stands for all of them.
+    const std::string_view label = tape_[i].label;
+    if (label.find(' ') != std::string_view::npos) return std::string(label);
+    const NodeId dot = part_of_dot_[static_cast<std::size_t>(i)];
+    const bool partial = dot != no_node && dot != i;
+    std::string text = partial && tape_[i].op == TapeOp::add ? expression(dot) + ", its sums" : definition(i);
+    // One axis stands for all three, and the first round of a loop for all rounds.
+    std::string plain;
+    for (std::size_t k = 0; k < text.size(); ++k) {
+        const bool ends = k + 2 >= text.size() || !std::isalnum(static_cast<unsigned char>(text[k + 2]));
+        if (text[k] == '.' && k + 1 < text.size() && text[k + 1] >= 'x' && text[k + 1] <= 'z' && ends) {
+            plain += ".i";
+            ++k;
+        } else {
+            plain += text[k];
+        }
+    }
+    return plain;
+}
+
+}  // namespace lostbits::measure::attribution

@@ -1,0 +1,67 @@
+// Writes a tape as readable expressions.
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "number/tape.hpp"
+
+namespace lostbits::measure::attribution {
+
+/// Names and expressions of the operations of one tape. A name of the formula is used where there is one; a name that
+/// occurs again, in a loop over axes, is numbered: `tmin`, `tmin2`. Sums of three products are written as dot products,
+/// and the three components of a vector in one as `v1.x`, `v1.y`, `v1.z`. Everything else is written out if it is
+/// short, and is `s12` if it is not.
+class TapeText {
+public:
+    /// `plain` is ASCII: `dot(a, b) - r*r`. `pretty`: `a·b − r·r`. `latex`: math mode. `generic`: as plain, but the
+    /// same for every axis and every round of a loop.
+    enum class Style { plain, pretty, latex, generic };
+
+    TapeText(const Tape& tape, std::vector<std::string> inputs, Style style);
+
+    /// Unique on the tape: `c`, `v1.x`, `s12`, an input's name, a constant's digits.
+    [[nodiscard]] const std::string& name(NodeId i) const { return names_[static_cast<std::size_t>(i)]; }
+    /// The name as the style writes it.
+    [[nodiscard]] std::string shown(NodeId i) const;
+    /// The name as a C identifier; for a constant, its digits.
+    [[nodiscard]] std::string identifier(NodeId i) const;
+    /// The right-hand side of its definition: `dot(o - centre, o - centre) - radius*radius`.
+    [[nodiscard]] const std::string& expression(NodeId i) const;
+    /// Text of the node within a larger expression: its own name if it has one, otherwise its expression.
+    [[nodiscard]] std::string operand(NodeId i) const { return operand(i, 0); }
+    /// `c = dot(…) - radius*radius`, or only the expression if the formula does not name it.
+    [[nodiscard]] std::string definition(NodeId i) const;
+    /// Category of an operation in a map, in the generic style: `inv = 1/d.i`. Several operations may have the same
+    /// one.
+    [[nodiscard]] std::string category(NodeId i) const;
+
+private:
+    using Triple = std::array<NodeId, 3>;
+    struct Dot {
+        Triple a, b;
+    };
+    [[nodiscard]] bool is_vector(const Triple& v) const;
+    /// True if node i is the last sum of a dot product; sets `dot` to its vectors.
+    [[nodiscard]] bool dot_of(NodeId i, Dot& dot) const;
+    void name_vector(const Triple& v);
+    void name_all();
+    [[nodiscard]] bool is_simple(NodeId i) const;
+    [[nodiscard]] std::string vector_text(const Triple& v, bool alone) const;
+    [[nodiscard]] std::string operand(NodeId i, int binds) const;
+    [[nodiscard]] std::string composed(NodeId i) const;
+    [[nodiscard]] std::string written_out(NodeId i) const;
+    [[nodiscard]] std::string vector_shown(const std::string& base) const;
+
+    const Tape& tape_;
+    std::vector<std::string> inputs_;
+    Style style_;
+    std::vector<std::string> names_;
+    std::map<Triple, std::string> vectors_;
+    mutable std::vector<std::string> expressions_;  ///< filled on demand: in a march, each step recurs in the next
+    std::vector<NodeId> part_of_dot_;               ///< the dot product that a partial sum or product belongs to
+};
+
+}  // namespace lostbits::measure::attribution

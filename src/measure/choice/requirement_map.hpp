@@ -1,0 +1,64 @@
+// Finds for each pixel of a scene the cheapest form and format that meet a requirement there, and the narrowest format
+// in which any form does.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "measure/choice/candidates.hpp"
+
+namespace lostbits::measure::choice {
+
+/// Pixels at which a row meets the requirement: its decision is right and, where the ray hits, t keeps the required
+/// bits within the tolerance. The requirement's shares (`wrong`, `quantile`) are about many pixels and do not apply to
+/// one. The metrics of the request are those of the requirement.
+class MeetsAt {
+public:
+    MeetsAt(std::size_t pixels, const Requirement& requirement, int precision)
+        : requirement_(requirement), precision_(precision), meets_(pixels), unresolved_(pixels) {}
+
+    void band(const evaluate::BandResult& result);
+    [[nodiscard]] bool meets(std::size_t pixel) const { return meets_[pixel]; }
+    /// True if it is unknown: the truth was not proved.
+    [[nodiscard]] bool unresolved(std::size_t pixel) const { return unresolved_[pixel]; }
+    [[nodiscard]] std::uint64_t count() const;
+
+private:
+    Requirement requirement_;
+    int precision_;
+    std::vector<bool> meets_, unresolved_;
+};
+
+/// One `MeetsAt` for each row of the request, in the form that `evaluate_rows` takes.
+struct Meetings {
+    std::vector<MeetsAt> rows;
+    explicit Meetings(const ChoiceRequest& request, const std::vector<evaluate::TestedForm>& of);
+    [[nodiscard]] std::vector<evaluate::Show> shows() { return evaluate::shown_to_each(rows); }
+};
+
+struct RequirementMap {
+    static constexpr int none = -1;        ///< nothing meets the requirement at the pixel
+    static constexpr int unresolved = -2;  ///< the truth is unknown there
+    int width = 0, height = 0;
+    std::vector<int> cheapest{};         ///< by pixel, from the top left: index of the candidate, or one of the above
+    std::vector<int> narrowest{};        ///< the same for indices of `formats`
+    std::vector<Format> formats{};       ///< in which rows compute, narrowest significand first
+    std::vector<std::uint64_t> met{};    ///< by candidate: pixels at which it meets the requirement
+    std::vector<std::uint64_t> taken{};  ///< by candidate: pixels at which it is the cheapest that does
+    std::vector<std::uint64_t> any_meets{};  ///< by format: pixels at which any form meets the requirement
+    std::vector<std::uint64_t> needed{};     ///< by format: pixels at which it is the narrowest in which any form does
+    std::uint64_t none_meets = 0, unknown = 0;  ///< numbers of pixels
+
+    [[nodiscard]] std::uint64_t pixels() const { return cheapest.size(); }
+    /// Mean seconds for one ray and primitive if each pixel uses its cheapest candidate, over the pixels at which any
+    /// meets the requirement. Every method of switching between forms takes at least this. NaN if there is no such
+    /// pixel.
+    [[nodiscard]] double least_time(const std::vector<Candidate>& all) const;
+};
+
+/// `meetings` belong to the request's rows, in their order, and are filled. `untimed` rows are in emulated formats and
+/// have no time: they are measured here, and count only among the formats.
+RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vector<Candidate>& all,
+                                  const Meetings& meetings);
+
+}  // namespace lostbits::measure::choice

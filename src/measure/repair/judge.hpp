@@ -1,0 +1,97 @@
+// Requirement of a repair, and the worth of tapes to it on all rays of a scene, or on those kept of files. Also what a
+// repaired form is compared with: the catalogue's forms for the same primitives, and the range in which it holds.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "measure/choice/file_rays.hpp"
+#include "measure/choice/margin.hpp"
+#include "measure/tape/tape_form.hpp"
+
+namespace lostbits::measure::repair {
+
+using choice::Requirement;
+using choice::RowQuality;
+
+struct MendRequest {
+    const scene::file::Scene* scene = nullptr;
+    const choice::FileRays* rays = nullptr;  ///< in place of a scene; their sample is searched on
+    evaluate::TestedForm row;                ///< in f32 or f64
+    Requirement requirement{};
+    bool two_words = false;  ///< two floats in place of a double; for double always
+    truth::TruthLimit limit{};
+    /// Receives the number of candidates tried so far; may throw to stop.
+    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
+
+    /// Worth of tapes on all rays of the files; used with files alone, since their rays exist in no other pixels.
+    std::function<std::vector<RowQuality>(const std::vector<Tape>&)> on_all = nullptr;
+
+    /// Name of the results: the id of the scene, or of the files.
+    [[nodiscard]] const std::string& id() const;
+};
+
+/// Measures the worth of tapes on the rays of a request. The truth of at most `most_kept` rays is found once and kept;
+/// for more rays it is found again in every call.
+class Judge {
+public:
+    explicit Judge(const MendRequest& request) : Judge(request, request.scene) {}
+    /// Uses the request's row and requirement, but the rays of this scene.
+    Judge(const MendRequest& request, const scene::file::Scene& scene) : Judge(request, &scene) {}
+    ~Judge();
+    Judge(const Judge&) = delete;
+    Judge& operator=(const Judge&) = delete;
+
+    /// Worth of each tape, in the order of the tapes.
+    std::vector<RowQuality> quality_of(const std::vector<Tape>& tapes);
+    /// Worth of rows that have the contract and format of the request's row. `shows` is empty or has one function a
+    /// row, which is shown the row's answers.
+    std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& rows,
+                                       const std::vector<evaluate::Show>& shows = {});
+    [[nodiscard]] std::uint64_t rays() const;
+    [[nodiscard]] std::uint64_t tried() const { return tried_; }
+
+    static constexpr std::uint64_t most_kept = 1U << 19;
+
+private:
+    class Part;
+    Judge(const MendRequest& request, const scene::file::Scene* scene);
+    [[nodiscard]] std::vector<int> bands() const;
+    std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& rows,
+                                       const std::vector<evaluate::Show>& shows,
+                                       const std::vector<std::unique_ptr<tape::TapeForm>>& tapes);
+    void each_part(const std::function<void(const Part&)>& act);
+
+    const MendRequest& request_;
+    const scene::file::Scene* scene_;
+    std::unique_ptr<culling::Culler> culler_;
+    std::vector<std::unique_ptr<Part>> kept_;
+    std::uint64_t tried_ = 0;
+};
+
+/// Compares two worths: fewer wrong decisions count before more bits.
+bool is_more_accurate(const RowQuality& a, const RowQuality& b);
+
+/// Worth of the form itself. InputError where its tape answers differently on some ray.
+RowQuality own_quality(const MendRequest& request, const Tape& tape, Judge& judge);
+
+/// Tells if a form with the contract of the request's form answers on all its rays as a tape does, to the bit.
+bool answers_as(const evaluate::TestedForm& form, const Tape& tape, const MendRequest& request, Judge& judge);
+
+/// All forms of the catalogue for the same primitives and format. Under matrices, every form is taken through the
+/// transform method of the row, and the form itself through all methods.
+std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& row);
+
+struct Ranked {
+    evaluate::TestedForm row;
+    RowQuality quality;
+};
+/// The forms of `catalogue_beside` with their worth on the request's rays, the most accurate first.
+std::vector<Ranked> ranked_catalogue(const MendRequest& request);
+
+/// Ranges in which a form holds that has the contract of the request's form and does what the tape does.
+std::vector<choice::GrowthMargin> margins_of_tape(const MendRequest& request, const Tape& tape);
+
+}  // namespace lostbits::measure::repair

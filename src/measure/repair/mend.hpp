@@ -1,0 +1,123 @@
+// Finds which operations of a form must be done in wider arithmetic so that it meets a requirement on all rays of a
+// scene. Also finds other ways of writing the form, equal in real arithmetic, that keep more bits.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "measure/identity/rules.hpp"
+#include "measure/repair/judge.hpp"
+
+namespace lostbits::measure::repair {
+
+/// Set of operations done wider, from which none can be removed.
+struct WiderSet {
+    std::vector<NodeId> operations;  ///< of the form's tape
+    RowQuality quality{};
+    std::vector<RowQuality> without =
+        {};  ///< worth with one operation left as it was and the others wider; none meets the requirement
+    /// No set of this many operations or fewer meets the requirement: all were tried. If it is one less than the size
+    /// of this set, the set is one of the smallest.
+    std::size_t none_of = 0;
+};
+
+/// Starts from all operations done wider, which meets the requirement. Removes one operation after the other, each time
+/// the one whose loss costs least, as long as the requirement is met. Then tries all smaller sets, size by size, as
+/// long as there are at most `affordable` sets of one size.
+WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const RowQuality& with_all,
+                      const MendRequest& request, Judge& judge, std::uint64_t affordable);
+
+using identity::Rule;
+
+/// Form written another way.
+struct Rewritten {
+    Tape tape;
+    std::vector<const Rule*> rules;  ///< the rules that made it, in order
+    RowQuality quality{}, apart{};   ///< worth on the scene, and on rays that were not searched on
+    std::size_t operations = 0;      ///< number of operations that round
+    /// The fewest operations to do wider, where the form meets the requirement only with them; `tape` has them wider.
+    std::optional<WiderSet> set = {};
+};
+
+struct Rewriting {
+    /// Forms that meet the requirement and that nothing tried beats in both accuracy and work (`work_of`), the most
+    /// accurate first. Where none meets it, only the most accurate one, if it is more accurate than the form, or as
+    /// accurate with less work.
+    std::vector<Rewritten> found;
+    std::uint64_t tried = 0;    ///< candidates tried, each on all rays
+    std::uint64_t refused = 0;  ///< candidates not tried: in real arithmetic they answered differently on some ray
+};
+
+struct SearchLimit {
+    std::size_t rounds = 8;     ///< in each round the most promising candidates are rewritten once
+    std::size_t beam = 4;       ///< candidates kept by accuracy; as many again are kept by work
+    std::size_t places = 24;    ///< candidates from each form; replacements of what loses most bits come first
+    std::size_t proposals = 3;  ///< forms kept in the end
+};
+
+/// Rewrites the form in rounds. Each round applies the rules to the most accurate forms so far and to those that meet
+/// the requirement with least work, and compares the results with the truth on all rays. It ends when nothing new
+/// comes, or after the last round. A candidate that is not the form in real arithmetic (on a sample of the rays, see
+/// `RaySample::agree`) is dropped.
+Rewriting rewrite(const MendRequest& request, const Tape& form, const RowQuality& own, Judge& judge,
+                  const SearchLimit& limit = {});
+
+/// Estimate of the time of a tape before it is measured: the operations that round, with each division and root counted
+/// eight times. It orders the search and is not printed.
+std::size_t work_of(const Tape& tape);
+
+struct Mended {
+    Tape tape;                         ///< the tape of the form
+    FloatFormat wider;                 ///< the arithmetic of the wider operations
+    std::size_t operations = 0;        ///< number of operations that round, and so could be done wider
+    RowQuality own{}, all{};           ///< worth as it is, and with every operation wider
+    std::optional<WiderSet> set = {};  ///< none: even with every operation wider the requirement is not met; empty
+                                       ///< set: it is met as the form is
+    Rewriting rewriting = {};          ///< other ways of writing it; none where the requirement is met as the form is
+    std::uint64_t tried = 0;           ///< candidates tried, each on all rays
+    scene::file::Scene apart = {};     ///< the scene in other pixels: rays that were not searched on
+    /// Worth of the form and of the set on `apart`; with files, on all their rays.
+    RowQuality own_apart{}, apart_quality{};
+};
+
+/// Repairs the form of a request. `affordable` is that of `smallest_set`. InputError for a form whose operations are
+/// not the same for every ray of the scene: its tape then has other answers than the form.
+Mended mend(const MendRequest& request, std::uint64_t affordable = 600);
+
+/// True where the primitives' matrices are stored as inverses (world to object); false without matrices. InputError as
+/// for `recorded`.
+bool are_inverses(const MendRequest& request);
+
+/// Records every operation of the request's form, as its primitives are stored. Each way of storing a matrix has a tape
+/// of its own, and so has a primitive without a matrix: InputError where the primitives are of several kinds.
+Tape recorded(const MendRequest& request);
+
+/// Tape of the form with a set of operations done wider.
+Tape with_wider(const Mended& mended, const std::vector<NodeId>& operations);
+
+class RaySample {
+public:
+    /// Takes about `rays` rays, evenly over the picture or the file. Each ray comes with the primitive that it truly
+    /// hits, or with the first one.
+    explicit RaySample(const MendRequest& request, int rays = 64);
+
+    /// Counts how often each operation of a tape loses most.
+    [[nodiscard]] std::vector<int> culprits(Tape tape) const;
+
+    /// True where two tapes of one form have the same answers on these rays in real arithmetic: both miss, or both hit
+    /// at the same t to 45 bits. A ray is not compared where a division by zero leaves either tape undefined. If the
+    /// form asks for directions of length one, directions are turned to an axis, so that their length is exactly one.
+    [[nodiscard]] bool agree(const Tape& a, const Tape& b) const;
+
+private:
+    std::vector<std::vector<double>> inputs_, exact_inputs_;  ///< inputs of each ray, in the order of the tape's inputs
+};
+
+/// Tape with other inputs and all values that follow from them, rounded to the format or not rounded.
+Tape filled(Tape tape, const std::vector<double>& inputs, bool rounds);
+
+/// True where the tape's values come from a division by zero.
+bool divides_by_zero(const Tape& tape);
+
+}  // namespace lostbits::measure::repair

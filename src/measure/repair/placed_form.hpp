@@ -1,0 +1,83 @@
+// Form that takes the matrix of its primitive as well, compiled outside of the program and run over columns of rays. A
+// form repaired under a matrix is compiled this way. The interface is private to this program and what it compiles
+// itself; the C interface and `LOSTBITS_FORMULAS` pass no matrix.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "shapes/primitive.hpp"
+
+#if defined(LOSTBITS_ISA)
+#include "number/wide/wide_pack.hpp"
+#include "number/width.hpp"
+#endif
+
+namespace lostbits::measure::repair {
+
+/// Rays and answers, structure of arrays, of one primitive under its matrix as it is stored.
+template <class F>
+struct PlacedColumns {
+    const F* ray[6];
+    const F* tmax;  ///< null: the rays have no end
+    const F *primitive, *matrix;
+    F* told[3];  ///< results: t, near and far
+    std::uint8_t* hit;
+    std::size_t size;  ///< for packs, a multiple of their lanes
+};
+
+template <class F>
+using PlacedKernel = void (*)(const PlacedColumns<F>*);
+
+/// Runs `Form::intersect` over T, which is F or a pack of it. In an object of a register width T has internal linkage,
+/// and so has everything instantiated here (see `Width`).
+template <class Form, template <class> class S, class T, class F>
+[[gnu::flatten]] void answer_placed(const PlacedColumns<F>* columns) {
+    const PlacedColumns<F> all = *columns;  // a copy: the stores below could reach it
+    const auto load = [](const F* from) {
+        if constexpr (std::same_as<T, F>) return *from;
+        else return T::load(from);
+    };
+    const auto store = [](const auto& value, auto* to) {
+        if constexpr (std::same_as<T, F>) *to = value;
+        else value.store(to);
+    };
+    std::array<T, Affine<T>::numbers> matrix;
+    for (std::size_t k = 0; k < matrix.size(); ++k) matrix[k] = T(all.matrix[k]);
+    const S<T> primitive = primitive_from<S, T>([&all](std::size_t k) { return T(all.primitive[k]); });
+    for (std::size_t i = 0; i < all.size; i += sizeof(T) / sizeof(F)) {
+        const auto at = [&](std::size_t k) { return load(all.ray[k] + i); };
+        const Ray<T> ray{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};
+        const auto answer = [&] {
+            if constexpr (!S<T>::takes_tmax) return Form::intersect(ray, primitive, matrix);
+            else {
+                const T end = all.tmax ? load(all.tmax + i) : T(std::numeric_limits<F>::infinity());
+                return Form::intersect(ray, primitive, matrix, end);
+            }
+        }();
+        store(answer.t, all.told[0] + i);
+        store(answer.near, all.told[1] + i);
+        store(answer.far, all.told[2] + i);
+        store(answer.hit, reinterpret_cast<bool*>(all.hit + i));  // bytes provide storage for bools
+    }
+}
+
+}  // namespace lostbits::measure::repair
+
+#if defined(LOSTBITS_ISA)
+#define LOSTBITS_PLACED_NAME(name) name##_packs
+#define LOSTBITS_PLACED_NUMBER(F) lostbits::Pack<F, lostbits::Width>
+#else
+#define LOSTBITS_PLACED_NAME(name) name##_alone
+#define LOSTBITS_PLACED_NUMBER(F) F
+#endif
+/// Exports `name_alone`, or `name_packs` in an object of a register width: the answers of a form over F to one
+/// Primitive.
+#define LOSTBITS_PLACED_FORM(name, Form, Primitive, F)                                                              \
+    extern "C" [[gnu::visibility("default")]] void LOSTBITS_PLACED_NAME(name)(                                      \
+        const lostbits::measure::repair::PlacedColumns<F>* columns) {                                               \
+        lostbits::measure::repair::answer_placed<Form, lostbits::Primitive, LOSTBITS_PLACED_NUMBER(F), F>(columns); \
+    }

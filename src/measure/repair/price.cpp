@@ -1,0 +1,233 @@
+#include "measure/repair/price.hpp"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <deque>
+#include <fstream>
+#include <stdexcept>
+
+#include "intersect/device/temporary_folder.hpp"
+#include "intersect/external/plugin.hpp"
+#include "intersect/process/child.hpp"
+#include "intersect/simd/packed.hpp"
+#include "measure/repair/placed_form.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::measure::repair {
+
+namespace external = intersect::external;
+namespace fs = std::filesystem;
+namespace simd = intersect::simd;
+using intersect::Target;
+using intersect::table::HitBatch;
+using intersect::table::Intersector;
+using intersect::table::RayBatch;
+
+namespace {
+
+/// Kernels that a library exports for a form. They are valid while the library is loaded, which is until the program
+/// ends.
+template <class F>
+struct Kernels {
+    PlacedKernel<F> alone, packs;
+    simd::Isa isa;      ///< of the packs
+    std::size_t lanes;  ///< in a register
+};
+
+/// Answers whole packs by the packed kernel, where the run has the register width that it was compiled for, and the
+/// remaining rays one by one.
+template <class F>
+void answer(const Kernels<F>& kernels, PlacedColumns<F> columns, std::size_t size) {
+    const std::size_t whole =
+        kernels.packs && simd::current_isa() == kernels.isa ? size / kernels.lanes * kernels.lanes : 0;
+    columns.size = whole;
+    if (whole != 0) kernels.packs(&columns);
+    for (const F*& column : columns.ray) column += whole;
+    if (columns.tmax) columns.tmax += whole;
+    for (F*& column : columns.told) column += whole;
+    columns.hit += whole;
+    columns.size = size - whole;
+    kernels.alone(&columns);
+}
+
+template <class F>
+void run(void* own, const RayBatch<F>& rays, const Target<F>& target, const HitBatch<F>& hits) {
+    const bool one = target.primitives.size() == 1;
+    const std::size_t each = one ? rays.size() : 1;
+    for (std::size_t i = 0; i < rays.size(); i += each) {
+        const Primitive<F>& primitive = target.primitives[one ? 0 : i];
+        if (!primitive.placed) throw std::logic_error("a form that takes a matrix was given a primitive without one");
+        answer(*static_cast<const Kernels<F>*>(own),
+               {.ray = {&rays.ox[i], &rays.oy[i], &rays.oz[i], &rays.dx[i], &rays.dy[i], &rays.dz[i]},
+                .tmax = rays.tmax.empty() ? nullptr : &rays.tmax[i],
+                .primitive = primitive.numbers.data(),
+                .matrix = primitive.placed->matrix.data(),
+                .told = {&hits.t[i], &hits.near[i], &hits.far[i]},
+                .hit = &hits.hit[i],
+                .size = each},
+               each);
+    }
+}
+
+template <class F>
+intersect::table::Kernel<F> kernel_of(const external::Library& library, const std::string& name) {
+    static std::deque<Kernels<F>> all;
+    using Kernel = PlacedKernel<F>;
+    using external::entry_of;
+    const simd::Isa isa = simd::current_isa();
+    const std::size_t bytes = isa == simd::Isa::w512 ? 64 : isa == simd::Isa::w256 ? 32 : 16;
+    all.push_back({entry_of<Kernel>(library, (name + "_alone").c_str()),
+                   entry_of<Kernel>(library, (name + "_packs").c_str()), isa, bytes / sizeof(F)});
+    Kernels<F>& kernels = all.back();
+    if (!kernels.alone) throw std::logic_error(name + ": the compiled library does not export its kernel");
+    return {run<F>, &kernels};
+}
+
+bool is_double(const Written& form) { return form.from.format.engine == Format::Engine::native64; }
+
+/// True if the forms take the matrix of their primitive. The forms of one list are alike in this, so the first one
+/// decides.
+bool are_placed(const std::vector<Written>& forms) { return !forms.empty() && forms.front().from.form->is_placed; }
+
+/// The source that includes `mended0.hpp`, `mended1.hpp`, … and exports the kernels of each.
+std::string placed_source_of(const std::vector<Written>& forms) {
+    std::string text = "#include \"measure/repair/placed_form.hpp\"\n";
+    for (std::size_t k = 0; k < forms.size(); ++k) {
+        std::string primitive(row_of(forms[k].from.form->shape).name);
+        primitive.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(primitive.front())));
+        text += fmt::format("#include \"mended{}.hpp\"\nLOSTBITS_PLACED_FORM(mended{}, {}, {}, {})\n", k, k,
+                            forms[k].type, primitive, is_double(forms[k]) ? "double" : "float");
+    }
+    return text;
+}
+
+/// Makes a row for each form, in the format of the form that it was made from. Rows use the register width of the run,
+/// as all rows under a matrix do.
+std::vector<external::Formula> placed_rows(const fs::path& library, const std::vector<Written>& forms) {
+    static std::deque<intersect::Info> infos;
+    const external::Library loaded = external::load_library(library);
+    std::vector<external::Formula> formulas;
+    for (std::size_t k = 0; k < forms.size(); ++k) {
+        const Intersector& like = *forms[k].from.form;
+        const std::string name = "mended" + std::to_string(k);
+        intersect::Info& info = infos.emplace_back(*like.info);
+        info.name = external::lasting_text("mended." + name);
+        Intersector row{
+            .info = &info, .shape = like.shape, .native32 = nullptr, .native64 = nullptr, .is_placed = true};
+        if (is_double(forms[k])) row.native64 = kernel_of<double>(loaded, name);
+        else row.native32 = kernel_of<float>(loaded, name);
+        formulas.push_back({.row = row, .packed = {}, .who = nullptr, .first = {}});
+    }
+    return formulas;
+}
+
+void write(const fs::path& file, const std::string& text) {
+    std::ofstream out(file, std::ios::binary);
+    if (!(out << text).flush())
+        throw EnvironmentError(file.string() + ": cannot write this file; set TMPDIR to a folder with free space");
+}
+
+/// Runs the compiler. EnvironmentError with its output where it fails.
+void run_compiler(const intersect::process::ProgramArguments& words, const MendRequest& request) {
+    intersect::process::Child child(words,
+                                    {.who = words.front(), .duty = "", .seconds = 600, .stop = request.limit.stop});
+    const auto ended = child.read_to_end();
+    if (ended.status == 0) return;
+    const std::string why = ended.output.empty() ? "failed without any output" : ended.output;
+    throw EnvironmentError(intersect::process::shell_command(words) + ": " + why);
+}
+
+/// Loads a library that this program compiled. A failure is an EnvironmentError: its cause is the machine, not the
+/// user's input.
+template <class Load>
+auto load_made(const fs::path& library, const Load& load) {
+    try {
+        return load(library);
+    } catch (const InputError& refused) {
+        throw EnvironmentError(
+            std::string(refused.what()) +
+            "; the folder may not allow programs to run (noexec), or memory may be short; set TMPDIR to another one");
+    }
+}
+
+std::string source_of(const std::vector<Written>& forms) {
+    if (are_placed(forms)) return placed_source_of(forms);
+    std::string text = "#include <lostbits_form.hpp>\n", names;
+    for (std::size_t k = 0; k < forms.size(); ++k) {
+        text += "#include \"mended" + std::to_string(k) + ".hpp\"\n";
+        names += (k == 0 ? "" : ", ") + forms[k].type;
+    }
+    return text + "LOSTBITS_FORMULAS(" + names + ")\n";
+}
+
+/// Makes work run in scalar arithmetic. Rows under a matrix use the current register width, so the width is `scalar`
+/// while they run.
+speed::TimedWork alone(speed::TimedWork work) {
+    work.pass = [pass = std::move(work.pass)] {
+        const simd::Isa before = simd::current_isa();
+        set_isa(simd::Isa::scalar);
+        pass();
+        set_isa(before);
+    };
+    return work;
+}
+
+}  // namespace
+
+std::vector<intersect::external::Formula> compiled(const MendRequest& request, const std::vector<Written>& forms,
+                                                   const Workshop& workshop) {
+    if (!fs::exists(workshop.flags / "form.flags"))
+        throw EnvironmentError((workshop.flags / "form.flags").string() +
+                               ": this file is missing; it holds the compiler flags for forms; a build of lostbits has "
+                               "it, and an installation has it in lib/lostbits");
+    const intersect::device::TemporaryFolder bench("lostbits-mend");
+    const auto path = [&](const std::string& name) { return (bench.path / name).string(); };
+    const auto flags = [&](const std::string& name) { return "@" + (workshop.flags / name).string(); };
+    for (std::size_t k = 0; k < forms.size(); ++k) write(path("mended" + std::to_string(k) + ".hpp"), forms[k].header);
+    const std::string source = path("mended.cpp"), packs = path("packs.o"), library = path("mended.so"),
+                      isa = "form.w" + std::string(name_of(simd::current_isa())) + ".flags";
+    write(source, source_of(forms));
+    intersect::process::ProgramArguments link{workshop.compiler, "-shared", source};
+    if (fs::exists(workshop.flags / isa)) {
+        // form.flags names the libraries to link as well; `-c` does not use them.
+        run_compiler({workshop.compiler, "-c", source, "-o", packs, flags("form.flags"), flags(isa)}, request);
+        link.push_back(packs);
+    }
+    link.insert(link.end(), {"-o", library, flags("form.flags")});
+    run_compiler(link, request);
+    auto formulas = are_placed(forms) ? load_made(library, [&](const fs::path& at) { return placed_rows(at, forms); })
+                                      : load_made(library, external::load_formulas);
+    for (std::size_t k = 0; k < forms.size(); ++k) {
+        const evaluate::TestedForm& from = forms[k].from;
+        MendRequest asked = request;
+        asked.row = from;
+        Judge judge(asked);
+        const evaluate::TestedForm own{.form = &formulas[k].row, .format = from.format, .judged = from.judged};
+        if (!answers_as(own, *forms[k].tape, asked, judge))
+            throw std::logic_error(forms[k].type + ": the compiled form has other answers than its tape");
+        if (!own.form->is_placed) simd::register_packs({{formulas[k].row.info, formulas[k].packed}});
+    }
+    return formulas;
+}
+
+std::vector<Price> prices_of(const MendRequest& request, const std::vector<evaluate::TestedForm>& rows,
+                             const speed::TimingPlan& plan) {
+    auto on_rays = request.scene ? speed::SceneWork(*request.scene, request.limit)
+                                 : speed::SceneWork(request.rays->sample, request.limit);
+    const simd::Isa isa = simd::current_isa();
+    std::vector<speed::TimedWork> work;
+    std::vector<Price> prices;
+    for (const evaluate::TestedForm& row : rows) {
+        const bool in_packs = row.form->is_placed || is_packed(*row.form, isa);
+        prices.push_back({.isa = name_of(in_packs ? isa : simd::Isa::scalar)});
+        work.push_back(on_rays.on(row, packed_kernels(*row.form, isa)));
+        work.push_back(on_rays.on(row, packed_kernels(*row.form, simd::Isa::scalar)));
+        if (row.form->is_placed) work.back() = alone(work.back());
+    }
+    const auto times = time_interleaved(work, plan);
+    for (std::size_t k = 0; k < rows.size(); ++k) prices[k].packed = times[2 * k], prices[k].single = times[2 * k + 1];
+    return prices;
+}
+
+}  // namespace lostbits::measure::repair

@@ -1,0 +1,44 @@
+// Cost of repaired forms: each is compiled by the user's compiler, compared with its tape, and timed. Nothing is
+// estimated.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "intersect/external/formulas.hpp"
+#include "measure/repair/judge.hpp"
+
+namespace lostbits::measure::repair {
+
+/// The compiler, and the folder with `form.flags` and `form.w256.flags`, as the build of this program left it.
+struct Workshop {
+    std::string compiler;
+    std::filesystem::path flags;
+};
+
+/// Repaired form as C++.
+struct Written {
+    const Tape* tape;
+    std::string header;         ///< text
+    std::string type;           ///< the struct's name, with its namespace
+    evaluate::TestedForm from;  ///< the form that it was made from
+};
+
+/// Time in seconds for one ray and one primitive.
+struct Price {
+    std::string_view isa = {};  ///< instruction set of `packed`; `scalar` where there is none
+    speed::Timing packed{}, single{};
+};
+
+/// Compiles all forms into one library, also in packs of the current width, and loads it; the library stays loaded. Of
+/// the request only the scene and the limit matter. EnvironmentError with the compiler's output; std::logic_error where
+/// a compiled form has other bits than its tape on any ray of the scene.
+std::vector<intersect::external::Formula> compiled(const MendRequest& request, const std::vector<Written>& forms,
+                                                   const Workshop& workshop);
+
+/// Times all rows in one run, on rays of the scene, as `lostbits trade SCENE` does.
+std::vector<Price> prices_of(const MendRequest& request, const std::vector<evaluate::TestedForm>& rows,
+                             const speed::TimingPlan& plan);
+
+}  // namespace lostbits::measure::repair

@@ -1,0 +1,326 @@
+// First t at which a ray meets a primitive, for many rays at once, from the interval in which the line is inside the
+// primitive (geometry/span.hpp). The numbers carry bounds, so no lemma is needed.
+#pragma once
+
+#include <array>
+#include <limits>
+
+#include "geometry/capped_span.hpp"
+#include "geometry/flat_span.hpp"
+#include "geometry/joined_span.hpp"
+#include "geometry/quartic_span.hpp"
+#include "geometry/recorded_root.hpp"
+#include "geometry/span.hpp"
+#include "geometry/wall_span.hpp"
+#include "number/wide/recorded_running.hpp"
+
+namespace lostbits::measure::stages {
+
+using number::wide::ColumnMask;
+using number::wide::ColumnWord;
+using number::wide::is_unset;
+using number::wide::Running;
+
+/// The first t at which a ray meets a closed primitive, if the open primitive has the same answer: `hit` and `missed`
+/// hold where that is proved. If `at_origin` holds too, t* is 0 and `t` is not used.
+template <class E>
+struct SpanHit {
+    mask_t<typename E::P> hit, missed, at_origin;
+    E t;
+};
+
+/// The near root: c/(−h + √q), or −(h + √q)/a if h is above 0 (`past`). If `far`, the far root: (−h + √q)/a, or
+/// −c/(h + √q) if h is above 0. If the sign of h is not proved, both expressions are valid.
+template <class E>
+Fraction<E> fraction_of_root(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far,
+                             const mask_t<typename E::P>& past) {
+    const auto by_a = (far && !past) || (past && !far);
+    const E size = sqrt(s.q) + select(past, s.h, -s.h), n = select(by_a, size, s.c);
+    return {select(past, -n, n), select(by_a, s.a, size)};
+}
+template <class E>
+E root_of(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far, const mask_t<typename E::P>& past) {
+    const Fraction<E> root = fraction_of_root(s, far, past);
+    return root.n / root.m;
+}
+
+/// Tests if an entry lies in the range, for the closed and the open primitive alike, by its order to the end of the
+/// range. A ray that ends at the entry touches the primitive.
+template <class Mask, class T>
+Mask entry_in_time(const Order<Mask>& to_end, const RangeOfSpan<T>& range) {
+    return {to_end.less.yes(), in_time(to_end, range).no()};
+}
+
+/// As `truth::enclose` has it for the usual convention.
+template <class W>
+SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s) {
+    using E = Running<W>;
+    using P = typename E::P;
+    const E zero(0);
+    const auto outside = s.c > zero;
+    const auto inside = s.c < zero;
+    const auto past = s.h > zero;
+    const auto hit = (s.q > zero).yes() && (inside.yes() || (outside.yes() && (s.h < zero).yes()));
+    const auto missed = outside.yes() && ((s.h >= zero).yes() || (s.q < zero).yes()), none = P(0) < P(0);
+    if (is_unset(hit)) return {hit, missed, none, zero};
+    return {hit, missed, none, root_of(s, inside.yes(), past.yes())};
+}
+
+/// The same of a ray with a range.
+template <class W>
+SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+    using E = Running<W>;
+    using P = typename E::P;
+    const E zero(0);
+    const auto begin = quadratic_at(s, range.begin), end = quadratic_at(s, range.end);
+    const auto outside = begin.value > zero, inside = begin.value < zero;
+    const auto near_in = entry_in_time(end.near_root(), range), far_in = in_time(end.far_root(), range);
+    const auto far = inside.yes() && far_in.yes();
+    const auto near = outside.yes() && (begin.slope < zero).yes() && near_in.yes();
+    const auto hit = (s.q > zero).yes() && (near || far);
+    const auto missed = (outside.yes() && ((begin.slope >= zero).yes() || (s.q < zero).yes() || near_in.no())) ||
+                        (inside.yes() && far_in.no());
+    const auto none = P(0) < P(0);
+    if (is_unset(hit)) return {hit, missed, none, zero};
+    return {hit, missed, none, root_of(s, far, (s.h > zero).yes())};
+}
+
+/// Order of x and y, each of which may be off by 2^-44 of itself plus half of `least`.
+template <class P>
+Order<Tris<mask_t<P>>> certain_order(const P& x, const P& y, const P& least) {
+    using lostbits::abs;
+    const P d = x - y, e = P(0x1p-43) * (abs(x) + abs(y)) + least, low = d - e, high = d + e;
+    return {{high < P(0), low >= P(0)}, {high <= P(0), low > P(0)}};
+}
+inline Order<Tris<ColumnMask>> certain_order(const ColumnWord& x, const ColumnWord& y, const ColumnWord& least) {
+    return order_of_first_words(x, y, least);
+}
+
+/// A number that is compared by its first word, which is known to 2^-45 of itself. That suffices for nearly all rays,
+/// under matrices too.
+///
+/// The rounded products x = a b and y = c d of such numbers are off by at most 2.1·2^-45 of themselves plus 2^-1074,
+/// and x − y by 2^-53 more: a b < c d if x − y < −(2^-43 (|x| + |y|) + 2^-1000), and so on.
+///
+/// If a selection is undecided, the word is NaN, which leaves every comparison undecided: if the products of two
+/// entries are both below 2^-1000, the larger entry is unknown, and each of the two may be far from it.
+template <class W>
+struct ByFirstWord {
+    using P = typename Running<W>::P;
+    using Mask = Tris<mask_t<P>>;
+
+    Running<W> whole;
+
+    ByFirstWord() = default;
+    explicit ByFirstWord(int x) : whole(x) {}
+    explicit ByFirstWord(const Running<W>& x) : whole(x) {}
+
+    friend Order<Mask> order_of_products(const ByFirstWord& a, const ByFirstWord& b, const ByFirstWord& c,
+                                         const ByFirstWord& d) {
+        return certain_order(a.whole.first() * b.whole.first(), c.whole.first() * d.whole.first(), P(0x1p-1000));
+    }
+    friend Mask operator<(const ByFirstWord& a, const ByFirstWord& b) { return order_of(a, b).less; }
+    friend Mask operator<=(const ByFirstWord& a, const ByFirstWord& b) { return order_of(a, b).at_most; }
+    friend Mask operator>(const ByFirstWord& a, const ByFirstWord& b) { return order_of(b, a).less; }
+    friend Mask operator>=(const ByFirstWord& a, const ByFirstWord& b) { return order_of(b, a).at_most; }
+    friend ByFirstWord select(const Mask& mask, const ByFirstWord& a, const ByFirstWord& b) {
+        const Running<W> nothing(W(P(std::numeric_limits<double>::quiet_NaN())));
+        return ByFirstWord(select(mask.yes() || mask.no(), select(mask.yes(), a.whole, b.whole), nothing));
+    }
+
+private:
+    static Order<Mask> order_of(const ByFirstWord& a, const ByFirstWord& b) {
+        return certain_order(a.whole.first(), b.whole.first(), P(0));
+    }
+};
+
+/// Slabs in numbers that are compared by their first word, and whether those are good enough: to 2^-45 of themselves.
+template <class W>
+struct QuickSlabs {
+    SlabSpan<ByFirstWord<W>> span;
+    mask_t<typename Running<W>::P> told;
+};
+template <class W>
+QuickSlabs<W> quick(const SlabSpan<Running<W>>& s) {
+    using E = Running<W>;
+    using P = typename E::P;
+    using lostbits::abs;
+    using Quick = ByFirstWord<W>;
+    QuickSlabs<W> q{{.entry = {}, .exit = {}, .crossed = s.crossed, .closed = s.closed, .open = s.open, .d2 = {}},
+                    P(0) <= P(0)};
+    const auto quickly = [&q](const E& x) {
+        q.told = q.told && x.radius() <= P(0x1p-46) * abs(x.first());  // and the second word is less
+        return Quick(x);
+    };
+    for_each_axis([&](auto i) {
+        const Quick m = quickly(s.entry[i].m);
+        q.span.entry[i] = {quickly(s.entry[i].n), m};
+        q.span.exit[i] = {quickly(s.exit[i].n), m};
+    });
+    return q;
+}
+
+/// As `truth::enclose` has it for the usual convention. Nothing is said where a first word is not good to 2^-45 of
+/// itself.
+template <class W>
+SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s) {
+    using E = Running<W>;
+    using Quick = ByFirstWord<W>;
+    const auto [q, told] = quick(s);
+    const InSlabs<Quick> in = in_slabs(q);
+    const Fraction<Quick> first = first_entry(q);
+    const auto at_origin = (first.n <= Quick(0)).yes(), hit = told && in.open.yes(), missed = told && in.closed.no();
+    const E one(1);
+    if (is_unset(hit)) return {hit, missed, at_origin, one};
+    return {hit, missed, at_origin, select(at_origin, one, first.n.whole) / select(at_origin, one, first.m.whole)};
+}
+
+/// The same of a ray with a range.
+template <class W>
+SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+    using E = Running<W>;
+    using Quick = ByFirstWord<W>;
+    const auto [q, told] = quick(s);
+    const RangeOfSpan<Quick> within{Quick(range.begin), {Quick(range.end.n), Quick(range.end.m)}, range.open};
+    const InSlabs<Quick> in = in_slabs(q, within);
+    const Fraction<Quick> first = first_entry(q, within);
+    const auto at_begin = entries_to_begin(q, within).at_most.yes();
+    const auto at_origin = at_begin && (range.begin <= E(0)).yes();
+    const auto hit = told && in.open.yes(), missed = told && in.closed.no();
+    const E one(1);
+    if (is_unset(hit)) return {hit, missed, at_origin, one};
+    const E t = select(at_begin, one, first.n.whole) / select(at_begin, one, first.m.whole);
+    return {hit, missed, at_origin, select(at_begin, range.begin, t)};
+}
+
+/// As `truth::enclose` has it for the usual convention, where neither the rim nor the origin is met.
+template <class W>
+SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s) {
+    using P = typename Running<W>::P;
+    const Running<W> zero(0), one(1);
+    const auto hit = s.open.yes() && (s.at.n > zero).yes(), none = P(0) < P(0);
+    const auto missed = s.closed.no() || (s.at.n < zero).yes();
+    if (is_unset(hit)) return {hit, missed, none, zero};
+    return {hit, missed, none, s.at.n / select(hit, s.at.m, one)};
+}
+
+/// The same of a ray with a range, where it does not begin on the surface.
+template <class W>
+SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+    using P = typename Running<W>::P;
+    const Running<W> zero(0), one(1);
+    const auto to_begin = order_of(s.at, Fraction<Running<W>>{range.begin, one});
+    const auto ends = in_time(order_of(s.at, range.end), range);
+    const auto hit = s.open.yes() && to_begin.at_most.no() && ends.yes(), none = P(0) < P(0);
+    const auto missed = s.closed.no() || to_begin.less.yes() || ends.no();
+    if (is_unset(hit)) return {hit, missed, none, zero};
+    return {hit, missed, none, s.at.n / select(hit, s.at.m, one)};
+}
+
+/// As `truth::enclose` has it for the usual convention, where no rim is met: the near side where the ray is known to
+/// meet that, else the far one where it is known not to.
+template <class E, class Begin>
+SpanHit<E> first_span_hit_of_wall(const WallSpan<E>& s, const Begin& begin, const std::array<mask_t<E>, 2>& in_range) {
+    using P = typename E::P;
+    const auto none = P(0) < P(0);
+    std::array<mask_t<P>, 2> met{none, none}, passed{none, none};
+    for (std::size_t i = 0; i < 2; ++i) {
+        const auto at = s.crossing(static_cast<int>(i));
+        const auto to_begin = s.order_to(static_cast<int>(i), begin);
+        met[i] = at.open.yes() && to_begin.at_most.no() && in_range[i].yes();
+        passed[i] = at.closed.no() || to_begin.less.yes() || in_range[i].no();
+    }
+    const auto far = passed[0] && met[1], hit = met[0] || far, missed = passed[0] && passed[1];
+    if (is_unset(hit)) return {hit, missed, none, E(1)};
+    return {hit, missed, none, root_of(s.primitive.side, far, (s.primitive.side.h > E(0)).yes())};
+}
+template <class W>
+SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s) {
+    using E = Running<W>;
+    const auto always = E(0) <= E(0);
+    return first_span_hit_of_wall<E>(s, Start(), {always, always});
+}
+
+/// The same of a ray with a range.
+template <class W>
+SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+    return first_span_hit_of_wall<Running<W>>(
+        s, Fraction<Running<W>>{range.begin, Running<W>(1)},
+        {in_time(s.order_to(0, range.end), range), in_time(s.order_to(1, range.end), range)});
+}
+
+/// The t at which the line enters (if `far`, leaves), and a mask of the lanes where it is known, in the lanes of a hit.
+template <class E>
+struct BoundaryHit {
+    mask_t<typename E::P> known;
+    E t;
+};
+template <class W>
+BoundaryHit<Running<W>> boundary_hit(const CappedSpan<Running<W>>& s, const mask_t<typename Running<W>::P>& far) {
+    using E = Running<W>;
+    const auto near_cap = s.enters_by_cap(), far_cap = s.leaves_by_cap();
+    const auto by_cap = (!far && near_cap.yes()) || (far && far_cap.yes());
+    const auto by_side = (!far && near_cap.no()) || (far && far_cap.no());
+    const Fraction<E> root = fraction_of_root(s.side, far, (s.side.h > E(0)).yes());
+    return {by_cap || by_side,
+            select(by_cap, select(far, s.exit.n, s.entry.n), root.n) / select(by_cap, s.entry.m, root.m)};
+}
+template <class W>
+BoundaryHit<Running<W>> boundary_hit(const JoinedSpan<Running<W>>& s, const mask_t<typename Running<W>::P>& far) {
+    using P = typename Running<W>::P;
+    const QuadraticSpan<Running<W>> at{select(far, s.leave.h, s.enter.h), select(far, s.leave.c, s.enter.c),
+                                       select(far, s.leave.a, s.enter.a), select(far, s.leave.q, s.enter.q), s.d2};
+    return {P(0) <= P(0), root_of(at, far, (at.h > Running<W>(0)).yes())};
+}
+
+/// As `truth::enclose` has it for the usual convention, of a ray that begins at `begin` and does not begin on the
+/// surface: from outside where it enters, from inside where it leaves, each in the range where there is one.
+template <class E, class S, class Begin>
+SpanHit<E> first_span_hit_from(const S& s, const Begin& begin, const mask_t<E>& entry_in, const mask_t<E>& exit_in) {
+    using P = typename E::P;
+    const auto enters = s.enters_to(begin), leaves = s.leaves_to(begin);
+    const auto open = s.is_open().yes() && leaves.at_most.no(), none = P(0) < P(0);
+    const auto near = open && enters.at_most.no() && entry_in.yes();
+    const auto far = open && enters.less.yes() && exit_in.yes();
+    const auto missed = s.is_hit().no() || leaves.less.yes() || (enters.at_most.no() && entry_in.no()) ||
+                        (enters.less.yes() && exit_in.no());
+    if (is_unset(near || far)) return {none, missed, none, E(1)};
+    const BoundaryHit<E> at = boundary_hit(s, far);
+    return {(near || far) && at.known, missed, none, at.t};
+}
+template <class W, template <class> class Span>
+requires ComparableSpan<Span<Running<W>>, Running<W>> SpanHit<Running<W>> first_span_hit(const Span<Running<W>>& s) {
+    using E = Running<W>;
+    const auto always = E(0) <= E(0);
+    return first_span_hit_from<E>(s, Start(), always, always);
+}
+
+/// The same of a ray with a range.
+template <class W, template <class> class Span>
+requires ComparableSpan<Span<Running<W>>, Running<W>> SpanHit<Running<W>> first_span_hit(
+    const Span<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+    return first_span_hit_from<Running<W>>(s, Fraction<Running<W>>{range.begin, Running<W>(1)},
+                                           entry_in_time(s.enters_to(range.end), range),
+                                           in_time(s.leaves_to(range.end), range));
+}
+
+/// First t on a surface of degree four, as `truth::enclose` has it for the usual convention: the first root ahead is an
+/// entry or an exit, if every root is known to be simple.
+template <class W>
+SpanHit<Running<W>> first_span_hit(const QuarticSpan<Running<W>>& s) {
+    using P = typename Running<W>::P;
+    const FirstRoot<Running<W>> root = first_root(s.f, s.b, s.bound);
+    return {root.found, root.none, P(0) < P(0), s.time(root.x)};
+}
+
+/// The same of a ray with a range.
+template <class W>
+SpanHit<Running<W>> first_span_hit(const QuarticSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+    using P = typename Running<W>::P;
+    const FirstRoot<Running<W>> root = first_root(s.f, s.place(range.begin), s.bound);
+    const Running<W> end = s.a * range.end.n + s.b * range.end.m;
+    const auto in_time = (root.high * range.end.m < end).yes(), late = (root.low * range.end.m > end).yes();
+    return {root.found && in_time, root.none || (root.found && late), P(0) < P(0), s.time(root.x)};
+}
+
+}  // namespace lostbits::measure::stages

@@ -1,0 +1,143 @@
+// Conversions from a number to the wider ones: float, double, double-double.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <span>
+#include <string_view>
+
+#include "number/format.hpp"
+#include "number/wide/two_words.hpp"
+
+namespace lostbits::number::wide {
+
+/// Widest number of one word: double for float and for formats that a double holds; T itself if nothing is wider.
+template <class T>
+using OneWord = typename Wider<T>::type;
+
+/// True if `OneWord` is wider than T.
+template <class T>
+inline constexpr bool has_wider_word = !std::same_as<OneWord<T>, T>;
+
+/// True if the format of T is narrower than `OneWord`. For numbers whose format is chosen at run time: the current
+/// format.
+template <class T>
+bool widens() {
+    if constexpr (traces_operations<T> && has_wider_word<T>) return !(T::format() == binary64);
+    else return has_wider_word<T>;
+}
+
+/// True for packs. Their rare, long functions are flattened, because otherwise every pack in them goes through memory.
+/// For other numbers flattening would take the compiler minutes.
+template <class T>
+concept InRegisters = requires {
+    T::lanes;
+};
+
+/// Converts x exactly to W: `OneWord<T>`, or two of them.
+template <class W, class T>
+W widen(const T& x) {
+    if constexpr (std::same_as<W, OneWord<T>>) return Wider<T>::widen(x);
+    else return W(Wider<T>::widen(x));
+}
+
+/// Converts x to T: rounded once from `OneWord<T>`, and once more from two of them.
+template <class T, class W>
+T narrow(const W& x) {
+    if constexpr (std::same_as<W, OneWord<T>>) return Wider<T>::narrow(x);
+    else return Wider<T>::narrow(x.hi);
+}
+
+/// Strips the record of a number's operations: the filter's own decisions are not part of the answer.
+template <class T>
+auto value_of(const T& x) {
+    if constexpr (traces_operations<T>) return x.value();
+    else return x;
+}
+template <class T>
+auto value_of(const Vec<T>& x) {
+    return Vec<decltype(value_of(x.x))>(value_of(x.x), value_of(x.y), value_of(x.z));
+}
+
+/// Converts a decision about such bare numbers to one of T: proved, and a constant on a tape.
+template <class T, class Mask>
+mask_t<T> constant_mask(const Mask& mask) {
+    if constexpr (traces_operations<T>) return T(mask ? 1 : 0) > T(0);
+    else return mask;
+}
+
+/// Name of each answer of an exact step, for numbers that record operations.
+inline constexpr std::string_view name_of(CallAnswer answer) {
+    constexpr std::array<std::string_view, 4> names{"exact_decision", "exact_t", "exact_near", "exact_far"};
+    return names[static_cast<std::size_t>(answer)];
+}
+
+/// Records a step that none of T's own operations performed; `value` is its result.
+template <class T, std::size_t n>
+T record_call(const Call& of, const std::array<T, n>& arguments, const decltype(value_of(std::declval<T>()))& value) {
+    return named(name_of(of.answer), called(of, std::span<const T>(arguments), value));
+}
+
+/// Smallest normal number of T: a product below it may be off by u times this number, however small the product is.
+template <class T>
+T least_normal() {
+    if constexpr (std::floating_point<T>) return std::numeric_limits<T>::min();
+    else if constexpr (InRegisters<T> && has_wider_word<T>) return T(std::numeric_limits<float>::min());
+    else if constexpr (InRegisters<T>) return T(std::numeric_limits<double>::min());
+    else return next_up(T(0)) * (T(1) / (T(2) * unit_roundoff<T>()));
+}
+
+/// Square root of the smallest normal number; in float and double a power of two.
+template <class T>
+T root_of_least_normal() {
+    if constexpr (std::same_as<T, float> || (InRegisters<T> && has_wider_word<T>)) return T(0x1p-63F);
+    else if constexpr (std::same_as<T, double> || InRegisters<T>) return T(0x1p-511);
+    else return sqrt(least_normal<T>());
+}
+
+/// True if numbers of T are computed in doubles whose products may overflow or underflow; `masked_lanes` then answers.
+/// Products of four floats do neither in double.
+template <class T>
+inline constexpr bool has_whole_range =
+    !std::same_as<T, float> && (std::same_as<OneWord<T>, double> || (InRegisters<T> && !has_wider_word<T>));
+
+/// True if the smallest normal number of the wider word is below that of T. Some formats of fewer bits reach as low as
+/// double.
+template <class T>
+mask_t<T> goes_deeper() {
+    if constexpr (std::same_as<OneWord<T>, double> && has_wider_word<T>)
+        return widen<double>(least_normal<T>()) > std::numeric_limits<double>::min();
+    else return widens<T>() ? T(0) < T(1) : T(1) < T(0);
+}
+
+/// Calls `f(in, out)` for each lane with `ask` > 0. `in` holds the lane's numbers as doubles. `out` holds the lane of
+/// `out` before the call; what `f` leaves there is that lane of the result.
+template <class T, std::size_t ins, std::size_t outs, class F>
+std::array<T, outs> masked_lanes(const T& ask, const std::array<T, ins>& in, std::array<T, outs> out, const F& f) {
+    if constexpr (InRegisters<T>) {
+        double asked[T::lanes], from[ins][T::lanes], to[outs][T::lanes];
+        ask.store(asked);
+        for (std::size_t k = 0; k < ins; ++k) in[k].store(from[k]);
+        for (std::size_t k = 0; k < outs; ++k) out[k].store(to[k]);
+        for (std::size_t lane = 0; lane < T::lanes; ++lane) {
+            if (!(asked[lane] > 0)) continue;
+            std::array<double, ins> numbers;
+            std::array<double, outs> found;
+            for (std::size_t k = 0; k < ins; ++k) numbers[k] = from[k][lane];
+            for (std::size_t k = 0; k < outs; ++k) found[k] = to[k][lane];
+            f(numbers, found);
+            for (std::size_t k = 0; k < outs; ++k) to[k][lane] = found[k];
+        }
+        for (std::size_t k = 0; k < outs; ++k) out[k] = T::load(to[k]);
+    } else if (ask > T(0)) {
+        std::array<double, ins> numbers;
+        std::array<double, outs> found;
+        for (std::size_t k = 0; k < ins; ++k) numbers[k] = widen<double>(in[k]);
+        for (std::size_t k = 0; k < outs; ++k) found[k] = widen<double>(out[k]);
+        f(numbers, found);
+        for (std::size_t k = 0; k < outs; ++k) out[k] = narrow<T>(found[k]);
+    }
+    return out;
+}
+
+}  // namespace lostbits::number::wide

@@ -1,0 +1,178 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "measure/attribution/operations.hpp"
+#include "measure/attribution/tape_text.hpp"
+#include "number/error.hpp"
+#include "output/attribution/explain_text.hpp"
+#include "output/attribution/tape_slice.hpp"
+#include "output/file/escape.hpp"
+#include "output/file/number_text.hpp"
+
+namespace lostbits::output::attribution {
+
+using measure::attribution::Explanation;
+
+namespace {
+
+class Program {
+public:
+    explicit Program(const Explanation& x)
+        : x_(x),
+          text_(x.tape, x.names, measure::attribution::TapeText::Style::plain),
+          slice_(x.tape, {x.tape.outputs.t, x.tape.outputs.hit}),
+          rounds_(x.format.engine == Format::Engine::rounded) {
+        wide_ = rounds_ && x.format.parameters.precision > 25;
+    }
+
+    std::string written() {
+        std::string body;
+        for (NodeId i = 0; i < x_.tape.size(); ++i) {
+            if (slice_.needs(i)) body += line(i);
+        }
+        return opening(body) + body + closing();
+    }
+
+private:
+    [[nodiscard]] bool is_double(NodeId i) const { return rounds_ || x_.tape.format_of(i) == binary64; }
+    [[nodiscard]] std::string literal(double v, bool as_double) const {
+        if (std::isnan(v)) return "NAN";
+        if (std::isinf(v)) return v < 0 ? "-INFINITY" : "INFINITY";
+        return file::hex(v) + (as_double ? "" : "f");
+    }
+    /// The name of a variable, or the digits of a value that depends only on constants.
+    [[nodiscard]] std::string operand(NodeId i) const {
+        if (!is_decision(x_.tape[i].op) && slice_.is_constant(i)) return literal(x_.tape[i].value, is_double(i));
+        return text_.identifier(i);
+    }
+
+    std::string line(NodeId i) {
+        const TapeNode& n = x_.tape[i];
+        if (!is_decision(n.op) && slice_.is_constant(i)) return "";
+        const std::string comment =
+            n.op == TapeOp::input || (n.label.empty() && n.op != TapeOp::select)
+                ? ""
+                : fmt::format("  /* {}{} */", file::c_comment(text_.definition(i)), n.op == TapeOp::call ? call : "");
+        const std::string type = is_decision(n.op) ? "int" : is_double(i) ? "volatile double" : "volatile float";
+        return fmt::format("    {} {} = {};{}\n", type, text_.identifier(i), value(i), comment);
+    }
+
+    std::string value(NodeId i) {
+        const TapeNode& n = x_.tape[i];
+        if (n.op == TapeOp::input) return literal(n.value, is_double(i));
+        const measure::attribution::OperationText& text = measure::attribution::text_of(n.op);
+        if (rounds_ && !text.c_lacks.empty()) refuse(text.c_lacks);
+        const bool is_rounded = rounds_ && !text.c_wide.empty();
+        if (is_rounded && wide_) refuse_unsafe(i);
+        const std::string value = measure::attribution::filled(
+            is_rounded && wide_ ? text.c_wide : text.c.text, [&](std::size_t k, int) { return operand(n.operands[k]); },
+            [&](char letter) -> std::string {
+                if (letter == 'v') return literal(n.value, is_double(i));
+                if (letter == 't') return is_double(i) ? "double" : "float";
+                return is_double(i) ? "" : "f";
+            });
+        return is_rounded && !wide_ ? fmt::format("rounded({}, 0)", value) : value;
+    }
+    void refuse(std::string_view what) const {
+        throw InputError(fmt::format("--c: {} uses {}, which C has only for float and double; try -f f32 or f64",
+                                     x_.form->info->name, what));
+    }
+
+    /// The remainder of a sum, product, quotient or root is a double if no value comes near the ends of the range
+    /// (number/rounded.cpp). Throws InputError otherwise.
+    void refuse_unsafe(NodeId i) const {
+        const TapeNode& n = x_.tape[i];
+        bool exact = std::isnan(n.value), safe = true;  // zeros, infinities and NaN round to themselves
+        const auto see = [&](double v) { safe = safe && std::fabs(v) >= 0x1p-960 && std::fabs(v) <= 0x1p+1000; };
+        for (const NodeId operand_id : n.operands) {
+            if (operand_id == no_node) continue;
+            const double v = x_.tape[operand_id].value;
+            exact = exact || v == 0 || !std::isfinite(v);
+            if (n.op == TapeOp::div) see(v);
+        }
+        const bool sum = n.op == TapeOp::add || n.op == TapeOp::sub;
+        if (sum) safe = std::fabs(n.value) <= 0x1p+1000;
+        else see(n.value);
+        if (exact || safe) return;
+        throw InputError(
+            fmt::format("--c: {} is {}, so close to the ends of double's range that its rounding error is not a "
+                        "double, as {} bits need it; try -f f64, or a format of at most 25 bits",
+                        text_.definition(i), file::decimal(n.value), x_.format.parameters.precision));
+    }
+
+    [[nodiscard]] std::string rounding_functions(const std::string& body) const {
+        const FloatFormat& f = x_.format.parameters;
+        std::string text = fmt::format(
+            "/* r + rest, where r is the nearest double, rounded to {0} significand bits, exponents {1} to {2}, "
+            "nearest even. "
+            "*/\nstatic double rounded(double r, double rest) {{\n"
+            "    int e;\n    double m, k;\n    if (r == 0 || isnan(r) || isinf(r)) return r;\n    frexp(r, &e);\n    e "
+            "= (e - 1 > {1} ? e - 1 : {1}) - {0} + 1;\n"
+            "    m = ldexp(fabs(r), -e);\n    k = floor(m);\n    if (r < 0) rest = -rest;\n    if (m - k > 0.5 || (m - "
+            "k == 0.5 && (rest > 0 || (rest == 0 && fmod(k, 2) != 0)))) k += 1;\n"
+            "    m = ldexp(k, e);\n    return copysign(m >= ldexp(1.0, {2}) * 2 ? INFINITY : m, r);\n}}\n",
+            f.precision, f.emin, f.emax);
+        const auto add_if_used = [&](const std::string& name, const std::string& function) {
+            if (wide_ && body.find(" " + name + "(") != std::string::npos) text += function;
+        };
+        add_if_used("sum",
+                    "static double sum(double a, double b) {\n    volatile double s = a + b, v = s - a, w = s - v, x = "
+                    "a - w, y = b - v;\n"
+                    "    return isfinite(s) ? rounded(s, x + y) : s;\n}\n");
+        add_if_used("product",
+                    "static double product(double a, double b) {\n    volatile double p = a * b;\n    return "
+                    "rounded(p, fma(a, b, -p));\n}\n");
+        add_if_used("quotient",
+                    "static double quotient(double a, double b) {\n    volatile double q = a / b, rest = fma(-q, b, "
+                    "a);\n    return rounded(q, b < 0 ? -rest : rest);\n}\n");
+        add_if_used("root",
+                    "static double root(double a) {\n    volatile double r = sqrt(a);\n    return rounded(r, fma(-r, "
+                    "r, a));\n}\n");
+        return text + "\n";
+    }
+
+    [[nodiscard]] std::string opening(const std::string& body) const {
+        std::string text = fmt::format(
+            "/* {} in {}: {}.\n   Source: {}. Compile with cc -lm; no fast math. */\n#include <math.h>\n#include "
+            "<stdio.h>\n\n",
+            x_.form->info->name, x_.format.name, file::c_comment(x_.form->info->title),
+            file::c_comment(x_.form->info->source));
+        if (rounds_) text += rounding_functions(body);
+        text +=
+            "static void show(const char* what, int hit, double t) {\n    if (isnan(t)) printf(\"%-9s %s at nan\\n\", "
+            "what, hit ? \"hit\" : \"miss\");\n"
+            "    else printf(\"%-9s %s at %a = %.17g\\n\", what, hit ? \"hit\" : \"miss\", t, t);\n}\n"
+            "static int is_same(double a, double b) { return isnan(a) ? isnan(b) : a == b && !signbit(a) == "
+            "!signbit(b); }\n\n";
+        return text + "int main(void) {\n";
+    }
+
+    /// One function of the program prints the computed, true and recorded t. The same bits therefore give the same
+    /// text, however that machine's C library spells them.
+    [[nodiscard]] std::string closing() const {
+        const NodeId t = x_.tape.outputs.t, hit = x_.tape.outputs.hit;
+        const std::string recorded = literal(x_.tape[t].value, true);
+        std::string text = fmt::format("\n    show(\"computed\", {}, {});\n", text_.identifier(hit), operand(t));
+        if (x_.truth == measure::truth::Truth::Decision::unresolved) text += "    puts(\"true      not proved\");\n";
+        else
+            text += x_.true_t ? fmt::format("    show(\"true\", 1, {});\n", literal(*x_.true_t, true))
+                              : "    puts(\"true      miss\");\n";
+        text += fmt::format("    show(\"recorded\", {}, {});\n", x_.hit ? 1 : 0, recorded);
+        return text + fmt::format("    return is_same({}, {}) && {}{} ? 0 : 1;\n}}\n", operand(t), recorded,
+                                  x_.hit ? "" : "!", text_.identifier(hit));
+    }
+
+    static constexpr std::string_view call = ": a call, which sums without rounding; this is its result";
+
+    const Explanation& x_;
+    measure::attribution::TapeText text_;
+    TapeSlice slice_;
+    bool rounds_, wide_ = false;
+};
+
+}  // namespace
+
+std::string explain_c(const Explanation& x) { return Program(x).written(); }
+
+}  // namespace lostbits::output::attribution

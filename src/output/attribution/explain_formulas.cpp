@@ -1,0 +1,142 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "measure/attribution/operations.hpp"
+#include "measure/attribution/tape_text.hpp"
+#include "number/error.hpp"
+#include "output/attribution/explain_text.hpp"
+#include "output/attribution/tape_slice.hpp"
+
+namespace lostbits::output::attribution {
+
+using measure::attribution::Explanation;
+
+namespace {
+
+/// FPBench's names: `(float e n)` has e exponent bits and n bits in total.
+std::string precision_name(const FloatFormat& f) {
+    if (f == binary32) return "binary32";
+    if (f == binary64) return "binary64";
+    if (f == binary16) return "binary16";
+    const int exponent_bits = 1 + std::ilogb(static_cast<double>(f.emax + 1));
+    return fmt::format("(float {} {})", exponent_bits, exponent_bits + f.precision);
+}
+
+/// A double as an exact rational, built from integers of at most 53 bits and powers of two.
+std::string rational(double x) {
+    if (std::isnan(x)) return "NAN";
+    if (std::isinf(x)) return x < 0 ? "(- INFINITY)" : "INFINITY";
+    if (x == 0 || (x == std::floor(x) && std::fabs(x) < 0x1p53)) return fmt::format("{:.0f}", x);
+    int e = 0;
+    double k = std::frexp(x, &e);
+    for (; k != std::floor(k); --e) k *= 2;
+    if (e < 0 && e > -63) return fmt::format("{:.0f}/{}", k, std::uint64_t{1} << -e);
+    return fmt::format("(* {:.0f} (pow 2 {}))", k, e);
+}
+
+class Core {
+public:
+    explicit Core(const Explanation& x)
+        : x_(x),
+          text_(x.tape, x.names, measure::attribution::TapeText::Style::plain),
+          slice_(x.tape, {x.tape.outputs.t}) {}
+
+    std::string written() {
+        const NodeId t = x_.tape.outputs.t;
+        std::string body;
+        for (NodeId i = 0; i < x_.tape.size(); ++i) {
+            if (!slice_.needs(i) || !is_bound(i)) continue;
+            const std::string value = is_decision(x_.tape[i].op) ? fmt::format("(if {} 1 0)", written(i)) : number(i);
+            body += fmt::format("    [{} {}]\n", text_.identifier(i), value);
+        }
+        return fmt::format(
+            "(FPCore ({})\n  :name \"{} in {}, t\"\n  :precision {}\n  :cite (lostbits)\n  :pre {}\n  (let* (\n{}    "
+            ")\n    {}))\n",
+            arguments(), x_.form->info->name, x_.format.name, precision_name(x_.format.parameters), pre(), body,
+            operand(t));
+    }
+
+private:
+    [[nodiscard]] bool is_input(NodeId i) const { return x_.tape[i].op == TapeOp::input; }
+    /// True for values with a line of their own: every computed number, and decisions that are used more than once.
+    [[nodiscard]] bool is_bound(NodeId i) const {
+        if (is_input(i)) return false;
+        if (is_decision(x_.tape[i].op)) return slice_.uses[static_cast<std::size_t>(i)] > 1;
+        return !slice_.is_constant(i);
+    }
+    [[nodiscard]] std::string operand(NodeId i) const {
+        if (is_decision(x_.tape[i].op)) return is_bound(i) ? fmt::format("(== {} 1)", text_.identifier(i)) : written(i);
+        return slice_.is_constant(i) ? rational(x_.tape[i].value) : text_.identifier(i);
+    }
+    [[nodiscard]] std::string written(NodeId i) const {
+        const TapeNode& n = x_.tape[i];
+        if (n.op == TapeOp::call)
+            throw InputError(fmt::format(
+                "--fpcore: {} settles this ray by a call that sums without rounding, but FPCore has only operations "
+                "of formats; --json and --c give the result of the call",
+                x_.form->info->name));
+        const FloatFormat& f = x_.tape.format_of(i);
+        return measure::attribution::filled(
+            measure::attribution::text_of(n.op).fpcore.text, [&](std::size_t k, int) { return operand(n.operands[k]); },
+            [&](char) { return rational(std::ldexp(1.0, f.emin - f.precision + 1)); });
+    }
+    [[nodiscard]] std::string number(NodeId i) const {
+        const std::string text = written(i);
+        const bool other = !(x_.tape.format_of(i) == x_.format.parameters);
+        return other ? fmt::format("(! :precision {} {})", precision_name(x_.tape.format_of(i)), text) : text;
+    }
+
+    [[nodiscard]] std::string arguments() const {
+        std::string text;
+        for (NodeId i = 0; i < x_.tape.size(); ++i) {
+            if (is_input(i) && slice_.needs(i)) text += (text.empty() ? "" : " ") + text_.identifier(i);
+        }
+        return text;
+    }
+    [[nodiscard]] std::string pre() const {
+        std::string text = "(and";
+        for (NodeId i = 0; i < x_.tape.size(); ++i) {
+            if (!is_input(i) || !slice_.needs(i)) continue;
+            const double v = x_.tape[i].value, apart = std::fabs(v) * 0x1p-12;
+            const std::string name = text_.identifier(i);
+            if (v == 0 || !std::isfinite(v)) text += fmt::format("\n    (== {} {})", name, rational(v));
+            else text += fmt::format("\n    (<= {} {} {})", rational(v - apart), name, rational(v + apart));
+        }
+        return text + ")";
+    }
+
+    const Explanation& x_;
+    measure::attribution::TapeText text_;
+    TapeSlice slice_;
+};
+
+}  // namespace
+
+std::string explain_fpcore(const Explanation& x) { return Core(x).written(); }
+
+std::string explain_latex(const Explanation& x) {
+    const measure::attribution::TapeText text(x.tape, x.names, measure::attribution::TapeText::Style::latex);
+    std::string form;
+    for (const char c : x.form->info->name) form += c == '_' ? "\\_" : std::string(1, c);
+    std::string latex =
+        fmt::format("% {} in {}; needs amsmath. Boxed: the culprit. Under braces: cancelled bits.\n\\begin{{align*}}\n",
+                    x.form->info->name, x.format.name);
+    std::string lines;
+    for (NodeId i = 0; i < x.tape.size(); ++i) {
+        const measure::attribution::OperationError& e = x.attribution[i];
+        const bool culprit = i == culprit_operation(x);
+        if (!e.live || !is_operation(x.tape[i].op)) continue;
+        if (x.tape[i].label.empty() && !culprit && e.cancelled < 2) continue;
+        std::string right = text.expression(i);
+        if (e.cancelled > 1)
+            right = fmt::format("\\underbrace{{{}}}_{{\\text{{{} of {} bits cancel}}}}", right, e.cancelled,
+                                x.tape.format_of(i).precision);
+        if (culprit) right = fmt::format("\\boxed{{{}}}", right);
+        lines += fmt::format("{}  {} &= {}", lines.empty() ? "" : " \\\\\n", text.shown(i), right);
+    }
+    latex += lines.empty() ? "  & \\text{no operation leads to the answer}" : lines;
+    return latex + "\n\\end{align*}\n";
+}
+
+}  // namespace lostbits::output::attribution

@@ -1,0 +1,121 @@
+#include <cmath>
+
+#include "measure/attribution/operation_error.hpp"
+#include "measure/attribution/tape_text.hpp"
+#include "output/attribution/explain_text.hpp"
+#include "output/file/json.hpp"
+
+namespace lostbits::output::attribution {
+
+using measure::attribution::TapeText;
+
+namespace {
+
+using Json = file::OrderedJson;
+using file::json_number;
+
+/// A number, or null for NaN, which stands for a missing value.
+Json if_any(double x) { return std::isnan(x) ? Json(nullptr) : json_number(x); }
+Json exact(double x) { return {{"decimal", json_number(x)}, {"hex", file::hex(x)}}; }
+Json node_or_null(const TapeText& text, NodeId i) { return i == no_node ? Json(nullptr) : Json(text.name(i)); }
+
+Json operation(const measure::attribution::Explanation& x, const TapeText& text, NodeId i) {
+    const TapeNode& n = x.tape[i];
+    const measure::attribution::OperationError& e = x.attribution[i];
+    Json operands = Json::array();
+    for (const NodeId operand : x.tape.operands_of(i)) operands.push_back(text.name(operand));
+    Json j{{"name", text.name(i)},
+           {"operation", std::string(name_of(n.op))},
+           {"operands", operands},
+           {"expression", text.expression(i)}};
+    if (!n.label.empty()) j["label"] = std::string(n.label);
+    j["turned"] = e.turned;
+    if (is_decision(n.op)) {
+        j["computed"] = n.value != 0;
+        j["exact"] = e.exact != 0;
+        return j;
+    }
+    j["precision"] = x.tape.format_of(i).precision;
+    j["computed"] = exact(n.value);
+    j["exact"] = json_number(e.exact);
+    j["error"] = json_number(e.error);
+    j["cancelled_bits"] = e.cancelled;
+    if (e.cancelled > 0) j["cancellation"] = e.carried ? "catastrophic" : "benign";
+    j["local_error_bits"] = json_number(e.local_bits);
+    j["rounding"] = json_number(e.rounding);
+    j["live"] = e.live;
+    j["on_purpose"] = measure::attribution::is_on_purpose(n.op);
+    j["adjoint"] = json_number(e.adjoint);
+    j["derivative"] = json_number(e.derivative);
+    j["contribution"] = json_number(e.contribution);
+    return j;
+}
+
+Json standing(const measure::attribution::Standing& s) {
+    return {{"form", std::string(s.form->info->name)},
+            {"outcome", std::string(measure::answer::outcome_names[static_cast<std::size_t>(s.outcome)])},
+            {"t", json_number(s.t)},
+            {"ulp_error", if_any(s.ulps)},
+            {"lost_bits", if_any(s.lost)},
+            {"lost_bits_around", if_any(s.around)}};
+}
+
+}  // namespace
+
+std::string explain_json(const measure::attribution::Explanation& x, const std::optional<MarchEnd>& march) {
+    const TapeText text(x.tape, x.names, TapeText::Style::plain);
+    const measure::attribution::Attribution& a = x.attribution;
+    const ExplainedVerdict verdict = verdict_of(x, march);
+    Json j{{"schema", "lostbits-explanation/1"},
+           {"form", std::string(x.form->info->name)},
+           {"format", x.format.name},
+           {"convention", std::string(intersect::convention_name(x.judged))},
+           {"primitive", x.primitive},
+           {"primitives", x.primitives}};
+    for (std::size_t i = 0; i < x.inputs.size(); ++i) j["inputs"][x.names[i]] = exact(x.inputs[i]);
+    j["open_ends"] = std::string(name_of(x.range.open));
+    j["inputs_rounded"] = x.rounded_inputs;
+    j["given_direction"] =
+        x.given ? Json({json_number(x.given->x), json_number(x.given->y), json_number(x.given->z)}) : Json(nullptr);
+    j["hit"] = x.hit;
+    j["t"] = exact(x.standing.t);
+    j["truth"] = x.true_t ? Json(exact(*x.true_t)) : Json(nullptr);
+    j["outcome"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(x.standing.outcome)]);
+    if (x.in_mesh) j["in_mesh"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(*x.in_mesh)]);
+    j["ulp_error"] = if_any(x.standing.ulps);
+    j["lost_bits"] = if_any(x.standing.lost);
+    j["wrong_root"] = is_wrong_root(x);
+    j["condition"] = if_any(x.condition);
+    j["inherent_bits"] = if_any(x.inherent);
+    j["answer"] = verdict.answer;
+    j["verdict"] = verdict.loss;
+    j["sentence"] = verdict.blame;
+    j["culprit"] = node_or_null(text, verdict.culprit);
+    j["largest"] = node_or_null(text, a.culprit);
+    j["largest_sentence"] = x.has_tape() ? Json(culprit_sentence(x)) : Json(nullptr);
+    const auto counterfactual = [](const measure::attribution::Counterfactual& c) {
+        return Json{{"hit", c.hit}, {"error", c.hit ? json_number(c.error) : Json(nullptr)}};
+    };
+    const bool runs = x.culprit_alone && verdict.culprit != no_node;
+    j["culprit_alone_exact"] = runs ? counterfactual(x.culprit_alone->mended) : Json(nullptr);
+    j["culprit_alone_rounded"] = runs ? counterfactual(x.culprit_alone->alone) : Json(nullptr);
+    j["equals"] = Json::array();
+    for (const NodeId i : a.equals) j["equals"].push_back(text.name(i));
+    const auto of_subject = [&a](double v) { return a.subject == no_node ? Json(nullptr) : json_number(v); };
+    j["attribution"] = {{"subject", node_or_null(text, a.subject)},
+                        {"exact_hit", a.exact_hit},
+                        {"cut_short", a.cut_short},
+                        {"error", of_subject(a.error)},
+                        {"explained", of_subject(a.explained)},
+                        {"first_order", of_subject(a.first_order)},
+                        {"ulp", if_any(x.ulp_of_subject())},
+                        {"shadow_bits", a.exact_bits}};
+    j["operations"] = Json::array();
+    for (NodeId i = 0; i < x.tape.size(); ++i) j["operations"].push_back(operation(x, text, i));
+    j["lost_bits_around"] = if_any(x.standing.around);
+    j["better"] = Json::array();
+    for (const measure::attribution::Standing& s : x.better) j["better"].push_back(standing(s));
+    return file::json_text(j);
+}
+
+}  // namespace lostbits::output::attribution

@@ -1,0 +1,84 @@
+// Names and numbers of the operations of an explained ray, for its table and sentences.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "measure/attribution/explanation.hpp"
+#include "measure/attribution/tape_text.hpp"
+
+namespace lostbits::output::attribution {
+
+/// Three digits; `nan` without its sign, which has no meaning and differs between machines.
+std::string short_number(double x);
+
+/// A number for a sentence: its digits, `infinity`, `minus infinity` or `not a number`.
+std::string number_words(double x);
+/// `3.5 ulp`; empty for a number that is not finite.
+std::string ulps_or_nothing(double ulps);
+
+/// A view of an explanation with the names and the ulps of its operations.
+class OperationView {
+public:
+    explicit OperationView(const measure::attribution::Explanation& x);
+
+    [[nodiscard]] const measure::attribution::OperationError& of(NodeId i) const { return x_.attribution[i]; }
+    [[nodiscard]] const measure::attribution::TapeText& text() const { return text_; }
+    /// `error` in ulps of the format at the value itself.
+    [[nodiscard]] double own_ulps(NodeId i, double error) const;
+    /// Contribution of an operation in ulps of the subject.
+    [[nodiscard]] double contribution(NodeId i) const { return of(i).contribution / ulp_; }
+    /// `24 catastrophic`
+    [[nodiscard]] std::string cancellation(NodeId i) const;
+    /// True if the answer is computed from it, also if it only chose a branch, or was compared and not taken. False for
+    /// operations on a side that was not taken, and in a miss for operations that only t is computed from.
+    [[nodiscard]] bool is_on_way(NodeId i) const { return on_way_[static_cast<std::size_t>(i)]; }
+    /// True if the table has a row for it.
+    [[nodiscard]] bool is_shown(NodeId i, bool all) const;
+    /// Operations that its expression refers to by name.
+    [[nodiscard]] std::vector<NodeId> named_in(NodeId i) const;
+    /// Ulp of the subject.
+    [[nodiscard]] double ulp() const { return ulp_; }
+    /// Name of the value that contributions go to, and in whose ulps they are: t, or the value that the decision
+    /// compares.
+    [[nodiscard]] std::string subject() const;
+
+private:
+    const measure::attribution::Explanation& x_;
+    measure::attribution::TapeText text_;
+    double ulp_;
+    std::vector<bool> on_way_;
+    std::map<std::string, std::vector<NodeId>, std::less<>>
+        called_;  ///< operations by name; the name of a vector gives all three
+};
+
+/// A row of the table of operations.
+struct OperationRow {
+    NodeId node = no_node;
+    /// False for an operation of an earlier sample of a march that another row names. Only its values are shown.
+    bool whole = true;
+    bool culprit = false;     ///< the culprit, if an operation is to blame
+    bool turned = false;      ///< rounding chose the other side
+    bool on_purpose = false;  ///< not a rounding: the form goes to the next number
+    bool aside = false;       ///< not on the way to the answer
+    std::string name = {}, formula = {};
+    double computed = 0, exact = 0;  ///< 1 or 0 for a decision
+    int digits = 0;                  ///< digits that tell numbers of its format apart; 0: a decision
+    /// Error in its own ulps, `24 catastrophic`, local bits, rounding in its own ulps, and the part of the subject's
+    /// error assigned to that rounding, in ulps of the subject. Empty if there is nothing to show.
+    std::string off = {}, cancelled = {}, local = {}, own = {}, share = {};
+};
+
+/// Rows of the table, see `explain_text`. `first` is the node where the last samples begin, after the earlier ones.
+struct OperationTable {
+    NodeId first = 0;
+    std::vector<OperationRow> rows = {};
+};
+OperationTable operation_table(const measure::attribution::Explanation& x, const OperationView& words, bool all);
+
+/// Number of digits that tell numbers of a format apart.
+int digits_of(const FloatFormat& format);
+
+}  // namespace lostbits::output::attribution

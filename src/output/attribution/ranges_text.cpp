@@ -1,0 +1,139 @@
+#include "output/attribution/explain_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "measure/attribution/tape_text.hpp"
+#include "output/file/json.hpp"
+
+namespace lostbits::output::attribution {
+using measure::apriori::InputBox;
+using measure::apriori::RangesBound;
+using measure::apriori::RangesRequest;
+using measure::apriori::SeenErrors;
+using measure::attribution::TapeText;
+
+namespace {
+
+using Json = file::OrderedJson;
+using file::json_number;
+
+constexpr std::size_t operations_shown = 8;
+
+/// Operations that round, those with the largest share of the bound first.
+std::vector<NodeId> by_share(const RangesBound& r) {
+    std::vector<NodeId> all;
+    for (std::size_t i = 0; i < r.shares.size(); ++i)
+        if (r.shares[i] > 0) all.push_back(static_cast<NodeId>(i));
+    std::ranges::stable_sort(all, [&](NodeId a, NodeId b) {
+        return r.shares[static_cast<std::size_t>(a)] > r.shares[static_cast<std::size_t>(b)];
+    });
+    return all;
+}
+
+std::string ranges_block(const RangesBound& r) {
+    std::string text;
+    for (std::size_t k = 0; k < r.names.size(); ++k) {
+        std::string ends;
+        for (const InputBox& box : r.ranges) {
+            const std::string one = box[k].is_point() ? file::decimal(box[k].low)
+                                                      : file::decimal(box[k].low) + " to " + file::decimal(box[k].high);
+            if (ends == one) continue;
+            ends += (ends.empty() ? "" : "; ") + one;
+        }
+        if (r.names[k] != "ray.tmax" || ends != "inf") text += fmt::format("  {:<9} = {}\n", r.names[k], ends);
+    }
+    return text;
+}
+
+std::string seen_text(const SeenErrors& seen, const std::string& what) {
+    if (seen.bounded_hits == 0) return fmt::format("None of {} hits where there is a bound.\n", what);
+    std::string text =
+        fmt::format("Of {}, {} hit and {} of these lie where there is a bound: the worst is off by {:.3g}", what,
+                    seen.hits, seen.bounded_hits, seen.error);
+    text += fmt::format(", and none by more than {:.3g} of the bound of its box.", seen.share);
+    if (seen.running_hits > 0)
+        text += fmt::format(
+            " Running bounds of single rays are up to {:.3g}; for {} rays they are wider than the bound of the box.",
+            seen.running, seen.wider);
+    return text + "\n";
+}
+
+std::string operations_block(const RangesBound& r) {
+    const TapeText words(r.tape, r.names, TapeText::Style::pretty);
+    std::string text = fmt::format("In the box with the largest bound, each rounding puts t off by at most, in ulp:\n");
+    const auto all = by_share(r);
+    for (std::size_t k = 0; k < std::min(all.size(), operations_shown); ++k)
+        text += fmt::format("  {:>9.3g}  {}\n", r.shares[static_cast<std::size_t>(all[k])], words.definition(all[k]));
+    if (all.size() > operations_shown)
+        text += fmt::format("  and {} other operations, by less\n", all.size() - operations_shown);
+    return text;
+}
+
+Json seen_json(const SeenErrors& seen) {
+    return {{"hits", seen.hits},
+            {"bounded_hits", seen.bounded_hits},
+            {"error", json_number(seen.error)},
+            {"share_of_bound", json_number(seen.share)},
+            {"running_hits", seen.running_hits},
+            {"running", json_number(seen.running)},
+            {"running_wider", seen.wider}};
+}
+
+}  // namespace
+
+std::string ranges_text(const RangesRequest& request, const RangesBound& r) {
+    std::string text =
+        fmt::format("{} in {} over the ranges of the rays of {}, in {} box{}:\n{}", request.form->info->name,
+                    request.format.name, request.id(), r.boxes, r.boxes == 1 ? "" : "es", ranges_block(r));
+    if (request.is_of_step())
+        text += fmt::format(
+            "These are the ranges of the {} rays of the step. If these are random, other rays may lie beyond.\n",
+            r.rays);
+    text +=
+        fmt::format("No ray hits in {:.3g} % of the ranges, there is a bound in {:.3g} %, and {:.3g} % are undecided. ",
+                    100 * r.missed, 100 * (1 - r.missed - r.unknown), 100 * r.unknown);
+    text += fmt::format("In {:.3g} % rounding may change hit or miss.\n", 100 * (r.undecided + r.unknown));
+    text += "Where rays may hit, rounding puts t off by at most\n";
+    for (const auto& [share, error, ulps] : r.quantiles)
+        text += fmt::format("  {:>9.3g} = {:.3g} ulp in {:.0f} %\n", error, ulps, 100 * share);
+    if (r.unknown < 1 - r.missed)
+        text += fmt::format("  {:>9.3g} = {:.3g} ulp wherever there is a bound\n", r.largest, r.largest_ulps);
+    text += seen_text(r.given, request.is_of_step() ? "the rays of the step" : "the rays of the scene");
+    text += seen_text(r.drawn, "rays drawn where the bounds are largest");
+    return r.shares.empty() ? text : text + operations_block(r);
+}
+
+std::string ranges_json(const RangesRequest& request, const RangesBound& r) {
+    Json ranges = Json::array(), quantiles = Json::array(), operations = Json::array();
+    for (const InputBox& box : r.ranges) {
+        Json one = Json::object();
+        for (std::size_t k = 0; k < r.names.size(); ++k)
+            one[r.names[k]] = {json_number(box[k].low), json_number(box[k].high)};
+        ranges.push_back(one);
+    }
+    for (const auto& [share, error, ulps] : r.quantiles)
+        quantiles.push_back({{"share", share}, {"error", json_number(error)}, {"ulps", json_number(ulps)}});
+    const TapeText words(r.tape, r.names, TapeText::Style::plain);
+    for (const NodeId i : by_share(r))
+        operations.push_back({{"name", words.name(i)},
+                              {"expression", words.expression(i)},
+                              {"ulps", json_number(r.shares[static_cast<std::size_t>(i)])}});
+    const Json all{{"form", std::string(request.form->info->name)},
+                   {"format", request.format.name},
+                   {request.is_of_step() ? "sweep" : "scene", request.id()},
+                   {"ranges", ranges},
+                   {"boxes", r.boxes},
+                   {"missed", r.missed},
+                   {"unsettled", r.unknown},
+                   {"undecided", r.undecided + r.unknown},
+                   {"quantiles", quantiles},
+                   {"largest", {{"error", json_number(r.largest)}, {"ulps", json_number(r.largest_ulps)}}},
+                   {request.is_of_step() ? "rays_of_step" : "rays_of_scene", seen_json(r.given)},
+                   {"rays_drawn", seen_json(r.drawn)},
+                   {"operations", operations}};
+    return file::json_text(all);
+}
+
+}  // namespace lostbits::output::attribution

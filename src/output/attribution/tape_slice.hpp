@@ -1,0 +1,38 @@
+// The part of a tape on which some of its values depend.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "number/tape.hpp"
+
+namespace lostbits::output::attribution {
+
+/// Values that the roots are computed from, on both sides of every select, and those of them that depend only on
+/// constants.
+struct TapeSlice {
+    std::vector<bool> needed, constant;
+    std::vector<int> uses;  ///< number of needed operations that use each value
+
+    TapeSlice(const Tape& tape, const std::vector<NodeId>& roots)
+        : needed(tape.nodes.size()), constant(tape.nodes.size()), uses(tape.nodes.size()) {
+        for (const NodeId root : roots) needed[static_cast<std::size_t>(root)] = true;
+        for (NodeId i = tape.size() - 1; i >= 0; --i) {
+            if (!needed[static_cast<std::size_t>(i)]) continue;
+            for (const NodeId operand : tape.operands_of(i)) {
+                needed[static_cast<std::size_t>(operand)] = true;
+                ++uses[static_cast<std::size_t>(operand)];
+            }
+        }
+        for (NodeId i = 0; i < tape.size(); ++i) {
+            constant[static_cast<std::size_t>(i)] =
+                tape[i].op != TapeOp::input && std::ranges::all_of(tape.operands_of(i), [this](NodeId operand) {
+                    return constant[static_cast<std::size_t>(operand)];
+                });
+        }
+    }
+    [[nodiscard]] bool needs(NodeId i) const { return needed[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] bool is_constant(NodeId i) const { return constant[static_cast<std::size_t>(i)]; }
+};
+
+}  // namespace lostbits::output::attribution

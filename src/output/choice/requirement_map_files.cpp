@@ -1,0 +1,171 @@
+#include "output/choice/choice_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "output/image/heatmap.hpp"
+#include "output/map/row_names.hpp"
+#include "output/pixel/look.hpp"
+
+namespace lostbits::output::choice {
+
+using image::LegendEntry;
+using image::Rgb8;
+using measure::answer::Outcome;
+using measure::choice::Candidate;
+using measure::choice::RequirementMap;
+
+table::Table<RequirementRow> requirement_table() {
+    using R = RequirementRow;
+    const auto share_of = [](std::uint64_t R::*count) {
+        return [count](const R& r) { return static_cast<double>(r.*count) / static_cast<double>(r.pixels); };
+    };
+    return {{"form", "string", "", "form under test; any: any of the forms; none: no form in any format", &R::form},
+            {"format", "string", "", "format of its inputs and answers; for any: the format in which the form computes",
+             &R::format},
+            {"time_ns", "number", "ns", "per ray and primitive, median of this run; missing for an emulated format",
+             &R::time_ns},
+            {"met", "integer", "", "pixels on which it meets the requirement", &R::met},
+            {"met_fraction", "number", "1", "met/pixels", share_of(&R::met)},
+            {"required", "integer", "",
+             "for a form: pixels on which it is the cheapest that meets the requirement; for a format: pixels on which "
+             "it is "
+             "the narrowest in which any form does; for none: pixels on which nothing does",
+             &R::required},
+            {"required_fraction", "number", "1", "required/pixels", share_of(&R::required)}};
+}
+
+namespace {
+
+/// Number of choices with a colour of their own. A picture with more would not be readable.
+constexpr std::size_t most_colours = 10;
+
+std::string name_of(const Candidate& c) {
+    return fmt::format("{} {}", map::short_name(*c.row.form->info), c.row.format.name);
+}
+
+using pixel::colour_of;
+constexpr Rgb8 colour_of_none = colour_of(Outcome::not_a_number), colour_of_unknown = colour_of(Outcome::unresolved),
+               colour_of_others = colour_of(Outcome::agree_hit);
+
+/// The candidates that some pixel requires, most pixels first.
+std::vector<std::size_t> most_taken(const RequirementMap& r) {
+    std::vector<std::size_t> order;
+    for (std::size_t c = 0; c < r.taken.size(); ++c) {
+        if (r.taken[c] > 0) order.push_back(c);
+    }
+    std::ranges::stable_sort(order, std::ranges::greater(), [&r](std::size_t c) { return r.taken[c]; });
+    return order;
+}
+
+/// Colours of the picture, and its legend.
+class Colours {
+public:
+    Colours(const ChoiceResult& chosen, const RequirementMap& r) : choices_(r.taken.size(), colour_of_others) {
+        const auto order = most_taken(r);
+        const std::size_t shown = order.size() > most_colours ? most_colours - 1 : order.size();
+        std::uint64_t others = 0;
+        for (std::size_t k = 0; k < order.size(); ++k) {
+            if (k >= shown) {
+                others += r.taken[order[k]];
+                continue;
+            }
+            choices_[order[k]] = image::distinct_colour(k);
+            add("left: " + name_of(chosen.all[order[k]]), choices_[order[k]], r.taken[order[k]], r);
+        }
+        add(fmt::format("left: {} other choices", order.size() - shown), colour_of_others, others, r);
+        for (std::size_t f = 0; f < r.formats.size(); ++f) {
+            formats_.push_back(image::distinct_colour(most_colours + f));
+            add("right: " + r.formats[f].name, formats_.back(), r.needed[f], r);
+        }
+        add("nothing meets the requirement", colour_of_none, r.none_meets, r);
+        add("unresolved", colour_of_unknown, r.unknown, r);
+    }
+    [[nodiscard]] Rgb8 choice(int place) const { return at(choices_, place); }
+    [[nodiscard]] Rgb8 format(int place) const { return at(formats_, place); }
+    [[nodiscard]] const std::vector<LegendEntry>& legend() const { return legend_; }
+
+private:
+    static Rgb8 at(const std::vector<Rgb8>& colours, int place) {
+        if (place >= 0) return colours[static_cast<std::size_t>(place)];
+        return place == RequirementMap::none ? colour_of_none : colour_of_unknown;
+    }
+    void add(std::string label, Rgb8 colour, std::uint64_t count, const RequirementMap& r) {
+        if (count > 0) legend_.push_back({std::move(label), colour, pixel::count_text(count, r.pixels())});
+    }
+    std::vector<Rgb8> choices_, formats_;
+    std::vector<LegendEntry> legend_;
+};
+
+std::string percent(std::uint64_t count, const RequirementMap& r) {
+    const double of_100 = 100 * (static_cast<double>(count) / static_cast<double>(r.pixels()));
+    if (count == 0 || count == r.pixels()) return fmt::format("{}%", count == 0 ? 0 : 100);
+    return of_100 < 0.1 ? fmt::format("{:.1g}%", of_100) : fmt::format("{:.4g}%", std::min(of_100, 99.99));
+}
+
+}  // namespace
+
+std::vector<RequirementRow> requirement_rows(const ChoiceResult& chosen, const RequirementMap& r) {
+    std::vector<RequirementRow> rows;
+    for (const std::size_t c : measure::choice::by_price(chosen.all)) {
+        const Candidate& at = chosen.all[c];
+        rows.push_back(
+            {at.row.form->info->name, at.row.format.name, at.time.median * 1e9, r.met[c], r.taken[c], r.pixels()});
+    }
+    for (std::size_t f = 0; f < r.formats.size(); ++f)
+        rows.push_back({"any", r.formats[f].name, {}, r.any_meets[f], r.needed[f], r.pixels()});
+    rows.push_back({"none", "", {}, 0, r.none_meets, r.pixels()});
+    return rows;
+}
+
+void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult& chosen, const RequirementMap& r) {
+    const Colours colours(chosen, r);
+    const int gap = std::max(1, r.width / 32);
+    const measure::choice::Requirement& requirement = chosen.request.requirement;
+    image::HeatmapSpec spec;
+    spec.title = fmt::format("What each pixel of {} requires", chosen.request.id());
+    spec.subtitle = {
+        fmt::format("Required at each pixel: the right decision, and {:g} correct bits of t if the ray hits{}",
+                    requirement.bits,
+                    requirement.has_tolerance() ? fmt::format(", at most {} off", requirement.tolerance) : ""),
+        "left: the cheapest form and format that meets this, by the times of this run",
+        "right: the narrowest format in which any of the forms meets this"};
+    spec.width = 2 * r.width + gap;
+    spec.height = r.height;
+    spec.legend = colours.legend();
+    image::HeatmapWriter picture(path, spec);
+    std::vector<Rgb8> line(static_cast<std::size_t>(spec.width), image::style::page);
+    for (int y = 0; y < r.height; ++y) {
+        for (int x = 0; x < r.width; ++x) {
+            const auto pixel =
+                static_cast<std::size_t>(y) * static_cast<std::size_t>(r.width) + static_cast<std::size_t>(x);
+            line[static_cast<std::size_t>(x)] = colours.choice(r.cheapest[pixel]);
+            line[static_cast<std::size_t>(x + r.width + gap)] = colours.format(r.narrowest[pixel]);
+        }
+        picture.write_rows(line);
+    }
+    picture.finish(spec.legend);
+}
+
+std::string in_words(const ChoiceResult& chosen, const RequirementMap& r) {
+    std::string text = "Pixel by pixel, with any of the forms: ";
+    for (std::size_t f = 0; f < r.formats.size(); ++f) {
+        text += fmt::format("{}{} {} {}", f == 0 ? "" : ", ", percent(r.needed[f], r),
+                            f == 0 ? "need no more than" : "need", r.formats[f].name);
+    }
+    if (r.none_meets > 0) text += fmt::format(", on {} nothing meets the requirement", percent(r.none_meets, r));
+    if (r.unknown > 0) text += fmt::format(", for {} the truth is not proved", percent(r.unknown, r));
+    text += ".\n";
+    const double least = r.least_time(chosen.all);
+    const auto forms = most_taken(r).size();
+    if (chosen.meets && forms > 1) {
+        text += fmt::format(
+            "The cheapest at each pixel would take {} choices and {:.2f} times the time of this one; switching between"
+            "forms cannot gain more.\n",
+            forms, least / chosen.all[*chosen.meets].time.median);
+    }
+    return text;
+}
+
+}  // namespace lostbits::output::choice

@@ -1,0 +1,222 @@
+#include "output/repair/form_code.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <iterator>
+#include <set>
+#include <sstream>
+
+#include "measure/attribution/operations.hpp"
+#include "output/file/escape.hpp"
+#include "output/repair/tape_code.hpp"
+
+namespace lostbits::output::repair {
+
+using intersect::table::Intersector;
+
+namespace {
+
+/// Words that cannot be names: keywords of C++, and the functions and parameters of the code.
+std::set<std::string, std::less<>> words_of_cpp(const ShapeRow& shape) {
+    std::istringstream words(R"(
+        o d T W ray tmax wide narrow min max abs matrix sqrt fma near far select square named copysign next_up next_down
+        alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t char32_t class
+        co_await co_return co_yield compl concept const consteval constexpr constinit const_cast continue decltype
+        default delete do double dynamic_cast else enum explicit export extern false float for friend goto if inline int
+        long mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected public register
+        reinterpret_cast requires return short signed sizeof static static_assert static_cast struct switch template
+        this thread_local throw true try typedef typeid typename union unsigned using virtual void volatile wchar_t
+        while xor xor_eq)");
+    std::set<std::string, std::less<>> taken{std::istream_iterator<std::string>(words), {}};
+    taken.emplace(shape.name);
+    return taken;
+}
+
+class CppCode final : public TapeCode {
+public:
+    CppCode(const Tape& tape, const Intersector& form, const CppCode* like = nullptr)
+        : TapeCode(tape, form, {tape.outputs.hit, tape.outputs.t, tape.outputs.near, tape.outputs.far},
+                   {fmt::format("{}.", row_of(form.shape).name), words_of_cpp(row_of(form.shape))}, like) {}
+
+    [[nodiscard]] std::vector<std::string> lines() const {
+        std::vector<std::string> all = statements();
+        const auto [hit, t, near, far] = tape_.outputs;
+        all.push_back(fmt::format("return {{{}, {}, {}, {}}};", operand(hit, 0), operand(t, 0), operand(near, 0),
+                                  operand(far, 0)));
+        return all;
+    }
+
+private:
+    [[nodiscard]] bool is_square(const TapeNode& n) const {
+        return n.op == TapeOp::mul && n.operands[0] == n.operands[1];
+    }
+    [[nodiscard]] std::string statement(NodeId i) const override {
+        const TapeNode& n = tape_[i];
+        const bool decides = is_decision(n.op);
+        const std::string type = decides ? "auto" : is_wide(i) ? "W" : "T";
+        const std::string value = n.label.empty() || decides
+                                      ? expression(i)
+                                      : fmt::format("named({}, {})", file::c_string(n.label), expression(i));
+        return fmt::format("const {} {} = {};", type, name(i), value);
+    }
+    [[nodiscard]] std::string constant(NodeId i) const override {
+        return fmt::format("{}({})", is_wide(i) ? "W" : "T", static_cast<int>(tape_[i].operands[0]));
+    }
+    [[nodiscard]] int binding(NodeId i) const override {
+        const TapeNode& n = tape_[i];
+        return n.op == TapeOp::convert || is_square(n) ? 4 : measure::attribution::text_of(n.op).binds.level;
+    }
+    // In sums and products of three without parentheses, the first two operands are combined first.
+    [[nodiscard]] std::string expression(NodeId i) const override {
+        const TapeNode& n = tape_[i];
+        if (n.op == TapeOp::any) return operand(n.operands[0], 0);
+        if (n.op == TapeOp::convert)
+            return fmt::format("{}({})", is_wide(i) ? "wide" : "narrow", operand(n.operands[0], 0));
+        if (is_square(n)) return fmt::format("square({})", operand(n.operands[0], 0));
+        return measure::attribution::filled(
+            measure::attribution::text_of(n.op).plain.text, [&](std::size_t k, int binds) {
+                return operand(n.operands[k], n.op == TapeOp::add && k == 1 ? 2 : is_decision(n.op) ? 1 : binds);
+            });
+    }
+};
+
+std::string words_of(intersect::Roots roots) {
+    switch (roots) {
+        case intersect::Roots::both: return "both";
+        case intersect::Roots::near_only: return "near_only";
+        case intersect::Roots::first_only: return "first_only";
+        case intersect::Roots::none: return "none";
+    }
+    return "";
+}
+
+std::string info_of(const intersect::Info& like, const FormTexts& words) {
+    using namespace intersect;
+    std::string text =
+        fmt::format("        .name = {},\n        .title = {},\n        .source = {},\n", file::c_string(words.name),
+                    file::c_string(words.title), file::c_string(words.source));
+    const auto add = [&](bool differs, const std::string& line) {
+        if (differs) text += "        " + line + ",\n";
+    };
+    add(like.direction == Direction::unit, ".direction = Direction::unit");
+    add(like.roots != Roots::both, ".roots = Roots::" + words_of(like.roots));
+    add(like.touching == Touching::miss, ".touching = Touching::miss");
+    add(like.at_origin != AtOrigin::hit,
+        fmt::format(".at_origin = AtOrigin::{}", at_origin_names[static_cast<std::size_t>(like.at_origin)]));
+    add(words.binary32_only, ".formats = Formats::binary32_only");
+    add(like.inside != Inside::usual,
+        fmt::format(".inside = Inside::{}", inside_names[static_cast<std::size_t>(like.inside)]));
+    add(like.facing != Facing::both,
+        fmt::format(".facing = Facing::{}", facing_names[static_cast<std::size_t>(like.facing)]));
+    add(like.endless, ".endless = true");
+    return text;
+}
+
+}  // namespace
+
+std::vector<std::string> statements(const Tape& tape, const Intersector& form, const Tape* like) {
+    if (!like) return CppCode(tape, form).lines();
+    const CppCode other(*like, form);
+    return CppCode(tape, form, &other).lines();
+}
+
+std::string head_comment(const FormTexts& words) {
+    std::string text;
+    for (const std::string& line : words.head) text += "// " + file::line_comment(line) + "\n";
+    return text;
+}
+
+namespace {
+
+/// True for names that the struct cannot have: those of the types in its code, and of macros of the C library, many of
+/// which are in capitals.
+bool is_taken(const std::string& type) {
+    static const std::set<std::string, std::less<>> used = [] {
+        std::set<std::string, std::less<>> names{"Ray",   "Vec",       "Hit",      "Info",      "Primitive", "Range",
+                                                 "Wider", "Direction", "Touching", "AtOrigin",  "Inside",    "Facing",
+                                                 "Roots", "Key",       "ShapeRow", "Convention"};
+        for (const ShapeRow& row : shape_rows) {
+            std::string name(row.name);
+            name.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(name.front())));
+            names.insert(std::move(name));
+        }
+        return names;
+    }();
+    return used.contains(type) ||
+           std::ranges::none_of(type, [](char c) { return std::islower(static_cast<unsigned char>(c)) != 0; });
+}
+
+}  // namespace
+
+std::string type_name(const std::string& form) {
+    std::string name;
+    bool up = true;
+    for (const char c : form) {
+        if (std::isalnum(static_cast<unsigned char>(c)))
+            name += up ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
+        up = std::isalnum(static_cast<unsigned char>(c)) == 0;
+    }
+    return is_taken(name) ? name + "_" : name;
+}
+
+std::string form_header(const Tape& tape, const Intersector& like, const FormTexts& words) {
+    const ShapeRow& shape = row_of(like.shape);
+    std::string primitive(shape.name);
+    primitive.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(primitive.front())));
+    std::string body;
+    for (const std::string& line : statements(tape, like)) body += "        " + line + "\n";
+    std::string matrix;
+    if (like.is_placed)
+        matrix = "        const auto& [M00, M01, M02, M03, M10, M11, M12, M13, M20, M21, M22, M23] = matrix;\n";
+    const auto uses = [&](const char* word) { return body.find(word) != std::string::npos; };
+    std::string ways;
+    if (uses("W"))
+        ways += words.two_words ? "        using W = number::wide::TwoWords<T>;\n"
+                                : "        using W = typename Wider<T>::type;\n";
+    if (uses("wide("))
+        ways += fmt::format("        const auto wide = [](const T& x) {{ return {}(x); }};\n",
+                            words.two_words ? "W" : "Wider<T>::widen");
+    if (uses("narrow("))
+        ways += fmt::format("        const auto narrow = [](const W& x) {{ return {}; }};\n",
+                            words.two_words ? "T(x.hi)" : "Wider<T>::narrow(x)");
+    return fmt::format(
+        "{}#pragma once\n\n{}#include \"intersect/info.hpp\"\n{}#include \"shapes/{}/{}.hpp\"\n\n"
+        "namespace lostbits::intersect::{} {{\n\nstruct {} {{\n    static constexpr Info info{{\n{}    }};\n\n"
+        "    template <Number T>\n    static Hit<T> intersect(const Ray<T>& ray, const {}<T>& {}{}{}) {{\n{}"
+        "        const Vec<T>&o = ray.origin, &d = ray.direction;\n{}{}    }}\n}};\n\n}}  // namespace "
+        "lostbits::intersect::{}\n",
+        head_comment(words), like.is_placed ? "#include <array>\n\n" : "",
+        words.two_words ? "#include \"number/wide/two_words.hpp\"\n" : "", shape.name, shape.name, shape.name,
+        type_name(words.name.substr(words.name.find('.') + 1)), info_of(*like.info, words), primitive, shape.name,
+        like.is_placed ? ", const std::array<T, 12>& matrix" : "", shape.takes_tmax ? ", const T& tmax" : "", ways,
+        matrix, body, shape.name);
+}
+
+std::vector<std::string> changed_lines(const std::vector<std::string>& before, const std::vector<std::string>& after) {
+    // common[i][j]: the most lines that before[i..] and after[j..] share, in order
+    std::vector<std::vector<std::size_t>> common(before.size() + 1, std::vector<std::size_t>(after.size() + 1));
+    for (std::size_t i = before.size(); i-- > 0;)
+        for (std::size_t j = after.size(); j-- > 0;)
+            common[i][j] =
+                before[i] == after[j] ? common[i + 1][j + 1] + 1 : std::max(common[i + 1][j], common[i][j + 1]);
+    std::vector<std::string> lines, old, now;
+    const auto write = [&] {
+        for (std::size_t k = 0; k < std::max(old.size(), now.size()); ++k) {
+            if (k < old.size()) lines.push_back("- " + old[k]);
+            if (k < now.size()) lines.push_back("+ " + now[k]);
+        }
+        old.clear(), now.clear();
+    };
+    for (std::size_t i = 0, j = 0; i < before.size() || j < after.size();) {
+        const bool more_before = i < before.size(), more_after = j < after.size();
+        if (more_before && more_after && before[i] == after[j]) write(), ++i, ++j;
+        else if (more_before && (!more_after || common[i + 1][j] >= common[i][j + 1])) old.push_back(before[i++]);
+        else now.push_back(after[j++]);
+    }
+    write();
+    return lines;
+}
+
+}  // namespace lostbits::output::repair

@@ -1,0 +1,278 @@
+#include "output/repair/mend_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "number/error.hpp"
+#include "output/choice/choice_files.hpp"
+#include "output/file/atomic_file.hpp"
+#include "output/map/row_names.hpp"
+#include "output/repair/form_code.hpp"
+#include "output/speed/trade_files.hpp"
+#include "output/table/shared_columns.hpp"
+
+namespace lostbits::output::repair {
+
+using file::number_or_missing;
+using measure::repair::RowQuality;
+using measure::speed::ParetoPoint;
+using table::Table;
+using table::when;
+
+namespace {
+
+/// Point of a row in the plane of bits and time, or of bits and wider operations.
+ParetoPoint point_of(const FormRow& row) {
+    return {row.price ? row.price->packed.median * 1e9 : static_cast<double>(row.wide), row.quality->wrong_fraction(),
+            row.quality->kept_bits};
+}
+
+std::string bits_of(const RowQuality& quality, const measure::choice::Requirement& requirement) {
+    return std::isnan(quality.kept_bits) ? "no" : choice::bits_beside(quality.kept_bits, requirement);
+}
+
+int marker_of(const FormRow& row) {
+    return row.kind == "catalogue" ? 0 : row.kind == "own" ? 3 : row.kind == "rewritten" ? 2 : 1;
+}
+
+}  // namespace
+
+std::vector<FormRow> rows_of(const MendResult& r) {
+    const auto& m = r.mended;
+    const auto& own = r.request.row;
+    const std::string wider = name_of_wider(m.wider);
+    std::vector<FormRow> rows{{"own", std::string(own.form->info->name), own, m.operations, 0, &m.own, &m.own_apart}};
+    if (r.has_set()) {
+        const std::size_t wide = m.set->operations.size();
+        const std::string name = fmt::format("{} of {} in {}", wide, m.operations, wider);
+        rows.push_back({"wider", name, own, m.operations, wide, &m.set->quality, &m.apart_quality});
+    }
+    rows.push_back({"all_wider", fmt::format("all {} in {}", m.operations, wider), own, m.operations, m.operations,
+                    &m.all, m.set ? nullptr : &m.apart_quality});
+    for (const auto& one : m.rewriting.found) {
+        const std::string rules = rules_of(one);
+        rows.push_back({"rewritten", rules, own, one.operations, one.set ? one.set->operations.size() : 0, &one.quality,
+                        &one.apart, rules});
+    }
+    for (FormRow& row : rows) row.wider = row.wide == 0 ? "" : wider;
+    const std::size_t first = rows.size();
+    for (std::size_t k = 0; k < r.catalogue.size(); ++k)
+        rows.push_back({.kind = "catalogue",
+                        .name = std::string(r.catalogue[k].form->info->name),
+                        .row = r.catalogue[k],
+                        .quality = &r.catalogue_quality[k]});
+    for (FormRow& row : rows) row.meets = row.quality->meets(r.request.requirement);
+    std::vector<FormRow*> timed;
+    std::vector<ParetoPoint> points;
+    for (FormRow& row : rows) {
+        if (timed.size() == r.prices.size() || row.kind == "all_wider") continue;
+        row.price = &r.prices[timed.size()];
+        timed.push_back(&row);
+        points.push_back(point_of(row));
+    }
+    const auto beaten = dominated(points);
+    for (std::size_t k = 0; k < timed.size(); ++k) timed[k]->front = !beaten[k];
+    for (std::size_t k = first; k < rows.size(); ++k)
+        rows[k].told = (rows[k].front || k == first) && rows[k].row.form != own.form;
+    return rows;
+}
+
+std::string change_in_words(const MendResult& r, const FormRow& row) {
+    const RowQuality &was = r.mended.own, &now = *row.quality;
+    const auto& requirement = r.request.requirement;
+    std::string text = fmt::format(
+        "{}: {} → {} bits, {}",
+        row.kind == "wider" ? fmt::format("{} in {}", names_of_set(r), name_of_wider(r.mended.wider)) : row.name,
+        bits_of(was, requirement), bits_of(now, requirement),
+        now.wrong == 0 ? "no wrong decision" : fmt::format("{} wrong decisions", now.wrong));
+    if (was.wrong != now.wrong) text += fmt::format(" instead of {}", was.wrong);
+    if (row.price)
+        text += fmt::format(", {:+.2g} ns a ray", (row.price->packed.median - r.prices.front().packed.median) * 1e9);
+    return text;
+}
+
+void write_front_plot(const std::filesystem::path& path, const MendResult& r) {
+    const auto& requirement = r.request.requirement;
+    const bool timed = !r.prices.empty();
+    plot::ScatterPlotSpec spec;
+    spec.title = fmt::format("{} against kept bits: {} on {}", timed ? "Time" : "Wider operations",
+                             r.request.row.form->info->name, r.request.id());
+    spec.subtitle = {fmt::format("Required: {}.", choice::in_words(requirement)),
+                     "Named: the form, its repairs, and the Pareto front, on which fewer wrong decisions count before "
+                     "more bits." +
+                         (timed ? std::string() : " The catalogue: only forms in " + r.request.row.format.name + ".")};
+    if (timed) spec.x = {"time per ray and primitive in packs, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
+    else spec.x = {"operations in " + name_of_wider(r.mended.wider), plot::AxisSpec::Scale::linear, 0.0, {}};
+    spec.y = {"bits kept", plot::AxisSpec::Scale::linear, {}, {}};
+    const std::vector<FormRow> rows = rows_of(r);
+    std::vector<speed::FrontPoint> points;
+    for (const FormRow& row : rows) {
+        const bool is_own = row.kind != "catalogue";
+        // The wider operations inside a form of the catalogue are not counted.
+        const bool has_place =
+            timed ? row.price != nullptr : is_own || measure::choice::computes_in(row.row).name == row.row.format.name;
+        if (!has_place || (!is_own && row.row.form == r.request.row.form)) continue;
+        points.push_back({.row = row.row,
+                          .quality = point_of(row),
+                          .time = row.price ? std::optional(row.price->packed) : std::nullopt,
+                          .marker = marker_of(row),
+                          .named = is_own,
+                          .hollow = !row.quality->decides(requirement),
+                          .label = is_own ? row.name : map::short_name(*row.row.form->info)});
+    }
+    speed::add_front(spec, points);
+    spec.keys = {{"the form", 3, plot::ink_colour},
+                 {"operations in " + name_of_wider(r.mended.wider), 1, plot::ink_colour},
+                 {"written another way", 2, plot::ink_colour},
+                 {"catalogue", 0, plot::ink_colour},
+                 {"decides more rays wrongly than allowed", 0, plot::ink_colour, false, true},
+                 {"not on the Pareto front", 0, 0, true}};
+    plot::write_scatter_plot(path, spec);
+}
+
+Table<FormRow> form_table() {
+    using R = FormRow;
+    Table<R> table{{"kind", "string", "",
+                    "own: the form; wider: with a minimal set of its operations wider; all_wider: with all of them "
+                    "wider; rewritten: the form "
+                    "written another way; catalogue",
+                    &R::kind}};
+    table.add(table::subject_columns("form", "of its inputs and answers"), &R::row);
+    table.add(
+        {{"wider", "string", "", "format of the wider operations; missing if there are none", &R::wider},
+         {"wider_operations", "integer", "", "number of its operations that are done wider; missing for the catalogue",
+          [](const R& r) { return when(r.operations != 0, r.wide); }},
+         {"operations", "integer", "", "number of its rounding operations; missing for the catalogue",
+          [](const R& r) { return when(r.operations != 0, r.operations); }},
+         {"rules", "string", "", "rules that rewrote it, in order; missing if it was not rewritten", &R::rules}});
+    table.add(choice::quality_columns(), &R::quality);
+    table.add({"meets", "boolean", "", "true if it meets the requirement", &R::meets});
+    table.add<RowQuality>(
+        {{"apart_rays", "integer", "", "rays that the search did not use; missing if they were not measured",
+          &RowQuality::rays},
+         {"apart_wrong", "integer", "", "number of these that are decided wrongly", &RowQuality::wrong},
+         {"apart_kept_bits", "number", "bits", "bits kept on these",
+          [](const RowQuality& w) { return number_or_missing(w.kept_bits); }}},
+        &R::apart);
+    using P = measure::repair::Price;
+    table.add<P>(
+        {{"isa", "string", "", "registers of `time_ns`; missing, like the times, if nothing was compiled", &P::isa},
+         {"time_ns", "number", "ns", "per ray and primitive in packs, median",
+          [](const P& p) { return p.packed.median * 1e9; }},
+         {"single_time_ns", "number", "ns", "per ray and primitive, one ray at a time, median",
+          [](const P& p) { return p.single.median * 1e9; }}},
+        &R::price);
+    return table.add({"front", "boolean", "",
+                      "true if no other row is at least as accurate and as fast in packs, and better in one",
+                      [](const R& r) { return when(r.price != nullptr, r.front); }});
+}
+
+Table<MinimalRow> minimal_table() {
+    using R = MinimalRow;
+    return {{"operation", "string", "",
+             "operation of the set with its name in the source; the row is for this one as it was and the others wider",
+             &R::operation},
+            {"step", "integer", "",
+             "its index among the form's operations, from 1; operations on constants alone are not counted", &R::step},
+            {"rays", "integer", "", "rays whose truth is known", [](const R& r) { return r.without->rays; }},
+            {"wrong", "integer", "", "rays decided wrongly without it", [](const R& r) { return r.without->wrong; }},
+            {"kept_bits", "number", "bits", "bits kept without it",
+             [](const R& r) { return number_or_missing(r.without->kept_bits); }},
+            {"meets", "boolean", "",
+             "true if the requirement is met without it: always 0, or the set would not be minimal", &R::meets}};
+}
+
+namespace {
+
+/// For each node, its index among the operations on values that are not constant.
+std::vector<int> steps_of(const Tape& tape) {
+    std::vector<int> steps;
+    std::vector<bool> constant;
+    int step = 0;
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        const TapeOp op = tape[i].op;
+        const auto operands = tape.operands_of(i);
+        constant.push_back(op == TapeOp::constant ||
+                           (!operands.empty() && std::ranges::all_of(operands, [&](NodeId operand) {
+                               return static_cast<bool>(constant[static_cast<std::size_t>(operand)]);
+                           })));
+        step += !is_given(op) && !constant.back();
+        steps.push_back(step);
+    }
+    return steps;
+}
+
+}  // namespace
+
+std::vector<MinimalRow> minimal_rows(const MendResult& r) {
+    std::vector<MinimalRow> rows;
+    if (!r.has_set()) return rows;
+    const auto& set = *r.mended.set;
+    const std::vector<int> steps = steps_of(r.mended.tape);
+    for (std::size_t k = 0; k < set.operations.size(); ++k)
+        rows.push_back({operation_in_words(r, set.operations[k]), steps[static_cast<std::size_t>(set.operations[k])],
+                        &set.without[k], set.without[k].meets(r.request.requirement)});
+    return rows;
+}
+
+MendFiles::MendFiles(const std::filesystem::path& folder)
+    : folder_(folder),
+      forms_(folder, "mend.csv", "One row per form: the form, with wider operations, rewritten, or of the catalogue",
+             form_table()),
+      minimal_(folder, "minimal.csv", "One row per operation that is done wider", minimal_table()) {}
+
+void MendFiles::finish(const MendResult& r) {
+    forms_.add_all(rows_of(r));
+    minimal_.add_all(minimal_rows(r));
+    file::write_file(folder_ / "mend.txt", in_words(r));
+    table::close_tables(folder_, fmt::format("Mended: {}", r.request.id()), forms_, minimal_);
+}
+
+namespace {
+
+FormTexts words_of(const MendResult& r, const Proposal& proposal, const std::string& name, const std::string& command) {
+    const auto& m = r.mended;
+    const std::string own(r.request.row.form->info->name), how = how_in_words(r, proposal);
+    std::vector<std::string> head{fmt::format("{}, {}:", own, how),
+                                  fmt::format("{} on every {} of {}.", choice::in_words(r.request.requirement),
+                                              r.request.scene ? "pixel" : "ray kept", r.request.id()),
+                                  "Made by " + command};
+    if (r.request.row.form->is_placed)
+        head.emplace_back(are_inverses(r.request) ? "The matrix maps from the world to the primitive, row by row."
+                                                  : "The matrix maps from the primitive to the world, row by row.");
+    return {.name = name,
+            .title = own + ", " + how,
+            .source = command,
+            .head = std::move(head),
+            .two_words = m.wider != binary64,
+            .binary32_only = m.wider == binary64 && (!proposal.rewritten || proposal.rewritten->set)};
+}
+
+}  // namespace
+
+measure::repair::Written written(const MendResult& r, const Proposal& proposal, const std::string& name,
+                                 const std::string& command) {
+    const FormTexts words = words_of(r, proposal, "mended." + name, command);
+    return {&proposal.tape, form_header(proposal.tape, *r.request.row.form, words),
+            fmt::format("lostbits::intersect::{}::{}", row_of(r.request.row.form->shape).name, type_name(name)),
+            r.request.row};
+}
+
+std::string emitted(const MendResult& r, const std::filesystem::path& file, const std::string& command) {
+    const auto proposals = proposals_of(r);
+    const Proposal* const best = best_of(proposals, r.request.requirement);
+    if (!best)
+        throw InputError(fmt::format(
+            "--emit {}: no other form of {} was found that meets the requirement, so there is nothing to write; {}",
+            file.string(), r.request.row.form->info->name,
+            r.mended.set ? "it meets the requirement as it is" : "it also fails with all operations wider"));
+    const bool shader = file.extension() == ".glsl";
+    const FormTexts words = words_of(r, *best, (shader ? "" : "mended.") + file.stem().string(), command);
+    return shader ? shader_code(best->tape, *r.request.row.form, words)
+                  : form_header(best->tape, *r.request.row.form, words);
+}
+
+}  // namespace lostbits::output::repair

@@ -1,0 +1,128 @@
+// A repaired form in words: what is done wider, what that keeps, that no operation can be spared, and how far it holds.
+// Also its files: mend.csv (the form, the form with wider operations, the catalogue), minimal.csv (each of the
+// operations, and the accuracy without it), mend.txt and datapackage.json.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "measure/repair/mend.hpp"
+#include "measure/repair/price.hpp"
+#include "output/table/table.hpp"
+
+namespace lostbits::output::repair {
+
+/// All results of a repair.
+struct MendResult {
+    const measure::repair::MendRequest& request;
+    const measure::repair::Mended& mended;
+    /// Forms of the catalogue for the same primitives in the same format, most accurate first, and their accuracy.
+    std::vector<measure::evaluate::TestedForm> catalogue;
+    std::vector<measure::repair::RowQuality> catalogue_quality;
+    std::vector<measure::choice::GrowthMargin> margins = {};  ///< margins of the form with its set
+    /// Margins of each other way of writing it; empty for one that fails the requirement.
+    std::vector<std::vector<measure::choice::GrowthMargin>> rewritten_margins = {};
+    /// Times of the form, the set if there is one, each other way of writing it, and the catalogue; empty if nothing
+    /// was timed.
+    std::vector<measure::repair::Price> prices = {};
+    std::string no_price = {};  ///< reason why nothing was timed although it was asked for
+
+    [[nodiscard]] bool has_set() const { return mended.set && !mended.set->operations.empty(); }
+};
+
+/// The results, with the catalogue and all margins, but without times.
+MendResult result_of(const measure::repair::MendRequest& request, const measure::repair::Mended& mended);
+
+/// A resulting form: the set, or another way of writing the form.
+struct Proposal {
+    Tape tape;
+    const measure::repair::RowQuality* quality;
+    const measure::repair::Rewritten* rewritten;    ///< null: it is the set
+    const measure::repair::Price* price = nullptr;  ///< null: not timed
+};
+/// All proposals; the set comes first if there is one.
+std::vector<Proposal> proposals_of(const MendResult& result);
+/// The recommended one: the fastest in packs of those that meet the requirement. If nothing was timed, the way of
+/// writing it with fewest operations, and the set if there is none. Null if none meets the requirement.
+const Proposal* best_of(const std::vector<Proposal>& proposals, const measure::choice::Requirement& requirement);
+/// `cross products, stable roots`
+std::string rules_of(const measure::repair::Rewritten& rewritten);
+/// `3 of its 15 operations in double`, `written another way: cross products`.
+std::string how_in_words(const MendResult& result, const Proposal& proposal);
+/// Names of the wider operations of the set: `c, disc`.
+std::string names_of_set(const MendResult& result);
+
+/// `double`, `two floats`, `two doubles`.
+std::string name_of_wider(const FloatFormat& wider);
+/// `c = dot(o - centre, o - centre) - radius*radius`: an operation of the form's tape with the names of the source.
+std::string operation_in_words(const MendResult& result, NodeId operation);
+/// Changed statements of the form, as a diff.
+std::vector<std::string> changed_lines(const MendResult& result, const Tape& now);
+/// The answer, in several lines.
+std::string in_words(const MendResult& result);
+
+/// A row of mend.csv, of the plot and of the text: the form, a result, or a form of the catalogue.
+struct FormRow {
+    std::string_view kind;              ///< own, wider, all_wider, rewritten, catalogue
+    std::string name;                   ///< `sphere.half_b`, `3 of 20 in double`, `cross products, stable roots`
+    measure::evaluate::TestedForm row;  ///< for the catalogue its own, else the form's
+    std::size_t operations = 0;         ///< rounding operations; 0 for the catalogue
+    std::size_t wide = 0;               ///< number of operations that are done wider
+    const measure::repair::RowQuality* quality = nullptr;
+    const measure::repair::RowQuality* apart = nullptr;  ///< on rays that the search did not use; null: not measured
+    std::string rules = {};                              ///< rules that rewrote it
+    std::string wider = {};                              ///< format of the wider operations
+    bool meets = false;                                  ///< meets the requirement
+    const measure::repair::Price* price = nullptr;       ///< null: not timed
+    bool front = false;  ///< it was timed, and no other is at least as accurate and as fast, and better in one
+    bool told =
+        true;  ///< shown in the text; of the catalogue only the most accurate and the front, without the form itself
+
+    [[nodiscard]] bool came_out() const { return kind == "wider" || kind == "rewritten"; }
+};
+
+/// The form, the set if there is one, all operations wider, each other way of writing it, the catalogue.
+std::vector<FormRow> rows_of(const MendResult& result);
+
+/// `c, disc in double: 12.0 → 22.1 bits, no wrong decision, +0.3 ns a ray`: changes of a result.
+std::string change_in_words(const MendResult& result, const FormRow& row);
+
+/// Plots kept bits of all rows against their time in packs, or against the number of wider operations if nothing was
+/// timed.
+void write_front_plot(const std::filesystem::path& path, const MendResult& result);
+
+/// A row of minimal.csv: one of the wider operations.
+struct MinimalRow {
+    std::string operation;
+    int step;  ///< index among the operations that do not depend on constants alone
+    const measure::repair::RowQuality* without;
+    bool meets;
+};
+table::Table<FormRow> form_table();
+table::Table<MinimalRow> minimal_table();
+std::vector<MinimalRow> minimal_rows(const MendResult& result);
+
+/// Opens its files before the work and gives them their final names when they are complete.
+class MendFiles {
+public:
+    explicit MendFiles(const std::filesystem::path& folder);
+    void finish(const MendResult& result);
+    [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+
+private:
+    std::filesystem::path folder_;
+    table::TableFile<FormRow> forms_;
+    table::TableFile<MinimalRow> minimal_;
+};
+
+/// A proposal as a header that holds `mended.NAME`, for the compiler. `command` made it.
+measure::repair::Written written(const MendResult& result, const Proposal& proposal, const std::string& name,
+                                 const std::string& command);
+
+/// The best proposal for a file of that name: `NAME.hpp` holds `mended.NAME`, `NAME.glsl` the function NAME. Throws
+/// InputError if none meets the requirement, and the errors of `shader_code`.
+std::string emitted(const MendResult& result, const std::filesystem::path& file, const std::string& command);
+
+}  // namespace lostbits::output::repair

@@ -1,0 +1,266 @@
+#include "output/repair/mend_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "measure/attribution/tape_text.hpp"
+#include "output/choice/choice_files.hpp"
+#include "output/repair/form_code.hpp"
+#include "output/repair/tape_code.hpp"
+#include "scene/toml/counted.hpp"
+
+namespace lostbits::output::repair {
+
+using measure::attribution::TapeText;
+using measure::choice::GrowthMargin;
+using measure::repair::Price;
+using measure::repair::RowQuality;
+
+namespace {
+
+TapeText text_of(const MendResult& r) {
+    return {r.mended.tape, input_names_of(*r.request.row.form), TapeText::Style::plain};
+}
+
+/// `22.1 bits, no wrong decision`
+std::string in_words(const RowQuality& quality, const measure::choice::Requirement& requirement) {
+    const std::string bits = std::isnan(quality.kept_bits)
+                                 ? "no bits, because form and truth agree on no hit"
+                                 : choice::bits_beside(quality.kept_bits, requirement) + " bits";
+    if (quality.wrong == 0) return bits + ", no wrong decision";
+    return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong, scene::toml::counted(quality.rays, "ray"));
+}
+
+std::string margin_in_words(const GrowthMargin& margin, const MendResult& r) {
+    const auto way = measure::choice::growth_names[static_cast<std::size_t>(margin.way)];
+    const auto& requirement = r.request.requirement;
+    if (margin.holds == 0)
+        return fmt::format("{}: fails already as it is, on a smaller picture: {}", way,
+                           in_words(margin.broken, requirement));
+    return fmt::format("{}: holds up to {:.4g}-fold ({:.6g})", way, margin.holds, margin.value) +
+           choice::end_in_words(
+               margin, r.request.rays,
+               fmt::format("; first broken at {:.4g}-fold: {}", margin.beyond, in_words(margin.broken, requirement)));
+}
+
+std::string own_is_enough(const MendResult& r) {
+    return fmt::format("It meets the requirement as it is: no operation has to be wider.\n{}",
+                       r.mended.own_apart.meets(r.request.requirement)
+                           ? ""
+                           : fmt::format("On {} it does not: {}.\n",
+                                         r.request.scene ? "rays that lie between these" : "all rays of the file",
+                                         in_words(r.mended.own_apart, r.request.requirement)));
+}
+
+std::string diff_of(const MendResult& r, const Tape& now) {
+    std::string text;
+    for (const std::string& line : changed_lines(r, now)) text += fmt::format("    {}\n", line);
+    return text;
+}
+
+/// `here`: accuracy on the rays of the search.
+std::string apart_in_words(const MendResult& r, const RowQuality& here, const RowQuality& apart) {
+    const auto& m = r.mended;
+    const std::string where =
+        r.request.scene ? fmt::format("{}x{} other pixels, which the search did not use", m.apart.width, m.apart.height)
+                        : fmt::format("all {} of the file", scene::toml::counted(r.request.rays->rays, "ray"));
+    std::string text =
+        fmt::format("  On {}: {}; without the change: {}.\n", where, in_words(apart, r.request.requirement),
+                    in_words(m.own_apart, r.request.requirement));
+    if (here.meets(r.request.requirement) && !apart.meets(r.request.requirement))
+        text += fmt::format("  There it does not meet the requirement: it was found for the {} only.\n",
+                            r.request.scene ? "pixels of this scene" : "rays that the search kept");
+    return text;
+}
+
+std::string margins_in_words(const std::vector<GrowthMargin>& margins, const MendResult& r) {
+    std::string text;
+    for (const GrowthMargin& margin : margins) text += fmt::format("  {}.\n", margin_in_words(margin, r));
+    return text;
+}
+
+std::string set_in_words(const MendResult& r) {
+    const auto& m = r.mended;
+    const auto& requirement = r.request.requirement;
+    const std::string wider = name_of_wider(m.wider);
+    const std::size_t n = m.set->operations.size();
+    std::string text =
+        fmt::format("With {} of its {} operations in {} it keeps {} ({} with all of them).\n", n, m.operations, wider,
+                    in_words(m.set->quality, requirement), in_words(m.all, requirement));
+    text += fmt::format("  They are in: {}.\n", names_of_set(r));
+    text += diff_of(r, with_wider(m, m.set->operations));
+    const auto best = std::ranges::min_element(m.set->without, measure::repair::is_more_accurate);
+    text += fmt::format(
+        "  No operation can be spared: with any one of the {} as it was, the requirement fails; the best of these {} "
+        "has "
+        "{}.\n",
+        n, n, in_words(*best, requirement));
+    if (m.set->none_of > 0) {
+        const std::string sets =
+            m.set->none_of == 1 ? "No operation alone" : fmt::format("No set of {} or fewer", m.set->none_of);
+        text += fmt::format("  {} is enough (all were tried){}.\n", sets,
+                            m.set->none_of + 1 == n ? ", so this set is one of the smallest"
+                                                    : "; sets of sizes between were not all tried");
+    }
+    return text + apart_in_words(r, m.set->quality, m.apart_quality) + margins_in_words(r.margins, r);
+}
+
+std::string rewritten_in_words(const MendResult& r, std::size_t k) {
+    const auto& one = r.mended.rewriting.found[k];
+    const std::string how =
+        one.set ? fmt::format(", {} of it in {},", scene::toml::counted(one.set->operations.size(), "operation"),
+                              name_of_wider(r.mended.wider))
+                : "";
+    std::string text = fmt::format("Written another way{} it keeps {}; {} instead of {}.\n", how,
+                                   in_words(one.quality, r.request.requirement),
+                                   scene::toml::counted(one.operations, "operation"), r.mended.operations);
+    std::set<const measure::identity::Rule*> told;
+    for (const measure::identity::Rule* rule : one.rules) {
+        if (!told.insert(rule).second) continue;
+        text += fmt::format("  {}: {}{}{}.\n", rule->name, rule->identity, rule->condition.empty() ? "" : "; where ",
+                            rule->condition);
+    }
+    text += diff_of(r, one.tape);
+    text += apart_in_words(r, one.quality, one.apart);
+    return k < r.rewritten_margins.size() ? text + margins_in_words(r.rewritten_margins[k], r) : text;
+}
+
+/// `1.2 ns a ray in packs of 512 bits (0.8-fold), 4.1 ns alone (0.9-fold)`: times, and their ratios to the form's.
+std::string price_in_words(const Price& price, const Price& own) {
+    return fmt::format("{:.3g} ns a ray in packs of {} bits ({:.2f}-fold), {:.3g} ns alone ({:.2f}-fold)",
+                       price.packed.median * 1e9, price.isa, price.packed.median / own.packed.median,
+                       price.single.median * 1e9, price.single.median / own.single.median);
+}
+
+std::string prices_in_words(const MendResult& r) {
+    if (!r.no_price.empty()) return fmt::format("No price: {}\n", r.no_price);
+    if (r.prices.empty()) return "";
+    const Price& own = r.prices.front();
+    std::string text =
+        "Compiled, compared with their tapes to the bit on all rays, and timed (*: no other is as accurate and as "
+        "fast):\n";
+    std::string rest;
+    for (const FormRow& row : rows_of(r)) {
+        if (!row.price || !row.told) continue;
+        (row.front ? text : rest) +=
+            fmt::format("  {}{}: {}; {}.\n", row.front ? "* " : "",
+                        row.kind == "wider" ? "in " + name_of_wider(r.mended.wider) : row.name,
+                        in_words(*row.quality, r.request.requirement), price_in_words(*row.price, own));
+    }
+    return text + rest;
+}
+
+}  // namespace
+
+std::string name_of_wider(const FloatFormat& wider) {
+    if (wider == measure::tape::two_floats) return "two floats";
+    return wider == measure::tape::two_doubles ? "two doubles" : "double";
+}
+
+std::string operation_in_words(const MendResult& result, NodeId operation) {
+    return text_of(result).definition(operation);
+}
+
+std::vector<std::string> changed_lines(const MendResult& r, const Tape& now) {
+    const auto& form = *r.request.row.form;
+    return changed_lines(statements(r.mended.tape, form), statements(now, form, &r.mended.tape));
+}
+
+MendResult result_of(const measure::repair::MendRequest& request, const measure::repair::Mended& mended) {
+    MendResult r{.request = request, .mended = mended, .catalogue = {}, .catalogue_quality = {}};
+    for (const auto& [row, quality] : ranked_catalogue(request)) {
+        r.catalogue.push_back(row);
+        r.catalogue_quality.push_back(quality);
+    }
+    for (const Proposal& proposal : proposals_of(r)) {
+        std::vector<GrowthMargin> margins;
+        if (proposal.quality->meets(request.requirement)) margins = margins_of_tape(request, proposal.tape);
+        if (proposal.rewritten) r.rewritten_margins.push_back(std::move(margins));
+        else r.margins = std::move(margins);
+    }
+    return r;
+}
+
+std::vector<Proposal> proposals_of(const MendResult& r) {
+    std::vector<Proposal> all;
+    const auto& m = r.mended;
+    if (r.has_set()) all.push_back({with_wider(m, m.set->operations), &m.set->quality, nullptr});
+    for (const auto& one : m.rewriting.found) all.push_back({one.tape, &one.quality, &one});
+    for (std::size_t k = 0; k < all.size() && !r.prices.empty(); ++k) all[k].price = &r.prices[k + 1];
+    return all;
+}
+
+const Proposal* best_of(const std::vector<Proposal>& proposals, const measure::choice::Requirement& requirement) {
+    const auto rank = [](const Proposal& p) {
+        return p.price ? p.price->packed.median : p.rewritten ? static_cast<double>(p.rewritten->operations) : HUGE_VAL;
+    };
+    const Proposal* best = nullptr;
+    for (const Proposal& one : proposals)
+        if (one.quality->meets(requirement) && (!best || rank(one) < rank(*best))) best = &one;
+    return best;
+}
+
+std::string rules_of(const measure::repair::Rewritten& rewritten) {
+    std::vector<std::string_view> names;
+    for (const auto* rule : rewritten.rules) names.push_back(rule->name);
+    if (rewritten.set) return fmt::format("{}, {} wider", fmt::join(names, ", "), rewritten.set->operations.size());
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+// Each operation by the name of the statement that it belongs to, in order.
+std::string names_of_set(const MendResult& r) {
+    const Tape& tape = r.mended.tape;
+    std::vector<std::string> names;
+    std::set<std::string> seen;
+    for (const NodeId i : r.mended.set->operations) {
+        NodeId named = i;
+        // Finds the next named operation that is computed from it, as maps of culprits do.
+        for (NodeId k = i; k < tape.size() && tape[named].label.empty(); ++k) {
+            const auto& operands = tape[k].operands;
+            if (!is_given(tape[k].op) && std::ranges::find(operands, named) != operands.end()) named = k;
+        }
+        const std::string name = std::string(tape[named].label.empty() ? "an unnamed operation" : tape[named].label);
+        if (seen.insert(name).second) names.push_back(name);
+    }
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string how_in_words(const MendResult& r, const Proposal& proposal) {
+    const auto& m = r.mended;
+    if (proposal.rewritten) return "written another way: " + rules_of(*proposal.rewritten);
+    return fmt::format("{} of its {} operations in {}", m.set->operations.size(), m.operations, name_of_wider(m.wider));
+}
+
+std::string in_words(const MendResult& r) {
+    const auto& requirement = r.request.requirement;
+    const auto& m = r.mended;
+    std::string text =
+        fmt::format("{}: {}\n{} in {} keeps {}.\n", r.request.id(), choice::in_words(requirement),
+                    r.request.row.form->info->name, r.request.row.format.name, in_words(m.own, requirement));
+    if (!m.set)
+        text += fmt::format(
+            "Even with all of its {} operations in {} it does not meet the requirement: {}. The loss is not due to "
+            "rounding alone; `lostbits explain` shows where it arises, and `lostbits choose` names forms that do "
+            "better.\n",
+            m.operations, name_of_wider(m.wider), in_words(m.all, requirement));
+    else text += m.set->operations.empty() ? own_is_enough(r) : set_in_words(r);
+    for (std::size_t k = 0; k < m.rewriting.found.size(); ++k) text += rewritten_in_words(r, k);
+    if (!r.catalogue.empty()) {
+        const auto meet =
+            std::ranges::count_if(r.catalogue_quality, [&](const RowQuality& w) { return w.meets(requirement); });
+        text += fmt::format(
+            "The most accurate form of the catalogue in {} is {}: {}. Of its {} forms {} meet the requirement.\n",
+            r.request.row.format.name, r.catalogue.front().form->info->name,
+            in_words(r.catalogue_quality.front(), requirement), r.catalogue.size(), meet);
+    }
+    text += prices_in_words(r);
+    return text +
+           fmt::format("Tried {} on all {}.\n", scene::toml::counted(m.tried, "candidate"),
+                       scene::toml::counted(
+                           r.request.scene ? r.request.scene->pixels() : r.request.rays->sample.rays.size(), "ray"));
+}
+
+}  // namespace lostbits::output::repair

@@ -1,0 +1,318 @@
+#include "output/repair/form_code.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <set>
+#include <sstream>
+
+#include "measure/attribution/operations.hpp"
+#include "number/error.hpp"
+#include "output/file/escape.hpp"
+#include "output/repair/tape_code.hpp"
+
+namespace lostbits::output::repair {
+
+using intersect::table::Intersector;
+
+namespace {
+
+/// A function that the text may call. The functions that it calls itself are defined before it.
+struct Helper {
+    std::string_view name, text;
+};
+
+/// `number::wide::TwoWords` of floats, operation by operation; x is the high word. `fused` is Boldo and Melquiond's fma
+/// ("Emulation of a FMA and correctly rounded sums: proved algorithms using rounding to odd", 2008), which is correct
+/// to the last bit if nothing underflows and no product exceeds 2^115.
+constexpr std::array helpers{
+    Helper{"least", R"(float least(float a, float b) {
+    precise float x = a < b ? a : b;
+    return x;
+}
+)"},
+    Helper{"most", R"(float most(float a, float b) {
+    precise float x = a > b ? a : b;
+    return x;
+}
+)"},
+    Helper{"least_of_doubles", R"(double least_of_doubles(double a, double b) {
+    precise double x = a < b ? a : b;
+    return x;
+}
+)"},
+    Helper{"most_of_doubles", R"(double most_of_doubles(double a, double b) {
+    precise double x = a > b ? a : b;
+    return x;
+}
+)"},
+    Helper{"with_sign", R"(float with_sign(float a, float b) {
+    return uintBitsToFloat((floatBitsToUint(a) & 0x7fffffffu) | (floatBitsToUint(b) & 0x80000000u));
+}
+)"},
+    Helper{"sum_of", R"(vec2 sum_of(float a, float b) {  // a + b, exactly (Knuth)
+    precise float s = a + b;
+    precise float t = s - a;
+    precise float lost = (a - (s - t)) + (b - t);
+    return vec2(s, lost);
+}
+)"},
+    Helper{"ordered_sum", R"(vec2 ordered_sum(float a, float b) {  // the same where |a| >= |b| (Dekker)
+    precise float s = a + b;
+    precise float lost = b - (s - a);
+    return vec2(s, lost);
+}
+)"},
+    Helper{"product_of", R"(vec2 product_of(float a, float b) {  // a b, exactly (Dekker)
+    precise float p = a * b;
+    precise float ka = 4097.0 * a;
+    precise float kb = 4097.0 * b;
+    precise float ah = ka - (ka - a);
+    precise float bh = kb - (kb - b);
+    precise float al = a - ah;
+    precise float bl = b - bh;
+    precise float lost = ((ah * bh - p) + ah * bl + al * bh) + al * bl;
+    return vec2(p, lost);
+}
+)"},
+    Helper{"fused", R"(float fused(float a, float b, float c) {  // a b + c, rounded once (Boldo and Melquiond)
+    vec2 p = product_of(a, b);
+    vec2 t = sum_of(c, p.y);
+    vec2 v = sum_of(p.x, t.x);
+    vec2 z = sum_of(t.y, v.y);
+    uint odd = floatBitsToUint(z.x);
+    if (z.y != 0.0 && (odd & 1u) == 0u) odd += (z.y > 0.0) == (z.x > 0.0) ? 1u : 0xffffffffu;
+    precise float x = v.x + uintBitsToFloat(odd);
+    return x;
+}
+)"},
+    Helper{"plus", R"(vec2 plus(vec2 a, vec2 b) {
+    vec2 s = sum_of(a.x, b.x);
+    vec2 t = sum_of(a.y, b.y);
+    precise float small = s.y + t.x;
+    vec2 v = ordered_sum(s.x, small);
+    precise float smaller = t.y + v.y;
+    return ordered_sum(v.x, smaller);
+}
+)"},
+    Helper{"times", R"(vec2 times(vec2 a, vec2 b) {
+    vec2 p = product_of(a.x, b.x);
+    precise float other = a.y * b.x;
+    precise float small = p.y + fused(a.x, b.y, other);
+    return ordered_sum(p.x, small);
+}
+)"},
+    Helper{"over", R"(vec2 over(vec2 a, vec2 b) {
+    precise float q = a.x / b.x;
+    precise float rest = fused(-q, b.x, a.x);
+    precise float small = (rest + (a.y - q * b.y)) / b.x;
+    return ordered_sum(q, small);
+}
+)"},
+    Helper{"root", R"(vec2 root(vec2 a) {
+    precise float s = sqrt(a.x);
+    precise float rest = fused(-s, s, a.x);
+    precise float small = (a.y + rest) / (2.0 * s);
+    return ordered_sum(s, small);
+}
+)"},
+    Helper{"below", R"(bool below(vec2 a, vec2 b) {
+    return a.x < b.x || (!(b.x < a.x) && a.y < b.y);
+}
+)"},
+    Helper{"not_above", R"(bool not_above(vec2 a, vec2 b) {
+    return a.x < b.x || (a.x <= b.x && a.y <= b.y);
+}
+)"},
+    Helper{"size_of", R"(vec2 size_of(vec2 a) {
+    return a.x < 0.0 ? -a : a;
+}
+)"},
+};
+
+/// Words that cannot be names: keywords of GLSL that labels might be, parameters, and called functions.
+std::set<std::string, std::less<>> taken_words(const ShapeRow& shape) {
+    std::set<std::string, std::less<>> taken{
+        "o",      "d",      "tmax",    "first",     "abs",      "sqrt",   "and",    "or",     "not",    "half",
+        "input",  "output", "sample",  "fixed",     "filter",   "active", "common", "smooth", "flat",   "in",
+        "out",    "inout",  "this",    "using",     "volatile", "int",    "uint",   "bool",   "true",   "false",
+        "float",  "double", "precise", "invariant", "buffer",   "shared", "static", "extern", "return", "discard",
+        "switch", "for",    "while",   "if",        "else",     "do",     "long",   "short",  "const",  "uniform"};
+    for (const Helper& helper : helpers) taken.emplace(helper.name);
+    for (const Key& key : shape.keys) taken.emplace(key.name);
+    return taken;
+}
+
+/// Name of the function for the name of its file. Reserved are GLSL's own words and functions, names that begin with
+/// gl_, and names with two adjacent underscores; names with lb_ are reserved for the program around a shader.
+std::string function_name(const std::string& file, const ShapeRow& shape) {
+    static const std::set<std::string, std::less<>> own = [] {
+        std::istringstream words(R"(
+            main void attribute varying centroid patch layout break continue case default subroutine struct lowp
+            mediump highp precision coherent readonly writeonly restrict atomic_uint asm class union enum typedef
+            template goto inline noinline public external interface unsigned superp namespace cast sizeof hvec2
+            hvec3 hvec4 fvec2 fvec3 fvec4 mat2 mat3 mat4 vec2 vec3 vec4 dvec2 dvec3 dvec4 ivec2 ivec3 ivec4 uvec2
+            uvec3 uvec4 bvec2 bvec3 bvec4 sampler1D sampler2D sampler3D samplerCube radians degrees sin cos tan asin
+            acos atan sinh cosh tanh asinh acosh atanh pow exp log exp2 log2 inversesqrt sign floor trunc round
+            roundEven ceil fract mod modf min max clamp mix step smoothstep isnan isinf fma frexp ldexp length
+            distance dot cross normalize faceforward reflect refract transpose inverse determinant outerProduct
+            matrixCompMult lessThan greaterThan equal notEqual any all texture texelFetch noise1 noise2 noise3
+            noise4 barrier defined line file version extension pragma)");
+        return std::set<std::string, std::less<>>(std::istream_iterator<std::string>(words), {});
+    }();
+    std::string name;
+    for (const char c : file)
+        if (c != '_' || !name.ends_with('_')) name += c;
+    if (name.starts_with("gl_") || name.starts_with("lb_")) name.insert(0, "form_");
+    const bool is_taken = own.contains(name) || taken_words(shape).contains(name);
+    return is_taken && !name.ends_with('_') ? name + "_" : name;
+}
+
+class ShaderCode final : public TapeCode {
+public:
+    ShaderCode(const Tape& tape, const Intersector& form, bool tells_t)
+        : TapeCode(tape, form, tells_t ? std::vector{tape.outputs.hit, tape.outputs.t} : std::vector{tape.outputs.hit},
+                   {"", taken_words(row_of(form.shape))}) {}
+
+private:
+    [[nodiscard]] bool is_pair(NodeId i) const { return tape_.format_of(i).precision == 48; }
+    [[nodiscard]] bool is_double(NodeId i) const { return tape_.format_of(i) == binary64; }
+    /// The operand whose format is that of the operation.
+    [[nodiscard]] NodeId number_of(NodeId i) const { return tape_[i].operands[tape_[i].op == TapeOp::select ? 1 : 0]; }
+
+    [[nodiscard]] std::string statement(NodeId i) const override {
+        const char* const type = is_decision(tape_[i].op) ? "bool"
+                                 : is_pair(i)             ? "precise vec2"
+                                 : is_double(i)           ? "precise double"
+                                                          : "precise float";
+        return fmt::format("{} {} = {};", type, name(i), expression(i));
+    }
+    [[nodiscard]] std::string constant(NodeId i) const override {
+        const std::string number = fmt::format("{}.0", static_cast<int>(tape_[i].operands[0]));
+        return is_pair(i) ? fmt::format("vec2({}, 0.0)", number) : is_double(i) ? number + "LF" : number;
+    }
+    [[nodiscard]] int binding(NodeId i) const override {
+        const TapeNode& n = tape_[i];
+        const bool of_two = (n.op == TapeOp::min || n.op == TapeOp::max) && is_pair(i);
+        if (n.op == TapeOp::select || of_two) return -1;
+        return n.op == TapeOp::convert ? 4 : measure::attribution::text_of(n.op).binds.level;
+    }
+    [[nodiscard]] std::string expression(NodeId i) const override {
+        const TapeNode& n = tape_[i];
+        if (n.op == TapeOp::any) return operand(n.operands[0], 0);
+        const bool logic = kind_of(n.op) == OperationKind::logic;
+        return measure::attribution::filled(
+            logic ? measure::attribution::text_of(n.op).c.text : pattern(i),
+            [&](std::size_t k, int binds) { return operand(n.operands[k], logic || is_comparison(n.op) ? 1 : binds); });
+    }
+    [[nodiscard]] std::string_view pattern(NodeId i) const {
+        const TapeOp op = tape_[i].op;
+        if (op == TapeOp::convert) return conversion(i);
+        const NodeId from = number_of(i);
+        if (op == TapeOp::select) return "$1:1 ? $2 : $3";
+        if (is_pair(from)) return of_pairs(op);
+        switch (op) {
+            case TapeOp::add: return "$1:1 + $2:2";
+            case TapeOp::min: return is_double(from) ? "least_of_doubles($1, $2)" : "least($1, $2)";
+            case TapeOp::max: return is_double(from) ? "most_of_doubles($1, $2)" : "most($1, $2)";
+            case TapeOp::fma: return is_double(from) ? missing("an fma of doubles") : "fused($1, $2, $3)";
+            case TapeOp::copysign:
+                return is_double(from) ? missing("the sign of a double on another") : "with_sign($1, $2)";
+            case TapeOp::next_up:
+            case TapeOp::next_down: return missing("the number next to another");
+            default: return measure::attribution::text_of(op).plain.text;
+        }
+    }
+    [[nodiscard]] std::string_view conversion(NodeId i) const {
+        if (is_pair(i)) return "vec2($1, 0.0)";
+        if (is_double(i)) return "double($1)";
+        return is_pair(tape_[i].operands[0]) ? "$1:4.x" : "float($1)";
+    }
+    static std::string_view of_pairs(TapeOp op) {
+        switch (op) {
+            case TapeOp::add: return "plus($1, $2)";
+            case TapeOp::sub: return "plus($1, -$2:3)";
+            case TapeOp::mul: return "times($1, $2)";
+            case TapeOp::div: return "over($1, $2)";
+            case TapeOp::sqrt: return "root($1)";
+            case TapeOp::fma: return "plus(times($1, $2), $3)";
+            case TapeOp::neg: return "-$1:3";
+            case TapeOp::abs: return "size_of($1)";
+            case TapeOp::less: return "below($1, $2)";
+            case TapeOp::greater: return "below($2, $1)";
+            case TapeOp::less_equal: return "not_above($1, $2)";
+            case TapeOp::greater_equal: return "not_above($2, $1)";
+            case TapeOp::min: return "below($1, $2) ? $1 : $2";
+            case TapeOp::max: return "below($2, $1) ? $1 : $2";
+            default: return missing("this operation of two floats");
+        }
+    }
+    [[noreturn]] static std::string_view missing(const char* what) {
+        throw InputError(std::string("GLSL does not have ") + what +
+                         ", which the repaired form needs; use --emit NAME.hpp to write it as C++");
+    }
+};
+
+/// `vec3 centre, float radius`
+std::string parameters_of(const ShapeRow& shape) {
+    std::string text;
+    for (const Key& key : shape.keys) text += fmt::format(", {} {}", key.count() == 3 ? "vec3" : "float", key.name);
+    return text + (shape.takes_tmax ? ", float tmax" : "");
+}
+
+/// Properties of the function for the external intersector that reads the shader.
+std::string contract_of(const intersect::Info& like, const FormTexts& words) {
+    using namespace intersect;
+    std::string text = fmt::format(
+        "direction={} touching={} at_origin={} inside={}", like.direction == Direction::unit ? "unit" : "any",
+        like.touching == Touching::miss ? "miss" : "hit", at_origin_names[static_cast<std::size_t>(like.at_origin)],
+        inside_names[static_cast<std::size_t>(like.inside)]);
+    if (like.roots != Roots::none) text += like.roots == Roots::near_only ? " roots=near" : " roots=first";
+    if (like.facing != Facing::both)
+        text += fmt::format(" facing={}", facing_names[static_cast<std::size_t>(like.facing)]);
+    if (like.endless) text += " flags=no_end";
+    std::string title = file::line_comment(words.title);
+    std::ranges::replace(title, '"',
+                         '\'');  // quotation marks hold the words of a value together, and nothing escapes one
+    return fmt::format("// lostbits: {}\n// lostbits: title=\"{}\"\n", text, title);
+}
+
+/// The comment at the top, without the mark after which `--shader` reads properties of the function.
+std::string head_without_mark(const FormTexts& words) {
+    std::string head = head_comment(words);
+    const std::string mark = "lostbits:";
+    for (std::size_t at = 0; (at = head.find(mark, at)) != std::string::npos; at += mark.size())
+        head.insert(at + mark.size() - 1, " ");
+    return head;
+}
+
+}  // namespace
+
+std::string shader_code(const Tape& tape, const Intersector& like, const FormTexts& words) {
+    if (tape.format_of(tape.outputs.t) != binary32)
+        throw InputError("a shader computes in floats; repair the form in f32, or write it as C++ (--emit NAME.hpp)");
+    const bool tells_t = like.info->roots != intersect::Roots::none;
+    const ShaderCode code(tape, like, tells_t);
+    std::string body;
+    for (const std::string& line : code.statements()) body += "    " + line + "\n";
+    if (tells_t) body += fmt::format("    first = {};\n", code.operand(tape.outputs.t, 0));
+    body += fmt::format("    return {};\n", code.operand(tape.outputs.hit, 0));
+    std::string functions;
+    for (auto helper = helpers.rbegin(); helper != helpers.rend(); ++helper) {
+        const std::string call = fmt::format("{}(", helper->name);
+        const auto calls = [&call](const std::string& text) {
+            for (std::size_t at = text.find(call); at != std::string::npos; at = text.find(call, at + 1))
+                if (std::string_view(" (-!").find(text[at - 1]) != std::string_view::npos) return true;
+            return false;
+        };
+        if (calls(body) || calls(functions)) functions = std::string(helper->text) + "\n" + functions;
+    }
+    const std::string name = function_name(words.name, row_of(like.shape));
+    return fmt::format("{}{}\n{}bool {}(vec3 o, vec3 d{}{}) {{\n{}}}\n", head_without_mark(words),
+                       contract_of(*like.info, words), functions, name, parameters_of(row_of(like.shape)),
+                       tells_t ? ", out float first" : "", body);
+}
+
+}  // namespace lostbits::output::repair

@@ -1,0 +1,64 @@
+#include "scene/camera/ray_generators.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "number/recorded.hpp"
+#include "number/recorders/tape_recorder.hpp"
+#include "scene/camera/list.hpp"
+
+namespace lostbits::scene::camera {
+
+namespace {
+
+template <class M, class T>
+void make(const CameraNumbers<T>& camera, Rows rows, const std::function<void(const Ray<T>&)>& take) {
+    const auto prepared = M::prepare(camera);
+    for (int y = rows.first; y < rows.last; ++y)
+        for (int x = 0; x < camera.width; ++x) take(M::ray(camera, prepared, Pixel<T>{T(x), T(y), T(x - 1)}));
+}
+
+template <class M>
+std::array<NodeId, 6> record(const Format& format, const CameraNumbers<double>& stored, PixelCoordinates at,
+                             Tape& tape) {
+    using T = Recorded;
+    number::recorders::TapeRecorder recorder(tape, format.parameters);
+    const auto input = [](double x) { return T(x); };
+    const CameraNumbers<T> camera = stored.each(input);
+    const T x = input(at.x), y = input(at.y), left = input(at.x - 1);
+    const auto prepared = M::prepare(camera);
+    const auto [o, d] = M::ray(camera, prepared, Pixel<T>{x, y, left});
+    return std::array{o.x.node(), o.y.node(), o.z.node(), d.x.node(), d.y.node(), d.z.node()};
+}
+
+}  // namespace
+
+std::vector<std::string> camera_number_names() {
+    std::vector<std::string> names;
+    for (const char* const v : {"eye", "right", "up", "forward"})
+        for (const char* const axis : {".x", ".y", ".z"}) names.push_back(std::string(v) + axis);
+    names.insert(names.end(), {"tan_x", "tan_y", "near", "depth_near", "depth_far"});
+    for (const char* const m :
+         {"view", "projection", "to_world", "clip_to_world", "clip_to_offset", "raster_to_camera"})
+        for (int k = 0; k < 16; ++k)
+            names.push_back(std::string(m) + ".r" + std::to_string(k / 4) + "c" + std::to_string(k % 4));
+    return names;
+}
+
+std::span<const RayGenerator> ray_generators() {
+    static const std::vector<RayGenerator> all = [] {
+        std::vector<RayGenerator> rows;
+        for_each_generator([&rows]<class M>() {
+            rows.push_back({&M::info, make<M, float>, make<M, double>, make<M, RoundedAny>, make<M, Real>, record<M>});
+        });
+        return rows;
+    }();
+    return all;
+}
+
+const RayGenerator* find_ray_generator(std::string_view name) {
+    const auto found = std::ranges::find(ray_generators(), name, [](const RayGenerator& m) { return m.info->name; });
+    return found == ray_generators().end() ? nullptr : &*found;
+}
+
+}  // namespace lostbits::scene::camera

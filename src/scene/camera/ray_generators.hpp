@@ -1,0 +1,49 @@
+// The table of ray generators: each over floats, doubles, numbers of any format, and exact numbers.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <span>
+#include <string_view>
+
+#include "number/format.hpp"
+#include "number/real.hpp"
+#include "number/rounded.hpp"
+#include "number/tape.hpp"
+#include "scene/camera/numbers.hpp"
+
+namespace lostbits::scene::camera {
+
+/// Rows [first, last) of a picture.
+struct Rows {
+    int first, last;
+};
+
+/// Makes the rays of every pixel of some rows, in the order of the pixels.
+template <class T>
+using MakeIn = void (*)(const CameraNumbers<T>&, Rows, const std::function<void(const Ray<T>&)>& take);
+
+/// A pixel by its whole coordinates.
+struct PixelCoordinates {
+    int x, y;
+};
+
+/// Records every operation that makes a ray in a format. The inputs of the tape are the numbers of the camera, in the
+/// order of `CameraNumbers::each`, and the x, y and left of the pixel. Returns the nodes of the ray's six numbers.
+using RecordRay = std::array<NodeId, 6> (*)(const Format&, const CameraNumbers<double>&, PixelCoordinates, Tape&);
+
+struct RayGenerator {
+    const RayGeneratorInfo* info;
+    MakeIn<float> f32;
+    MakeIn<double> f64;
+    MakeIn<RoundedAny> rounded;
+    MakeIn<Real> real;
+    RecordRay record;
+};
+
+/// All ray generators, in the order of the list.
+std::span<const RayGenerator> ray_generators();
+/// Returns null if no ray generator has that name.
+const RayGenerator* find_ray_generator(std::string_view name);
+
+}  // namespace lostbits::scene::camera

@@ -1,0 +1,153 @@
+#include "scene/dump/number_parser.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "number/real.hpp"
+#include "scene/toml/parse_number.hpp"
+#include "scene/toml/round.hpp"
+
+namespace lostbits::scene::dump {
+
+namespace {
+
+using Word = NumberParser::Word;
+using Kind = NumberParser::Kind;
+
+std::string_view unsigned_part(std::string_view text) {
+    if (!text.empty() && (text.front() == '-' || text.front() == '+')) text.remove_prefix(1);
+    return text;
+}
+
+bool is_word(std::string_view text, std::string_view lower) {
+    if (text.size() != lower.size()) return false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (std::tolower(static_cast<unsigned char>(text[i])) != lower[i]) return false;
+    }
+    return true;
+}
+
+/// Counts the decimal digits from the first that is not zero to the last, before the exponent.
+int significant_digits(std::string_view text) {
+    int digits = 0;
+    for (const char c : text) {
+        if (c == 'e' || c == 'E') break;
+        if (c >= '0' && c <= '9' && (digits > 0 || c != '0')) ++digits;
+    }
+    return digits;
+}
+
+/// True if a decimal of few digits is exactly `x`, its nearest double: n / 10^d is m / 2^d, or differs by at least
+/// 10^-d.
+bool is_exactly(std::string_view text, double x) {
+    const std::size_t end = std::min(text.find_first_of("eE"), text.size()), point = text.find('.');
+    int places = point < end ? static_cast<int>(end - point) - 1 : 0;
+    if (end < text.size()) {
+        std::string_view exponent = text.substr(end + 1);
+        if (exponent.starts_with('+')) exponent.remove_prefix(1);
+        int power = 0;
+        std::from_chars(exponent.data(), exponent.data() + exponent.size(), power);
+        places -= power;
+    }
+    const double scaled = std::ldexp(x, std::max(places, 0));
+    return scaled == std::trunc(scaled);
+}
+
+template <class F>
+bool read_whole(std::string_view text, F& value) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc{} && end == text.data() + text.size();
+}
+
+}  // namespace
+
+NumberParser::NumberParser(const Format& format)
+    : format_(format), digits_(static_cast<int>(std::ceil(1 + format.parameters.precision * std::log10(2.0)))) {}
+
+Word NumberParser::read(std::string_view text) const {
+    const std::string_view magnitude = unsigned_part(text);
+    if (magnitude.empty()) return {Kind::not_a_number_word};
+    const char first = magnitude.front();
+    if (first == 'n' || first == 'N' || first == 'i' || first == 'I') {
+        const double sign = text.front() == '-' ? -1 : 1;
+        if (is_word(magnitude, "nan")) return {Kind::number, std::numeric_limits<double>::quiet_NaN()};
+        if (is_word(magnitude, "inf") || is_word(magnitude, "infinity")) return {Kind::number, sign * HUGE_VAL};
+        return {Kind::not_a_number_word};
+    }
+    const bool hexadecimal =
+        magnitude.size() > 1 && magnitude[0] == '0' && (magnitude[1] == 'x' || magnitude[1] == 'X');
+    if (hexadecimal) return read_hexadecimal(text);
+    if (text.front() == '+') text.remove_prefix(1);
+    // Both functions round correctly. Text that they do not read completely is read slowly, which finds the fault.
+    if (format_.engine == Format::Engine::native32) {
+        float narrow = 0;
+        if (!read_whole(text, narrow)) return read_slowly(text);
+        Word word{Kind::number, narrow};
+        const int digits = significant_digits(magnitude);
+        double wide = 0;
+        if (digits < digits_) {
+            const bool exact = digits < 2 || (read_whole(text, wide) && wide == word.value && is_exactly(text, wide));
+            word.digits = exact ? 0 : digits;
+            return word;
+        }
+        word.digits = digits;
+        word.held = digits == digits_ || (read_whole(text, wide) && wide == word.value);
+        return word;
+    }
+    if (const int digits = significant_digits(magnitude);
+        format_.engine == Format::Engine::native64 && digits <= digits_) {
+        Word word;
+        if (read_whole(text, word.value)) {
+            word.digits = digits < digits_ && (digits < 2 || is_exactly(text, word.value)) ? 0 : digits;
+            return word;
+        }
+    }
+    return read_slowly(text);
+}
+
+Word NumberParser::read_hexadecimal(std::string_view text) const {
+    // A text of at most 53 bits is exactly a double, except for the smallest numbers.
+    const std::string_view digits = unsigned_part(text).substr(2);
+    double exact = 0;
+    const auto [end, error] =
+        std::from_chars(digits.data(), digits.data() + digits.size(), exact, std::chars_format::hex);
+    const bool short_enough = digits.substr(0, digits.find_first_of("pP")).size() <= 14;
+    const bool native = format_.engine != Format::Engine::rounded;
+    if (!native || !short_enough || error != std::errc{} || end != digits.data() + digits.size() || !(exact > 0x1p-900))
+        return read_slowly(text);
+    if (text.front() == '-') exact = -exact;
+    const double value = format_.engine == Format::Engine::native32 ? static_cast<float>(exact) : exact;
+    if (std::isinf(value)) return {Kind::too_large};
+    return {Kind::number, value, value == exact, digits_};
+}
+
+Word NumberParser::read_slowly(std::string_view text) const {
+    const auto parsed = toml::parse_number(text);
+    if (const auto* const fault = std::get_if<toml::NumberFault>(&parsed))
+        return {fault->too_large ? Kind::too_large : Kind::not_a_number_word};
+    const Real& exact = std::get<Real>(parsed);
+    Word word{Kind::number, toml::round_to_format(exact, format_.parameters)};
+    if (std::isinf(word.value)) return {Kind::too_large};
+    const std::string_view magnitude = unsigned_part(text);
+    const bool hexadecimal = magnitude.size() > 1 && (magnitude[1] == 'x' || magnitude[1] == 'X');
+    const int digits = hexadecimal ? digits_ : significant_digits(magnitude);
+    word.held = exact == Real(word.value) || (!hexadecimal && digits <= digits_);
+    word.digits = exact == Real(word.value) && digits < digits_ ? 0 : digits;
+    return word;
+}
+
+bool is_float_in_decimal(double x) {
+    const auto narrow = static_cast<float>(x);
+    char text[64];
+    const auto reads_as = [&](std::to_chars_result written) {
+        double read = 0;
+        return read_whole(std::string_view(text, static_cast<std::size_t>(written.ptr - text)), read) && read == x;
+    };
+    return reads_as(std::to_chars(text, text + sizeof text, narrow)) ||
+           reads_as(std::to_chars(text, text + sizeof text, narrow, std::chars_format::general, 9));
+}
+
+}  // namespace lostbits::scene::dump

@@ -1,0 +1,108 @@
+// A ray distribution for any shape: seeded primitives, and rays aimed at points of them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "scene/rays/distribution_parts.hpp"
+
+namespace lostbits::scene::rays {
+
+/// Draws a direction of length 1 without sine and cosine, which differ between machines.
+inline Vec<double> draw_direction(Random& random) {
+    for (;;) {
+        // Draw one by one: the compiler chooses the order in which arguments are evaluated, and clang and gcc differ.
+        const double x = random.between(-1, 1), y = random.between(-1, 1), z = random.between(-1, 1);
+        const Vec<double> d(x, y, z);
+        if (const double size = length(d); size <= 1 && size > 0x1p-10) return d / size;
+    }
+}
+
+/// Draws a direction of length 1 at right angles to v.
+inline Vec<double> draw_across(Random& random, const Vec<double>& v) {
+    for (;;) {
+        const Vec<double> d = draw_direction(random), across = d - (dot(d, v) / square(v)) * v;
+        if (const double size = length(across); size > 0x1p-4) return across / size;
+    }
+}
+
+/// What a ray is aimed at: a point, and the direction of the ray if it is not to come from anywhere.
+struct AimedPlace {
+    AimedPlace(const Vec<double>& at) : point(at) {}
+    AimedPlace(const Vec<double>& at, const Vec<double>& way) : point(at), along((1 / length(way)) * way) {}
+
+    Vec<double> point;
+    std::optional<Vec<double>> along;  ///< of length 1
+};
+
+/// Base of the ray distribution of a shape: a struct F with a table's name that is derived from this and has
+///     static Primitive<double> drawn(Random&, const Vec<double>& middle, double size)
+/// It may also say what rays can be aimed at:
+///     static constexpr std::pair<std::string_view, int> aims[]    by the words of the key `aim`; else the first is 0
+///     static AimedPlace aimed_at(Random&, const Primitive<double>&, int aim)
+/// Rays come from any direction that the target leaves open, from `distance` sizes away.
+template <class F>
+struct AimedDistribution {
+    int aim = 0;
+    double size = 1;                 ///< approximate size of the primitive, world units
+    double distance = 4;             ///< from the eye to the point aimed at, in sizes
+    double aside = 0;                ///< distance by which the point is moved, in any direction, in sizes
+    double direction_magnitude = 1;  ///< length of the directions, to the nearest power of two
+    double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
+    int views = 1024;                ///< number of primitives; the rays at one primitive form one sample
+    int rays = 1;                    ///< rays per primitive
+    std::uint64_t seed = 1;
+
+    /// Reads the table. Throws InputError with a position for anything out of range.
+    static F read(toml::TableReader table) {
+        F f;
+        if constexpr (requires { F::aims; }) table.read("aim", f.aim, F::aims);
+        table.read_number("size", f.size, 0x1p-100, 0x1p+100);
+        table.read_number("distance", f.distance, 0, 0x1p+100);
+        table.read_number("aside", f.aside, 0, 0x1p+20);
+        read_common_keys(table, f);
+        return f;
+    }
+
+    /// Draws the rays: shared inputs, each number rounded once to binary32.
+    [[nodiscard]] std::vector<RayGroup> draw() const {
+        return draw_views(*this, [](Random& random, const AimedDistribution& f) {
+            const Primitive<double> primitive =
+                transformed(F::drawn(random, offset_of(f), f.size), [](double x) { return stored(x); });
+            RayGroup group;
+            group.primitives.push_back(primitive);
+            for (int i = 0; i < f.rays; ++i) {
+                const Vec<double> any = draw_direction(random), away = (f.aside * f.size) * draw_direction(random);
+                const AimedPlace target = F::aimed_at(random, primitive, f.aim);
+                const Vec<double> at = target.point + away, d = target.along.value_or(any);
+                group.rays.push({stored(at - (f.distance * f.size) * d), stored(direction_length(f) * d)});
+            }
+            return group;
+        });
+    }
+
+    /// Returns a point at random fractions of the sides of the bounding cube.
+    static AimedPlace aimed_at(Random& random, const Primitive<double>& primitive, int /*aim*/) {
+        const double x = random.unit(), y = random.unit(), z = random.unit();
+        return visit(primitive, [&](const auto& shape) { return shape.point_at(Vec<double>(x, y, z)); });
+    }
+
+    static std::span<const RaySet> sets() {
+        static constexpr RaySet all[] = {{"easy", "from 4 sizes away, in any direction", [] { return F{}.draw(); }}};
+        return all;
+    }
+    /// Rays for timing. The misses point away from the primitive.
+    static HitsAndMisses timed() {
+        const F distribution = of_one_view(F{});
+        HitsAndMisses rays{distribution.draw().front(), distribution.draw().front()};
+        for (auto* column : {&rays.misses.rays.dx, &rays.misses.rays.dy, &rays.misses.rays.dz})
+            for (double& x : *column) x = -x;
+        return rays;
+    }
+};
+
+}  // namespace lostbits::scene::rays

@@ -1,0 +1,86 @@
+#include "scene/rays/primitive_list.hpp"
+
+#include "scene/rays/rays.hpp"
+#include "scene/rays/stored_mesh.hpp"
+
+namespace lostbits::scene::rays {
+namespace {
+
+template <class T>
+std::array<std::vector<T>, 4> columns_of(const sphere::Sphereflake& flake, const FloatFormat& f) {
+    std::array<std::vector<T>, 4> columns;
+    for (std::vector<T>& column : columns) column.reserve(flake.size());
+    sphere::for_each_primitive(flake, [&](const Primitive<double>& s) {
+        const Primitive<double> stored = round_primitive(s, f);
+        for (std::size_t k = 0; k < 4; ++k) columns[k].push_back(static_cast<T>(stored.numbers[k]));
+    });
+    return columns;
+}
+
+template <class S>
+PrimitiveList<S> with_made(std::vector<Primitive<S>> listed, const file::Scene& scene) {
+    typename PrimitiveList<S>::Made made{.flake = {}, .mesh = {}, .inputs = scene.inputs};
+    if (scene.flake) {
+        sphere::require_memory_for(*scene.flake);
+        made.flake = std::make_shared<const SphereColumns>(*scene.flake, scene.inputs);
+    }
+    if (scene.mesh) made.mesh = std::make_shared<const MeshColumns>(scene.mesh, scene.mesh_placed, scene.inputs);
+    return {std::move(listed), std::move(made)};
+}
+
+template <class S>
+PrimitiveList<double> rounded_list(const PrimitiveList<S>& primitives, const FloatFormat& f) {
+    std::vector<Primitive<double>> listed;
+    for (const Primitive<S>& s : primitives.listed()) listed.push_back(round_primitive(s, f));
+    const FloatFormat& held = primitives.made().inputs == file::Inputs::shared ? binary32 : binary64;
+    const bool holds = f.precision >= held.precision && f.emin <= held.emin && f.emax >= held.emax;
+    const auto& [flake, mesh, inputs] = primitives.made();
+    return {std::move(listed), {flake, mesh, inputs}, holds ? std::nullopt : std::optional(f)};
+}
+
+}  // namespace
+
+SphereColumns::SphereColumns(const sphere::Sphereflake& flake, file::Inputs inputs) {
+    if (inputs == file::Inputs::shared) columns_ = columns_of<float>(flake, binary32);
+    else columns_ = columns_of<double>(flake, binary64);
+}
+
+MeshColumns::MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, std::optional<Placement<double>> placed,
+                         file::Inputs inputs)
+    : mesh_(std::move(mesh)), vertices_(mesh_->vertices), placed_(std::move(placed)) {
+    if (inputs == file::Inputs::own) return;
+    const auto stored = [](double x) { return rounding::to_format(x, 0, binary32); };
+    for (Vec<double>& v : vertices_)
+        for (int k = 0; k < 3; ++k) v[k] = stored(v[k]);
+    if (placed_) placed_ = transformed(*placed_, stored);
+}
+
+std::vector<Primitive<double>> shared_listed(const file::Scene& scene) {
+    std::vector<Primitive<double>> listed;
+    for (const Primitive<Real>& primitive : scene.listed) listed.push_back(round_primitive(primitive, binary32));
+    return listed;
+}
+
+std::shared_ptr<const MeshColumns> shared_mesh(const file::Scene& scene) {
+    return scene.mesh ? std::make_shared<const MeshColumns>(scene.mesh, scene.mesh_placed, file::Inputs::shared)
+                      : nullptr;
+}
+
+PrimitiveList<double> shared_primitive_list(const file::Scene& scene) { return with_made(shared_listed(scene), scene); }
+
+PrimitiveList<double> primitive_list_of(const RayGroup& group) {
+    const bool wide = group.mesh && !fits_binary32(*group.mesh);
+    return {group.primitives,
+            {.flake = {}, .mesh = group.mesh, .inputs = wide ? file::Inputs::own : file::Inputs::shared}};
+}
+
+PrimitiveList<Real> ideal_primitive_list(const file::Scene& scene) { return with_made(scene.listed, scene); }
+
+PrimitiveList<double> round_primitives(const PrimitiveList<double>& primitives, const FloatFormat& f) {
+    return rounded_list(primitives, f);
+}
+PrimitiveList<double> round_primitives(const PrimitiveList<Real>& primitives, const FloatFormat& f) {
+    return rounded_list(primitives, f);
+}
+
+}  // namespace lostbits::scene::rays

@@ -1,0 +1,154 @@
+// The primitives of a picture as numbers, which may include a flake of millions of spheres. They are stored once and
+// shared by all formats.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "number/format.hpp"
+#include "number/real.hpp"
+#include "number/rounded.hpp"
+#include "scene/file/scene.hpp"
+#include "scene/rays/rays.hpp"
+#include "shapes/primitive.hpp"
+
+namespace lostbits::scene::rays {
+
+/// The spheres of a flake, as a structure of arrays: x, y, z of the centres and the radii. A sphere takes 16 bytes if
+/// inputs are shared, which are numbers of binary32, and 32 if each format rounds its own.
+class SphereColumns {
+public:
+    SphereColumns(const sphere::Sphereflake& flake, file::Inputs inputs);
+
+    [[nodiscard]] std::size_t size() const {
+        return std::visit([](const auto& columns) { return columns[0].size(); }, columns_);
+    }
+    [[nodiscard]] Primitive<double> operator[](std::size_t i) const {
+        Primitive<double> primitive(sphere::Sphereflake::shape);
+        std::visit(
+            [&](const auto& columns) {
+                for (std::size_t k = 0; k < columns.size(); ++k) primitive.numbers[k] = columns[k][i];
+            },
+            columns_);
+        return primitive;
+    }
+    /// The columns as they are stored; nothing if they are stored in the other type.
+    template <class T>
+    [[nodiscard]] const std::array<std::vector<T>, 4>* stored() const {
+        return std::get_if<std::array<std::vector<T>, 4>>(&columns_);
+    }
+
+private:
+    std::variant<std::array<std::vector<float>, 4>, std::array<std::vector<double>, 4>> columns_;
+};
+
+/// The triangles of a scene's meshes. The vertices and the matrix are numbers of binary32 if inputs are shared, else
+/// unrounded.
+class MeshColumns {
+public:
+    MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, std::optional<Placement<double>> placed,
+                file::Inputs inputs);
+
+    [[nodiscard]] std::size_t size() const { return mesh_->faces.size(); }
+    [[nodiscard]] Primitive<double> operator[](std::size_t i) const {
+        Primitive<double> triangle = triangle::corners_of(mesh_->faces[i], vertices_);
+        triangle.placed = placed_;
+        return triangle;
+    }
+    [[nodiscard]] const triangle::Mesh& mesh() const { return *mesh_; }
+
+private:
+    std::shared_ptr<const triangle::Mesh> mesh_;
+    std::vector<Vec<double>> vertices_;
+    std::optional<Placement<double>> placed_;
+};
+
+/// Primitives in storage type S: first those that are stored one by one, then the spheres of a flake and the triangles
+/// of meshes, if any. Copies share the flake and the meshes.
+template <class S>
+class PrimitiveList {
+public:
+    PrimitiveList() = default;
+    PrimitiveList(std::vector<Primitive<S>> listed) : listed_(std::move(listed)) {}
+    /// The flake and the meshes of a scene; null if it has none. `inputs` applies to both.
+    struct Made {
+        std::shared_ptr<const SphereColumns> flake;
+        std::shared_ptr<const MeshColumns> mesh;
+        file::Inputs inputs = file::Inputs::shared;
+    };
+    /// If `format` is absent, the numbers of the flake and the meshes are not rounded.
+    PrimitiveList(std::vector<Primitive<S>> listed, Made made, std::optional<FloatFormat> format = std::nullopt)
+        : listed_(std::move(listed)), made_(std::move(made)), format_(format) {}
+
+    [[nodiscard]] std::size_t size() const { return first_of_mesh() + (made_.mesh ? made_.mesh->size() : 0); }
+    [[nodiscard]] Primitive<S> operator[](std::size_t i) const {
+        if (i < listed_.size()) return listed_[i];
+        const std::size_t triangles = first_of_mesh();
+        return transformed(i < triangles ? (*made_.flake)[i - listed_.size()] : (*made_.mesh)[i - triangles],
+                           [this](double x) { return S(rounded(x)); });
+    }
+    [[nodiscard]] const Made& made() const { return made_; }
+    /// The triangles of meshes; null if there are none.
+    [[nodiscard]] const MeshColumns* mesh() const { return made_.mesh.get(); }
+    /// Index of the first triangle.
+    [[nodiscard]] std::size_t first_of_mesh() const { return listed_.size() + (made_.flake ? made_.flake->size() : 0); }
+    [[nodiscard]] bool all_listed() const { return size() == listed_.size(); }
+    /// The primitives without flake and meshes.
+    [[nodiscard]] std::span<const Primitive<S>> listed() const { return listed_; }
+    [[nodiscard]] const std::shared_ptr<const SphereColumns>& flake() const { return made_.flake; }
+    /// All primitives one by one, including the flake and the meshes.
+    [[nodiscard]] std::vector<Primitive<S>> all() const {
+        std::vector<Primitive<S>> every = listed_;
+        every.reserve(size());
+        for (std::size_t i = every.size(); i < size(); ++i) every.push_back((*this)[i]);
+        return every;
+    }
+
+    /// The numbers of the spheres from begin to begin + count, as columns of T: a view of the stored columns, or of
+    /// `room`.
+    template <class T>
+    [[nodiscard]] std::array<std::span<const T>, 4> columns(std::size_t begin, std::size_t count,
+                                                            std::array<std::vector<T>, 4>& columns_of_spheres) const {
+        std::array<std::span<const T>, 4> view;
+        if (const auto* stored = made_.flake && !format_ ? made_.flake->template stored<T>() : nullptr;
+            stored && begin >= listed_.size()) {
+            for (std::size_t k = 0; k < 4; ++k)
+                view[k] = std::span((*stored)[k]).subspan(begin - listed_.size(), count);
+            return view;
+        }
+        for (std::size_t k = 0; k < 4; ++k) columns_of_spheres[k].resize(count);
+        for (std::size_t i = 0; i < count; ++i) {
+            const Primitive<S> sphere = (*this)[begin + i];
+            for (std::size_t k = 0; k < 4; ++k) columns_of_spheres[k][i] = static_cast<T>(sphere.numbers[k]);
+        }
+        for (std::size_t k = 0; k < 4; ++k) view[k] = columns_of_spheres[k];
+        return view;
+    }
+
+private:
+    [[nodiscard]] double rounded(double x) const { return format_ ? rounding::to_format(x, 0, *format_) : x; }
+
+    std::vector<Primitive<S>> listed_;
+    Made made_;
+    std::optional<FloatFormat> format_;
+};
+
+/// The primitives of `shared_primitives`, with flake and meshes as columns; and the parts of it: the listed primitives
+/// and the meshes.
+PrimitiveList<double> shared_primitive_list(const file::Scene& scene);
+std::vector<Primitive<double>> shared_listed(const file::Scene& scene);
+std::shared_ptr<const MeshColumns> shared_mesh(const file::Scene& scene);
+PrimitiveList<double> primitive_list_of(const RayGroup& group);
+/// The ideal primitives of a scene with own inputs, with flake and meshes as columns.
+PrimitiveList<Real> ideal_primitive_list(const file::Scene& scene);
+
+/// Rounds every number once to F.
+PrimitiveList<double> round_primitives(const PrimitiveList<double>& primitives, const FloatFormat& f);
+PrimitiveList<double> round_primitives(const PrimitiveList<Real>& primitives, const FloatFormat& f);
+
+}  // namespace lostbits::scene::rays

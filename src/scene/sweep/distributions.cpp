@@ -1,0 +1,47 @@
+#include "scene/sweep/distributions.hpp"
+
+// clang-format off
+#define LOSTBITS_SHAPE_FILE(folder) LOSTBITS_PATH(shapes/folder/distribution/distribution.hpp)
+// clang-format on
+#include "shapes/list.hpp"
+#include "shapes/number_names.hpp"
+
+namespace lostbits::scene::sweep {
+namespace {
+
+template <class F>
+Drawer drawer(toml::TableReader table) {
+    return [distribution = F::read(table)](std::uint64_t further) mutable {
+        distribution.seed += further;
+        return distribution.draw();
+    };
+}
+
+template <class F>
+constexpr DistributionRow row_of(Shape shape) {
+    DistributionRow row{.shape = shape, .table = F::table, .read = drawer<F>, .sets = F::sets, .timed = F::timed};
+    if constexpr (requires { F::aims; }) row.aims = F::aims, row.aimed_at = F::aimed_at;
+    return row;
+}
+
+}  // namespace
+
+std::span<const DistributionRow> distributions() {
+#define LOSTBITS_LINE(folder, S) row_of<folder::S##Distribution>(shape_as<S>),
+    static constexpr DistributionRow rows[] = {LOSTBITS_SHAPES(LOSTBITS_LINE)};
+#undef LOSTBITS_LINE
+    return rows;
+}
+
+std::string distribution_tables() {
+    std::string text;
+    for (const DistributionRow& row : distributions()) {
+        const bool last = &row == &distributions().back();
+        if (!text.empty()) text += last ? " or " : ", ";
+        const std::string shape = with_article(row.shape);
+        text += shape.substr(0, shape.find(' ')) + " [" + std::string(row.table) + "]";
+    }
+    return text + " table";
+}
+
+}  // namespace lostbits::scene::sweep

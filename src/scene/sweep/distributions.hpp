@@ -1,0 +1,38 @@
+// The ray distribution of each shape.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "scene/rays/aimed_distribution.hpp"
+
+namespace lostbits::scene::sweep {
+
+/// Draws the rays of a distribution's table. `further` is added to its seed.
+using Drawer = std::function<std::vector<rays::RayGroup>(std::uint64_t further)>;
+
+/// The ray distribution of a shape.
+struct DistributionRow {
+    Shape shape;
+    std::string_view table;  ///< the name of its table in sweep files: `sphere_rays`
+    /// Throws InputError with a position for anything out of range.
+    Drawer (*read)(toml::TableReader);
+    std::span<const rays::RaySet> (*sets)();  ///< the easy one first; seeded: always the same rays
+    rays::HitsAndMisses (*timed)();           ///< rays of the easy kind
+    /// What rays can be aimed at, with the name of each; none for spheres and planes.
+    std::span<const std::pair<std::string_view, int>> aims = {};
+    rays::AimedPlace (*aimed_at)(rays::Random&, const Primitive<double>&, int aim) = nullptr;
+};
+
+/// One row for each shape, in the order of the list.
+std::span<const DistributionRow> distributions();
+
+/// Returns `a [sphere_rays] or a [box_rays] table`.
+std::string distribution_tables();
+
+}  // namespace lostbits::scene::sweep

@@ -1,0 +1,43 @@
+// Names of earlier versions that files may still hold, with the names of today.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+namespace lostbits::scene::toml {
+
+/// Columns of tables and values of keys: the former name and the name of today. CHANGELOG.md lists them for users.
+inline constexpr std::array<std::pair<std::string_view, std::string_view>, 3> former_names{
+    {{"wrong_object", "wrong_primitive"},
+     {"wrong_object_fraction", "wrong_primitive_fraction"},
+     {"many_rays_one_solid", "many_rays_one_primitive"}}};
+
+/// Tables of sweep files.
+inline constexpr std::array<std::pair<std::string_view, std::string_view>, 11> former_tables{
+    {{"family", "sphere_rays"},
+     {"box_family", "box_rays"},
+     {"triangle_family", "triangle_rays"},
+     {"ellipsoid_family", "ellipsoid_rays"},
+     {"cylinder_family", "cylinder_rays"},
+     {"capsule_family", "capsule_rays"},
+     {"tube_family", "tube_rays"},
+     {"cone_family", "cone_rays"},
+     {"disc_family", "disc_rays"},
+     {"plane_family", "plane_rays"},
+     {"torus_family", "torus_rays"}}};
+
+/// Returns the name of today for a former name, and every other text as it is.
+constexpr std::string_view name_of_today(std::string_view name) {
+    const auto found = std::ranges::find(former_names, name, [](const auto& pair) { return pair.first; });
+    return found == former_names.end() ? name : found->second;
+}
+
+/// The same for a key of a file, or of a path in it.
+constexpr std::string_view table_of_today(std::string_view key) {
+    const auto found = std::ranges::find(former_tables, key, [](const auto& pair) { return pair.first; });
+    return found == former_tables.end() ? key : found->second;
+}
+
+}  // namespace lostbits::scene::toml

@@ -1,0 +1,47 @@
+// Random rays at boxes: seeded, aimed at faces, edges and corners, and past them by a stated gap.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "scene/rays/aimed_distribution.hpp"
+#include "scene/toml/toml_reader.hpp"
+
+namespace lostbits::scene::box {
+
+/// A box of random sides, and rays that touch it in one point of an edge or a corner, or run along a face, and are
+/// then moved away from it by `gap`. With `adjoining`, the box is one of eight that share three planes, and the rays
+/// are aimed at the shared points: no ray can slip between.
+struct BoxDistribution {
+    static constexpr std::string_view table = "box_rays";
+    enum class Aim { face, edge, corner, inside };
+
+    Aim aim = Aim::edge;
+    bool adjoining = false;
+    double size = 1;                 ///< longest side, world units
+    double thickness = 1;            ///< shortest side, in sizes; 0: flat
+    double distance = 4;             ///< from the eye to the point aimed at, in sizes
+    double gap = 0;                  ///< in sizes; positive: outward, a miss by that much
+    double direction_magnitude = 1;  ///< length of the directions, to the nearest power of two
+    double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
+    int views = 1024;                ///< number of boxes; the rays at one box form one sample
+    int rays = 1;                    ///< rays per box
+    std::uint64_t seed = 1;
+
+    enum Feature { edge, corner };
+    static constexpr std::pair<std::string_view, int> aims[] = {{"edge", edge}, {"corner", corner}};
+    /// Draws a point of an edge, or a corner, for rays from any direction.
+    static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int feature);
+
+    /// Reads `[box_rays]`. InputError with a position for anything out of range.
+    static BoxDistribution read(toml::TableReader table);
+    /// Draws the rays: shared inputs, each number rounded once to binary32.
+    [[nodiscard]] std::vector<rays::RayGroup> draw() const;
+
+    static std::span<const rays::RaySet> sets();
+    static rays::HitsAndMisses timed();
+};
+
+}  // namespace lostbits::scene::box

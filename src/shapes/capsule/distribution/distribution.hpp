@@ -1,0 +1,34 @@
+// Random rays at capsules.
+#pragma once
+
+#include "scene/rays/aimed_distribution.hpp"
+
+namespace lostbits::scene::capsule {
+
+/// `size` is about half of the axis. The radius is between a sixteenth of `size` and all of it.
+struct CapsuleDistribution : rays::AimedDistribution<CapsuleDistribution> {
+    static constexpr std::string_view table = "capsule_rays";
+    enum Aim { inside, seam, generator, axis };
+    static constexpr std::pair<std::string_view, int> aims[] = {
+        {"inside", inside}, {"seam", seam}, {"generator", generator}, {"axis", axis}};
+
+    static Primitive<double> drawn(rays::Random& random, const Vec<double>& middle, double size) {
+        const Vec<double> half = size * rays::draw_direction(random);
+        return Capsule<double>{middle - half, middle + half, size * random.between(0.0625, 1)};
+    }
+    /// A point within half a radius of the axis, a point of the circle in which a ball and the side meet, a line of the
+    /// side, or the axis.
+    static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
+        const Capsule<double> c = primitive.capsule();
+        if (aim != inside) {
+            const Vec<double> along = random.sign() * (c.end - c.start), end = random.below(2) == 0 ? c.start : c.end;
+            if (aim == axis) return {end, along};
+            const Vec<double> at = end + c.radius * rays::draw_across(random, along);
+            return aim == seam ? rays::AimedPlace(at) : rays::AimedPlace(at, along);
+        }
+        const double u = random.unit();
+        return c.start + u * (c.end - c.start) + 0.5 * c.radius * rays::draw_direction(random);
+    }
+};
+
+}  // namespace lostbits::scene::capsule

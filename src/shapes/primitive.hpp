@@ -1,0 +1,226 @@
+// A primitive of any shape as plain numbers. Kernels, files and searches pass it around without knowing the shape.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+#include "shapes/on_one_line.hpp"
+#include "shapes/placement.hpp"
+#include "shapes/rows.hpp"
+
+namespace lostbits {
+
+/// The largest count of numbers that a primitive is stored by: those of the shape, then those of the matrix.
+inline constexpr std::size_t most_stored = most_numbers + Affine<double>::numbers;
+
+/// A shape and its numbers in storage type S. Entries beyond the numbers of the shape are zero. A placement transforms
+/// the primitive to the world; without one, its numbers are in world coordinates.
+template <class S>
+struct Primitive {
+    Shape shape = shape_rows.front().shape;
+    std::array<S, most_numbers> numbers = zeros();
+    std::optional<Placement<S>> placed = {};
+
+    Primitive() = default;
+    explicit Primitive(Shape of) : shape(of) {}
+    template <template <class> class Of>
+    requires(shape_as<Of> != Shape::sdf) Primitive(const Of<S>& primitive) : shape(shape_as<Of>) {
+        std::size_t k = 0;
+        each_number(primitive, [&](const S& x) { numbers[k++] = x; });
+    }
+
+    /// The numbers of the shape, without those of its matrix.
+    [[nodiscard]] std::span<const S> used() const { return std::span(numbers).first(row_of(shape).numbers); }
+    [[nodiscard]] std::span<S> used() { return std::span(numbers).first(row_of(shape).numbers); }
+
+    template <template <class> class Of>
+    [[nodiscard]] bool is() const {
+        return shape == shape_as<Of>;
+    }
+    /// The primitive as its own struct; `Of` must be the shape that `shape` names.
+    template <template <class> class Of>
+    [[nodiscard]] Of<S> as() const {
+        return primitive_from<Of, S>([this](std::size_t k) { return numbers[k]; });
+    }
+    /// The point whose first coordinate is number `k`.
+    [[nodiscard]] Vec<S> point(std::size_t k) const { return {numbers[k], numbers[k + 1], numbers[k + 2]}; }
+    void set_point(std::size_t k, const Vec<S>& p) { numbers[k] = p.x, numbers[k + 1] = p.y, numbers[k + 2] = p.z; }
+#define LOSTBITS_LINE(folder, S_) \
+    [[nodiscard]] S_<S> folder() const { return as<S_>(); }
+    LOSTBITS_SHAPES(LOSTBITS_LINE)
+#undef LOSTBITS_LINE
+
+private:
+    static std::array<S, most_numbers> zeros() {
+        return []<std::size_t... k>(std::index_sequence<k...>) {
+            return std::array<S, most_numbers>{(static_cast<void>(k), S(0))...};
+        }
+        (std::make_index_sequence<most_numbers>());
+    }
+};
+
+/// Calls `act.template operator()<Sphere>()` for a sphere.
+template <class S, class Act>
+decltype(auto) visit_shape(const Primitive<S>& primitive, const Act& act) {
+    return Primitives::visit_shape(primitive, act);
+}
+
+/// Calls `act` on the struct of the shape. `act` is a template, or has an overload for every shape.
+template <class S, class Act>
+decltype(auto) visit(const Primitive<S>& primitive, const Act& act) {
+    return visit_shape(primitive,
+                       [&]<template <class> class Of>() -> decltype(auto) { return act(primitive.template as<Of>()); });
+}
+
+/// Scales a primitive by k > 0 about the origin, without its matrix.
+template <class S>
+Primitive<S> scaled(const Primitive<S>& primitive, const S& k) {
+    Primitive<S> larger(primitive.shape);
+    std::size_t i = 0;
+    for (const Key& key : row_of(primitive.shape).keys)
+        for (const std::size_t end = i + key.count(); i < end; ++i)
+            larger.numbers[i] = key.kind == Key::Kind::direction ? primitive.numbers[i] : k * primitive.numbers[i];
+    return larger;
+}
+
+/// Sets d·d of every part of a span to that of the world ray, in place of that in the space of the primitive.
+template <class Span, class S>
+void tell_distances(Span& span, const S& d2) {
+    span.d2 = d2;
+    if constexpr (requires { span.side.d2; }) tell_distances(span.side, d2);
+    if constexpr (requires { span.primitive.d2; }) tell_distances(span.primitive, d2);
+    if constexpr (requires { span.enter.d2; }) tell_distances(span.enter, d2), tell_distances(span.leave, d2);
+}
+
+/// Calls `act(shape, ray)` in the space of a primitive of that shape.
+template <template <class> class Of, class S, class Act>
+auto in_its_space(const Ray<S>& ray, const Primitive<S>& primitive, const Act& act) {
+    if (!primitive.placed) return act(primitive.template as<Of>(), ray);
+    const InObject<S> in = in_object(ray, *primitive.placed);
+    return act(scaled(primitive, in.scale).template as<Of>(), in.ray);
+}
+
+/// The interval in which the ray's line is inside a primitive of that shape. Distances are those of the world.
+template <template <class> class Of, class S>
+auto span_of(const Ray<S>& ray, const Primitive<S>& primitive) {
+    auto span = in_its_space<Of>(ray, primitive, [](const Of<S>& shape, const Ray<S>& its) { return shape.span(its); });
+    if (primitive.placed) tell_distances(span, square(ray.direction));
+    return span;
+}
+
+/// Calls `act` with the interval in which the ray's line is inside the primitive.
+template <class S, class Act>
+auto with_span(const Ray<S>& ray, const Primitive<S>& primitive, const Act& act) {
+    return visit_shape(primitive, [&]<template <class> class Of>() { return act(span_of<Of>(ray, primitive)); });
+}
+
+/// Centre and radius of a ball that holds the primitive. Under a stored matrix, |A p| ≤ ‖A‖ |p| with the Frobenius
+/// norm. Do not call it for a primitive under a stored inverse.
+template <class S>
+auto ball_around(const Primitive<S>& primitive) {
+    auto ball = visit(primitive, [](const auto& shape) { return shape.ball_around(); });
+    if (primitive.placed) {
+        const Affine<S> m = primitive.placed->map();
+        ball.centre = m.point(ball.centre);
+        ball.radius = sqrt(square(m.rows[0]) + square(m.rows[1]) + square(m.rows[2])) * ball.radius;
+    }
+    return ball;
+}
+
+/// Builds a primitive of this shape around a point. It extends `half` from the point on each axis.
+template <class S>
+Primitive<S> primitive_around(Shape shape, const Vec<S>& point, const S& half) {
+    Primitive<S> made(shape);
+    visit_shape(made, [&]<template <class> class Of>() { made = Of<S>::around(point, half); });
+    return made;
+}
+
+/// Converts each number by `lift`, in order. The numbers of the matrix come last.
+template <class S, class Lift>
+auto transformed(const Primitive<S>& from, Lift lift) {
+    Primitive<std::decay_t<std::invoke_result_t<Lift, const S&>>> to(from.shape);
+    for (std::size_t i = 0; i < from.used().size(); ++i) to.numbers[i] = lift(from.numbers[i]);
+    if (from.placed) to.placed = transformed(*from.placed, lift);
+    return to;
+}
+
+/// True if two points differ and none of their numbers is NaN.
+template <class S>
+bool are_apart(const Vec<S>& a, const Vec<S>& b) {
+    bool differ = false;
+    for (int i = 0; i < 3; ++i) {
+        if (!(a[i] < b[i] || a[i] >= b[i])) return false;
+        differ = differ || a[i] != b[i];
+    }
+    return differ;
+}
+
+/// A limit of a key that these numbers break, and the number that breaks it. For a point on a line, that is its first
+/// coordinate. NaN breaks every limit.
+struct BrokenLimit {
+    const Key* key;
+    std::size_t number;
+};
+template <class S>
+std::optional<BrokenLimit> broken_limit(const Primitive<S>& primitive) {
+    std::size_t k = 0;
+    for (const Key& key : row_of(primitive.shape).keys) {
+        if (key.limit == Key::Limit::off_line_before &&
+            on_one_line(primitive.point(k - 6), primitive.point(k - 3), primitive.point(k)))
+            return BrokenLimit{&key, k};
+        if (key.limit == Key::Limit::apart_from_before && !are_apart(primitive.point(k - 3), primitive.point(k)))
+            return BrokenLimit{&key, k};
+        if (key.limit == Key::Limit::not_zero && !are_apart(Vec<S>(S(0), S(0), S(0)), primitive.point(k)))
+            return BrokenLimit{&key, k};
+        for (const std::size_t end = k + key.count(); k < end; ++k) {
+            const S& x = primitive.numbers[k];
+            if ((key.limit == Key::Limit::positive && !(x > S(0))) ||
+                (key.limit == Key::Limit::not_negative && !(x >= S(0))) ||
+                (key.limit == Key::Limit::below_before && !(x >= S(0) && x < primitive.numbers[k - 1])) ||
+                (key.limit == Key::Limit::within_before && !(x > S(0) && x < primitive.numbers[k - 1])) ||
+                (key.limit == Key::Limit::at_least_before && !(primitive.numbers[k - key.count()] <= x)))
+                return BrokenLimit{&key, k};
+        }
+    }
+    return std::nullopt;
+}
+
+/// Calls `act(key, index of its first number)` for each key of the shape.
+template <class Act>
+void for_each_key(Shape shape, const Act& act) {
+    std::size_t k = 0;
+    for (const Key& key : row_of(shape).keys) {
+        act(key, k);
+        k += key.count();
+    }
+}
+
+/// True if the number at index k may be left out.
+inline bool is_optional(Shape shape, std::size_t k) {
+    bool optional = false;
+    for_each_key(shape, [&](const Key& key, std::size_t first) {
+        if (k >= first && k < first + key.count()) optional = key.optional;
+    });
+    return optional;
+}
+
+/// A key that is a length, and the index of its number.
+struct LengthKey {
+    const Key* key;
+    std::size_t number;
+};
+/// The first length of a shape; nothing if it has none.
+inline std::optional<LengthKey> length_key(Shape shape) {
+    std::optional<LengthKey> found;
+    for_each_key(shape, [&found](const Key& key, std::size_t k) {
+        if (!found && key.kind == Key::Kind::length) found = LengthKey{&key, k};
+    });
+    return found;
+}
+
+}  // namespace lostbits

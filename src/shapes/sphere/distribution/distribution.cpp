@@ -1,0 +1,199 @@
+#include "shapes/sphere/distribution/distribution.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "number/real.hpp"
+#include "scene/toml/round.hpp"
+
+namespace lostbits::scene::sphere {
+
+using rays::direction_length;
+using rays::offset_of;
+using rays::Random;
+using rays::RayGroup;
+using rays::stored;
+using toml::to_12_bits;
+
+namespace {
+
+struct Quadruple {
+    int a, b, c, n;
+};
+
+/// All a ≤ b ≤ c without a common factor and with a² + b² + c² = n², n ≤ 127. There are 559, each with up to 48
+/// directions. That is enough that a thousand views hardly share one. They are small enough that twelve bits times any
+/// of them is exact in binary32.
+std::vector<Quadruple> pythagorean_quadruples() {
+    std::vector<Quadruple> found;
+    for (int n = 3; n <= 127; n += 2) {  // n is odd: squares are 0 or 1 modulo 4
+        for (int a = 1; a < n; ++a) {
+            for (int b = a; b < n; ++b) {
+                const int rest = n * n - a * a - b * b, c = static_cast<int>(std::sqrt(rest < 0 ? 0 : rest));
+                if (c >= b && c * c == rest && std::gcd(std::gcd(a, b), c) == 1) found.push_back({a, b, c, n});
+            }
+        }
+    }
+    return found;
+}
+
+/// A view direction (a, b, c) in whole numbers. Its length is n.
+struct View {
+    Vec<double> w;
+    double n;
+};
+
+/// One of the 48 images of a vector under the symmetries of the axes.
+Vec<double> shuffled(Random& random, std::array<double, 3> parts) {
+    std::swap(parts[0], parts[static_cast<std::size_t>(random.below(3))]);
+    std::swap(parts[1], parts[1 + static_cast<std::size_t>(random.below(2))]);
+    for (double& p : parts) p = random.below(2) == 0 ? p : -p;
+    return {parts[0], parts[1], parts[2]};
+}
+
+/// Draws a point of the unit circle without sine and cosine, which differ between machines.
+std::pair<double, double> draw_on_circle(Random& random) {
+    for (;;) {
+        const double y = random.between(-1, 1), z = random.between(-1, 1), size = y * y + z * z;
+        if (size <= 1 && size > 0x1p-20) return {y / std::sqrt(size), z / std::sqrt(size)};
+    }
+}
+
+View draw_view(Random& random, const SphereDistribution& f) {
+    if (f.directions == SphereDistribution::Views::axis) {
+        Vec<double> w(0, 0, 0);
+        w[random.below(3)] = random.below(2) == 0 ? 1 : -1;
+        return {w, 1};
+    }
+    if (f.directions == SphereDistribution::Views::tilted) {
+        const auto [y, z] = draw_on_circle(random);
+        const Vec<double> w = shuffled(random, {1, to_12_bits(f.tilt * y), to_12_bits(f.tilt * z)});
+        return {w, length(w)};
+    }
+    static const std::vector<Quadruple> quadruples = pythagorean_quadruples();
+    const Quadruple& q = quadruples[static_cast<std::size_t>(random.below(static_cast<int>(quadruples.size())))];
+    return {shuffled(random, {double(q.a), double(q.b), double(q.c)}), static_cast<double>(q.n)};
+}
+
+/// A factor near 1 for the views along an axis or beside it. They have few centres, and without it all of them would
+/// share the rounding of c.
+double jitter(Random& random, const SphereDistribution& f) {
+    return f.directions == SphereDistribution::Views::oblique ? 1 : 1 + 0x1p-5 * (random.unit() - 0.5);
+}
+
+/// Describes how a line passes the centre: its distance in radii, and a direction across w.
+struct Impact {
+    double s;
+    Vec<double> across;
+};
+
+Impact draw_impact(Random& random, const SphereDistribution& f, const View& view) {
+    const double u = random.unit();
+    double s = 0;
+    if (f.silhouette_gap > 0) {
+        s = 1 - f.silhouette_gap;
+    } else if (f.weighting == SphereDistribution::Weighting::silhouette) {
+        // 1 − s falls by powers of two from 1 − impact_from to 1 − impact_to. It uses MPFR because libm's pow differs
+        // between machines.
+        const Real ratio = Real(1 - f.impact_to) / Real(1 - f.impact_from);
+        s = 1 - (1 - f.impact_from) * static_cast<double>(Real(pow(ratio, Real(u))));
+    } else {
+        s = std::sqrt(f.impact_from * f.impact_from + u * (f.impact_to * f.impact_to - f.impact_from * f.impact_from));
+    }
+    // Draw one by one: the compiler chooses the order in which arguments are evaluated, and clang and gcc differ.
+    const double z = 2 * random.unit() - 1, y = 2 * random.unit() - 1, x = 2 * random.unit() - 1;
+    const Vec<double> side(x, y, z);
+    const Vec<double> w(view.w.x / view.n, view.w.y / view.n, view.w.z / view.n);
+    const Vec<double> across = side - dot(side, w) * w;
+    return {s, across / length(across)};
+}
+
+RayGroup view_rays(Random& random, const SphereDistribution& f) {
+    const View view = draw_view(random, f);
+    const Vec<double> w(view.w.x / view.n, view.w.y / view.n, view.w.z / view.n);
+    const Vec<double> away = offset_of(f);
+    const double magnitude = direction_length(f);
+    const bool parallel = f.projection == SphereDistribution::Projection::parallel;
+    // Whole multiples of (a, b, c): |centre| = multiple·n exactly.
+    const double multiple = to_12_bits((parallel ? f.distance * f.radius : f.radius) / view.n * jitter(random, f));
+    const double radius = parallel ? f.radius : multiple * view.n;
+    const Vec<double> centre = (parallel ? multiple : -multiple) * view.w + away;
+
+    RayGroup group;
+    group.primitives.push_back(Sphere<double>{stored(centre), stored(radius)});
+    for (int i = 0; i < f.rays; ++i) {
+        const Impact impact = draw_impact(random, f, view);
+        if (parallel) {
+            // The direction is (a, b, c) over a power of two near n: exact, and parallel to the centre's direction.
+            const double scale = magnitude * std::ldexp(1.0, -std::ilogb(view.n));
+            group.rays.push({stored(away + (impact.s * radius) * impact.across), stored(scale * view.w)});
+        } else {
+            // From height h, a line that passes the centre at s·r makes the angle asin(s r/(r + h)) with the vertical.
+            const double sine = std::clamp(impact.s * radius / (radius + f.height), -1.0, 1.0);
+            const double cosine = std::sqrt((1 - sine) * (1 + sine));
+            const Vec<double> towards = sine * impact.across - (f.away ? -cosine : cosine) * w;
+            group.rays.push({stored(away + f.height * w), stored(magnitude * towards)});
+        }
+    }
+    return group;
+}
+
+}  // namespace
+
+SphereDistribution SphereDistribution::read(toml::TableReader table) {
+    using P = SphereDistribution::Projection;
+    using V = SphereDistribution::Views;
+    using W = SphereDistribution::Weighting;
+    static constexpr std::pair<std::string_view, P> projections[] = {{"parallel", P::parallel}, {"point", P::point}};
+    static constexpr std::pair<std::string_view, V> views[] = {
+        {"oblique", V::oblique}, {"axis", V::axis}, {"tilted", V::tilted}};
+    static constexpr std::pair<std::string_view, W> weightings[] = {{"disc", W::disc}, {"silhouette", W::silhouette}};
+    SphereDistribution f;
+    f.projection = table.optional_one_of<P>("projection", projections).value_or(f.projection);
+    f.directions = table.optional_one_of<V>("directions", views).value_or(f.directions);
+    f.weighting = table.optional_one_of<W>("weighting", weightings).value_or(f.weighting);
+    table.read_number("radius", f.radius, 0x1p-126, 0x1p+126);
+    table.read_number("distance", f.distance, 0, 0x1p+126);
+    table.read_number("height", f.height, -0x1p+126, 0x1p+126);
+    table.read_number("impact_from", f.impact_from, 0, 4);
+    table.read_number("impact_to", f.impact_to, 0, 4);
+    table.read_number("silhouette_gap", f.silhouette_gap, 0, 1);
+    f.away = table.optional_boolean("away").value_or(false);
+    table.read_number("tilt", f.tilt, 0, 1);
+    if (f.weighting == W::silhouette && f.impact_to >= 1)
+        table.fail_at("impact_to", "must be below 1 with weighting = \"silhouette\"");
+    rays::read_common_keys(table, f);
+    return f;
+}
+
+std::vector<RayGroup> SphereDistribution::draw() const { return rays::draw_views(*this, view_rays); }
+
+std::span<const rays::RaySet> SphereDistribution::sets() {
+    static constexpr rays::RaySet all[] = {
+        {"easy", "a sphere 4 radii away, hit within 0.9 radii of its middle",
+         [] { return SphereDistribution{.distance = 4, .impact_to = 0.9}.draw(); }},
+        {"far-small", "a sphere 4096 radii away, hit within 0.9 radii of its middle",
+         [] { return SphereDistribution{.distance = 4096, .impact_to = 0.9}.draw(); }},
+        {"near-huge", "a sphere of radius 1e6, seen from 1 above its surface",
+         [] {
+             return SphereDistribution{
+                 .projection = SphereDistribution::Projection::point, .radius = 1e6, .height = 1, .impact_to = 0.9}
+                 .draw();
+         }},
+        {"grazing", "a sphere 4 radii away, hit 2^-10 radii inside its silhouette",
+         [] { return SphereDistribution{.distance = 4, .silhouette_gap = 0x1p-10}.draw(); }},
+    };
+    return all;
+}
+
+rays::HitsAndMisses SphereDistribution::timed() {
+    SphereDistribution hits = rays::of_one_view(SphereDistribution{.distance = 4, .impact_to = 0.9}), misses = hits;
+    misses.impact_from = 1.1;
+    misses.impact_to = 1.5;
+    return {hits.draw().front(), misses.draw().front()};
+}
+
+}  // namespace lostbits::scene::sphere

@@ -1,0 +1,30 @@
+// Random rays at tubes.
+#pragma once
+
+#include "scene/rays/aimed_distribution.hpp"
+
+namespace lostbits::scene::tube {
+
+/// `size` is about half of the height. The radius is between a sixteenth of `size` and all of it.
+struct TubeDistribution : rays::AimedDistribution<TubeDistribution> {
+    static constexpr std::string_view table = "tube_rays";
+    enum Aim { wall, rim, generator, axis };
+    static constexpr std::pair<std::string_view, int> aims[] = {
+        {"wall", wall}, {"rim", rim}, {"generator", generator}, {"axis", axis}};
+
+    static Primitive<double> drawn(rays::Random& random, const Vec<double>& middle, double size) {
+        const Vec<double> half = size * rays::draw_direction(random);
+        return Tube<double>{middle - half, middle + half, size * random.between(0.0625, 1)};
+    }
+    /// Draws a point of the wall, a point of one of its ends, a line of the wall, or the axis.
+    static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
+        if (aim == wall) return rays::AimedDistribution<TubeDistribution>::aimed_at(random, primitive, aim);
+        const Tube<double> t = primitive.tube();
+        const Vec<double> along = random.sign() * (t.top - t.bottom), end = random.below(2) == 0 ? t.bottom : t.top;
+        if (aim == axis) return {end, along};
+        const Vec<double> at = end + t.radius * rays::draw_across(random, along);
+        return aim == rim ? rays::AimedPlace(at) : rays::AimedPlace(at, along);
+    }
+};
+
+}  // namespace lostbits::scene::tube

@@ -1,0 +1,195 @@
+// Functions of C, C++ and Rust as they stand: the operations that were read give the bits of the compiled function, and
+// what cannot be followed is refused with its place.
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "cli/program.hpp"
+#include "intersect/function/function.hpp"
+#include "intersect/function/walk.hpp"
+#include "number/error.hpp"
+
+namespace test_functions {
+
+using namespace lostbits;
+using namespace lostbits::test;
+
+namespace {
+
+const std::string folder = std::string(LOSTBITS_SOURCE_DIR) + "/tests/external/functions/";
+
+bool has_rustc() { return std::system("rustc --version >/dev/null 2>&1") == 0; }
+
+/// The message of a function that is refused; empty if it is not.
+std::string refusal(const std::string& named) {
+    try {
+        intersect::function::load_function(folder + named, {});
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+/// Answers of both rows on random rays at random primitives; the count of those that differ in a bit.
+template <class S>
+std::size_t differences(const intersect::table::Kernel<S>& a, const intersect::table::Kernel<S>& b, Shape shape) {
+    std::mt19937_64 random(7);
+    const auto uniform = [&random] { return static_cast<S>(static_cast<double>(random() >> 11) * 0x1p-52 - 1); };
+    constexpr std::size_t count = 20'000;
+    std::vector<Primitive<S>> primitives(count, Primitive<S>(shape));
+    std::array<std::vector<S>, 6> rays;
+    for (Primitive<S>& primitive : primitives) {
+        std::size_t at = 0;
+        for (const Key& key : row_of(shape).keys)
+            for (std::size_t k = 0; k < key.count(); ++k, ++at) {
+                primitive.numbers[at] = key.is_length() ? std::fabs(uniform()) + S(0.1) : uniform();
+                if (shape == Shape::box && at >= 3)
+                    primitive.numbers[at] = primitive.numbers[at - 3] + std::fabs(uniform());
+            }
+        for (std::size_t k = 0; k < 3; ++k) {
+            rays[k].push_back(4 * uniform());
+            rays[k + 3].push_back(primitive.numbers[k] - rays[k].back() + uniform() / 2);
+        }
+    }
+    const intersect::table::RayBatch<S> batch{rays[0], rays[1], rays[2], rays[3], rays[4], rays[5]};
+    std::array<std::array<std::vector<S>, 3>, 2> t;
+    std::array<std::vector<std::uint8_t>, 2> hit;
+    for (std::size_t k : {0, 1}) {
+        for (auto& column : t[k]) column.resize(count);
+        hit[k].resize(count);
+        (k == 0 ? a : b)(batch, intersect::Target<S>(std::span<const Primitive<S>>(primitives)),
+                         {t[k][0], t[k][1], t[k][2], hit[k]});
+    }
+    std::size_t differ = 0, hits = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        hits += hit[0][i];
+        const bool same = t[0][0][i] == t[1][0][i] || (std::isnan(t[0][0][i]) && std::isnan(t[1][0][i]));
+        if (hit[0][i] != hit[1][i] || (hit[0][i] != 0 && !same)) ++differ;
+    }
+    CHECK(hits > count / 20);
+    return differ;
+}
+
+}  // namespace
+
+TEST_CASE("functions: the operations give the bits of the compiled function", "[external]") {
+    struct Case {
+        const char *named, *says;
+    };
+    for (const auto& [named, says] :
+         {Case{"sphere.c:hit_sphere", "sphere: origin = o, direction = d, centre = c, radius = r"},
+          Case{"sphere.c:schoolbook", "hit where t is not negative"},
+          Case{"sphere.c:precise", "hit where t is not infinite"},
+          Case{"sphere.c:mixed_sphere", "hit where t is a number"},
+          Case{"sphere.cpp:scene::Sphere::intersect",
+               "centre = this.center, radius = this.radius, origin = ray.origin"},
+          Case{"sphere.cpp:scene::intersect_sphere", "hit where its hit is not 0, t = its t"},
+          Case{"box.c:hit_box", "lo = b.bounds[0], hi = b.bounds[1]"}, Case{"box.c:slabs", "1/direction = inv_dir"},
+          Case{"triangle.cpp:hit_triangle", "triangle: origin = orig, direction = dir, a = v0, b = v1, c = v2"},
+          Case{"sphere.rs:hit_sphere", "hit where the result is there"}, Case{"sphere.rs:hit_box", "far = its __1"}}) {
+        CAPTURE(named);
+        if (std::string(named).find(".rs:") != std::string::npos && !has_rustc()) continue;
+        const auto f = intersect::function::load_function(folder + named, {});
+        CHECK(f->shown.find(says) != std::string::npos);
+        const auto alone = f->written->row(f->answers->info);
+        if (f->answers->of32) CHECK(differences(f->row.native32, alone.native32, f->row.shape) == 0);
+        else CHECK(differences(f->row.native64, alone.native64, f->row.shape) == 0);
+    }
+}
+
+TEST_CASE("functions: the same operations as a form of the catalogue have its answers", "[external]") {
+    const auto f = intersect::function::load_function(folder + "sphere.c:schoolbook", {});
+    for (const auto& row : intersect::table::catalogue())
+        if (row.info->name == "sphere.schoolbook")
+            CHECK(differences(f->row.native32, row.native32, Shape::sphere) == 0);
+}
+
+TEST_CASE("functions: the culprit is a line of the user's file", "[external]") {
+    const Outcome said =
+        must("explain rtg-fig-7-3-4100-oblique --pixel 128,128 -f f32 -i function.schoolbook --function " + folder +
+             "sphere.c:schoolbook");
+    CHECK(said.out.find("sphere.c:34:55") != std::string::npos);
+    CHECK(said.out.find(" 34 |     float c = v[0] * v[0]") != std::string::npos);
+    CHECK(said.out.find("~^~") != std::string::npos);
+    const Scratch made;
+    must(
+        "map near-benign --size 8x8 -f f32 -f f64 -f fp16 --bits 12 --metric culprit -o out -i function.hit_sphere "
+        "--function " +
+            folder + "sphere.c:hit_sphere",
+        made.path());
+}
+
+TEST_CASE("functions: what cannot be followed is refused with its place", "[external]") {
+    CHECK(refusal("refused.c:sine").find("refused.c:4:78: it calls sin") != std::string::npos);
+    CHECK(refusal("refused.c:endless").find("refused.c:8:5: a loop has no bound") != std::string::npos);
+    CHECK(refusal("refused.c:rounded").find("refused.c:12:88: a number becomes an integer") != std::string::npos);
+    CHECK(refusal("refused.c:counting").find("refused.c:16:11: a global variable is written") != std::string::npos);
+    CHECK(refusal("refused.c:nothing").find("does not compile") != std::string::npos);
+    CHECK(refusal("sphere.c").find("names no function") != std::string::npos);
+    CHECK(refusal("nowhere.c:f").find("no such file") != std::string::npos);
+}
+
+TEST_CASE("functions: damaged LLVM IR gives a sentence", "[external]") {
+    const std::string whole = R"(%struct.v = type { [3 x float], <2 x float>, i8 }
+@k = private constant [2 x float] [float 1.000000e+00, float 0x3FF8000000000000]
+define void @lostbits_entry(float* %0, ptr %out, i32* noundef %hit) #0 !dbg !4 {
+  %s = alloca %struct.v, align 4
+  %a = load float, float* %0, align 4, !dbg !5
+  %g = getelementptr inbounds %struct.v, ptr %s, i64 0, i32 0, i64 1
+  store float %a, ptr %g, align 4
+  %c = fcmp olt float %a, 0.000000e+00
+  br i1 %c, label %left, label %right
+
+left:                                             ; preds = %1
+  %n = fneg float %a
+  br label %end
+
+right:
+  %r = call float @llvm.sqrt.f32(float %a)
+  switch i32 2, label %end [
+    i32 1, label %left
+    i32 3, label %left
+  ]
+
+end:
+  %p = phi float [ %n, %left ], [ %r, %right ]
+  %q = load float, ptr getelementptr inbounds ([2 x float], ptr @k, i64 0, i64 1), align 4
+  %m = fmul float %p, %q
+  store float %m, ptr %out, align 4
+  store i32 1, i32* %hit, align 4
+  ret void
+}
+!4 = distinct !DISubprogram(name: "f", scope: !6, file: !6, line: 1)
+!5 = !DILocation(line: 2, column: 3, scope: !4)
+!6 = !DIFile(filename: "f.c", directory: "/x")
+)";
+    const auto read = [](const std::string& text) {
+        try {
+            intersect::function::Module module(text);
+            intersect::function::Nodes nodes(32);
+            intersect::function::Walk walk(module, nodes, "/x");
+            walk.run("lostbits_entry", 11);
+            return true;
+        } catch (const InputError&) {
+            return false;
+        }
+    };
+    REQUIRE(read(whole));
+    for (std::size_t size = 0; size < whole.size(); size += 3) read(whole.substr(0, size));
+    std::mt19937 random(3);
+    for (int k = 0; k < 3000; ++k) {
+        std::string text = whole;
+        for (unsigned changes = 1 + random() % 4; changes > 0; --changes) {
+            const std::size_t at = random() % text.size();
+            if (random() % 2 == 0) text[at] = "%@!0123456789 ()[]{}<>,*\"x"[random() % 26];
+            else text.erase(at, 1 + random() % 9);
+        }
+        read(text);
+    }
+}
+
+}  // namespace test_functions

@@ -1,0 +1,121 @@
+// A guess of what is wrong explains hits and misses, on rays that it was not made from.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "cli/program.hpp"
+#include "measure/contract/suspect.hpp"
+
+namespace test_guesses {
+
+using namespace lostbits::test;
+using namespace lostbits;
+
+namespace {
+
+/// Rays along z at distances of 0 to `reach` from the middle of a sphere of this radius, which `told` answers: a t, or
+/// NaN for a miss.
+template <class Told>
+std::vector<measure::contract::Judged> beside(double radius, double reach, const Told& told) {
+    std::vector<measure::contract::Judged> all;
+    for (int i = 0; i < 400; ++i) {
+        const double side = reach * i / 400, from = 4 * radius, left = radius * radius - side * side;
+        measure::contract::Judged j{.ray = {{side, 0, -from}, {0, 0, 1}},
+                                    .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, radius}),
+                                    .truly_hits = left >= 0};
+        if (j.truly_hits) j.true_t = j.other_measure = from - std::sqrt(left);
+        j.t = told(side, from);
+        j.hit = !std::isnan(j.t);
+        all.push_back(j);
+    }
+    return all;
+}
+
+/// The t of a sphere of another radius.
+auto of_radius(double radius) {
+    return [radius](double side, double from) { return from - std::sqrt(radius * radius - side * side); };
+}
+
+}  // namespace
+
+TEST_CASE("suspicion: a guess explains hits and misses, and more than that all is missed", "[external]") {
+    using measure::contract::suspicion;
+    // What never hits is no sign of anything, however thin or large what it misses.
+    const auto never = [](double, double) { return std::nan(""); };
+    for (const double radius : {0x1p-10, 0.001, 0.1, 0.5, 1.0, 50.0, 1e6}) {
+        for (const double reach : {0.9, 1.0, 3.0}) {
+            const std::string words = suspicion(beside(radius, reach * radius, never));
+            INFO(radius << ' ' << reach << ": " << words);
+            CHECK(has(words, "miss what they should hit; no known mistake"));
+            CHECK_FALSE(has(words, "seem"));
+        }
+    }
+    for (const ShapeRow& shape : shape_rows) {
+        std::vector<measure::contract::Judged> all;
+        const Primitive<double> primitive = primitive_around<double>(shape.shape, {0, 0, 0}, 0.01);
+        for (int i = 0; i < 50; ++i)
+            all.push_back(
+                {.ray = {{1e-4 * i, 0, -5}, {0, 0, 1}}, .primitive = primitive, .truly_hits = true, .true_t = 4.99});
+        INFO(shape.name);
+        CHECK_FALSE(has(suspicion(all), "seem"));
+    }
+    // One that hits a sphere of another radius is told by its hits and its misses.
+    CHECK(has(suspicion(beside(9, 18, of_radius(3))), "the radius seems to be taken for its square"));
+    CHECK(has(suspicion(beside(3, 18, of_radius(9))), "the radius seems to be squared once too often"));
+    CHECK(has(suspicion(beside(2.5, 7.5, of_radius(5))), "a diameter seems to be handed over for the radius"));
+    // Hits as of one twice as large that stop at the sphere's own rim are not: rays between the two are missed.
+    CHECK_FALSE(
+        has(suspicion(beside(
+                2, 6, [](double side, double from) { return side > 2 ? std::nan("") : of_radius(4)(side, from); })),
+            "seem"));
+    // Nor are two hits in the middle of 400 misses.
+    CHECK_FALSE(
+        has(suspicion(beside(50, 49, [](double side, double) { return side < 0.2 ? 1e9 : std::nan(""); })), "seem"));
+}
+
+TEST_CASE("suspicion: a guess is tested on rays that it was not made from", "[external]") {
+    using measure::contract::suspicion;
+    // One wrong answer, of which a factor or a sign could always be made.
+    auto all = beside(3, 1, of_radius(3));
+    all.resize(1);
+    for (const double factor : {-1.0, 1000.0, 7.5}) {
+        all[0].t = factor * all[0].true_t;
+        CHECK(has(suspicion(all), "wrong on the one ray that hit or should: 1 has a t that is off by more than 0.4%"));
+    }
+}
+
+TEST_CASE("suspicion: a factor explains what a sum, one answer and false hits do not", "[external]") {
+    using measure::contract::suspicion;
+    const auto scaled = [](double from, double to, const auto& answer) {
+        auto all = beside(3, 1, of_radius(3));
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            all[i].true_t = all[i].other_measure = from + (to - from) * static_cast<double>(i) / 400;
+            all[i].t = answer(all[i].true_t);
+        }
+        return all;
+    };
+    CHECK_FALSE(has(suspicion(scaled(95, 105, [](double t) { return t + 1; })), "units"));
+    CHECK_FALSE(has(suspicion(scaled(99, 99.2, [](double) { return 1.0; })), "units"));
+    CHECK_FALSE(has(suspicion(scaled(99, 99.2, [](double t) { return 1.5 * t; })), "units"));
+    CHECK_FALSE(has(suspicion(scaled(1, 1, [](double) { return 1000.0; })), "units"));
+    CHECK(has(suspicion(scaled(90, 110, [](double t) { return 1.5 * t; })), "it is 1.5 times what is right"));
+    CHECK(has(suspicion(scaled(99, 99.2, [](double t) { return 1000 * t; })), "1000 times what is right"));
+    auto with_false_hits = scaled(90, 110, [](double t) { return 1.5 * t; });
+    for (std::size_t i = 0; i < with_false_hits.size(); i += 5) with_false_hits[i].truly_hits = false;
+    CHECK_FALSE(has(suspicion(with_false_hits), "units"));
+}
+
+TEST_CASE("suspicion: a dump whose rays all miss a large sphere is not explained by its radius", "[external]") {
+    const Scratch folder;
+    std::string rays = "ox,oy,oz,dx,dy,dz,hit,t\n";
+    for (int i = 0; i < 39; ++i)
+        rays += std::to_string(7.5 + i) + "," + std::to_string(0.25 * i - 5) + ",200,0,0,-1,0,\n";
+    folder.write("rays.csv", rays);
+    const Outcome o = must("judge rays.csv --sphere 0,0,0,50 -o out", folder.path());
+    INFO(o.err);
+    CHECK(has(o.err, "miss what they should hit"));
+    CHECK_FALSE(has(o.err, "seem"));
+}
+
+}  // namespace test_guesses

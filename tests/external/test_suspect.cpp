@@ -1,0 +1,345 @@
+// A contract that is wrong costs more than any rounding: it is said, and never of one that is right.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "catch.hpp"
+#include "cli/program.hpp"
+#include "external/libraries.hpp"
+#include "measure/contract/suspect.hpp"
+#include "scene/file/scene.hpp"
+
+namespace test_suspect {
+
+using namespace lostbits::test;
+using namespace lostbits;
+
+namespace {
+
+const std::string odd = plugin("odd_plugin");
+
+/// Rays of many lengths from everywhere at a sphere of radius 3, answered by `answer(true near, true far, ray)`.
+template <class Answer>
+std::vector<measure::contract::Judged> judged(const Answer& answer) {
+    std::vector<measure::contract::Judged> all;
+    for (int i = 0; i < 500; ++i) {
+        const double length = 0.5 + 0.01 * i, from = 4 + 0.03 * i, side = 0.005 * i, half = std::sqrt(9 - side * side);
+        measure::contract::Judged j{.ray = {{side, 0, -from}, {0, 0, length}},
+                                    .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 3}),
+                                    .truly_hits = true,
+                                    .true_t = (from - half) / length,
+                                    .other_measure = from - half,
+                                    .hit = true};
+        j.t = answer(j.true_t, (from + half) / length, length);
+        all.push_back(j);
+    }
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE("suspicion: each wrong contract is known by its answers", "[external]") {
+    using measure::contract::suspicion;
+    CHECK(suspicion(judged([](double t, double, double) { return t; })).empty());
+    CHECK(suspicion(judged([](double t, double, double) { return t * (1 + 0x1p-9); })).empty());
+    CHECK(has(suspicion(judged([](double t, double, double l) { return t * l; })), "directions of unit length"));
+    CHECK(has(suspicion(judged([](double, double far, double) { return far; })), "the far root"));
+    auto by_distance = judged([](double t, double, double) { return t; });  // where a distance was promised
+    for (auto& j : by_distance) {
+        j.unit = true;
+        std::swap(j.true_t, j.other_measure);
+    }
+    CHECK(has(suspicion(by_distance), "the ray's parameter, not a distance"));
+    CHECK(has(suspicion(judged([](double t, double, double) { return -t; })), "wrong sign"));
+    // Nothing known explains it: the number is said anyway.
+    const std::string unknown = suspicion(judged([](double, double, double) { return 17.0; }));
+    CHECK(has(unknown, " have a t that is off by more than 0.4%"));
+    CHECK(has(unknown, "no known mistake explains nine in ten"));
+    const std::string none = suspicion(judged([](double, double, double) { return HUGE_VAL; }));
+    CHECK(has(none, "500 have a t that is not a finite number"));
+}
+
+TEST_CASE("suspicion: t in other units is known by one factor, which is said", "[external]") {
+    using measure::contract::suspicion;
+    const auto off_by = [](double factor) {
+        return suspicion(judged([factor](double t, double, double) { return factor * t; }));
+    };
+    CHECK(has(off_by(1000), "t is in other units: it is 1000 times what is right: millimetres for metres?"));
+    CHECK(has(off_by(0.001), "0.001 times what is right: metres for millimetres?"));
+    CHECK(has(off_by(0.0254), "metres for inches?"));
+    CHECK(has(off_by(7.5), "t is in other units: it is 7.5 times what is right"));
+    // Decisions that are wrong beside it, as arithmetic makes them, hide neither a factor nor a sign.
+    const auto with_wrong_decisions = [](double factor) {
+        auto all = judged([factor](double t, double, double) { return factor * t; });
+        for (std::size_t i = 0; i < all.size(); i += 6) (i % 4 == 0 ? all[i].hit : all[i].truly_hits) = false;
+        return suspicion(all);
+    };
+    CHECK(has(with_wrong_decisions(1000), "wrong on 416 of the 416 rays that hit and should: t is in other units"));
+    CHECK(has(with_wrong_decisions(-1), "wrong on 416 of the 416 rays that hit and should: t has the wrong sign"));
+    CHECK(with_wrong_decisions(1).empty());
+    // A factor that is another for each ray is none, and neither is one answer to rays that are all alike.
+    int n = 0;
+    CHECK_FALSE(has(suspicion(judged([&n](double t, double, double) { return t * (2 + n++ % 7); })), "units"));
+    std::vector<measure::contract::Judged> alike;
+    for (int i = 0; i < 100; ++i) alike.push_back(judged([](double t, double, double) { return 3 * t; }).front());
+    CHECK_FALSE(has(suspicion(alike), "units"));
+    // From far away all t are nearly alike: a factor that is written on purpose is known there too.
+    const auto from_afar = [](double factor) {
+        std::vector<measure::contract::Judged> all;
+        for (int i = 0; i < 100; ++i) {
+            all.push_back(judged([](double t, double, double) { return t; }).front());
+            all.back().true_t *= 1 + 0x1p-17 * i;
+            all.back().t = factor * all.back().true_t;
+        }
+        return suspicion(all);
+    };
+    CHECK(has(from_afar(1000), "1000 times what is right"));
+    CHECK(has(from_afar(1 / 0.0254), "inches for metres?"));
+    CHECK(has(from_afar(1024), "1.02e+03 times what is right"));
+    CHECK_FALSE(has(from_afar(3), "units"));
+}
+
+TEST_CASE("suspicion: an answer of the ray's own line is no sign of another ray", "[external]") {
+    // They end where they enter, which is a miss where a touch is one. y = z, so that exchanged they are the same rays.
+    std::vector<measure::contract::Judged> all;
+    for (int i = 0; i < 20; ++i) {
+        const double y = 0.02 * i;
+        all.push_back({.ray = {{-5, y, y}, {1, 0, 0}},
+                       .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 1}),
+                       .hit = true,
+                       .t = 5 - std::sqrt(1 - 2 * y * y)});
+    }
+    CHECK(has(measure::contract::suspicion(all), "wrong on 20 of the 20 rays that hit or should: 20 hit what they"));
+}
+
+TEST_CASE("suspicion: what was done to the rays or to the primitive is known by its answers", "[external]") {
+    using measure::contract::Judged;
+    using R = Ray<double>;
+    using S = Sphere<double>;
+    const auto nearest = [](const R& ray, const S& s) {
+        const Vec<double> f = ray.origin - s.centre;
+        const double a = dot(ray.direction, ray.direction), b = dot(f, ray.direction);
+        const double left = b * b - a * (dot(f, f) - s.radius * s.radius), root = std::sqrt(std::max(0.0, left));
+        const double near = (-b - root) / a, far = (-b + root) / a;
+        return left < 0 || far < 0 ? std::nan("") : near >= 0 ? near : far;
+    };
+    // Rays from around (1, -2, 0) at a sphere around (4, 6, -20), some of which miss. They are answered as they are,
+    // and told as `change` leaves them.
+    const auto asked = [&nearest](const auto& change, bool inverted = false) {
+        std::vector<Judged> all;
+        for (int i = 0; i < 400; ++i) {
+            const double u = (i % 20 - 9.5) / 4, v = (i / 20 - 9.5) / 4;
+            R ray{{1 + u / 8, -2, v / 8}, {3 + u, 8 + v, -20}};
+            S sphere{{4, 6, -20}, 2};
+            const double t = nearest(ray, sphere);
+            const bool hit = std::isnan(t) == inverted;
+            change(ray, sphere);
+            const double truth = nearest(ray, sphere);
+            all.push_back({.ray = ray,
+                           .primitive = Primitive<double>(sphere),
+                           .truly_hits = !std::isnan(truth),
+                           .true_t = truth,
+                           .other_measure = truth,
+                           .hit = hit,
+                           .t = std::isnan(t) ? 0 : t});
+        }
+        return measure::contract::suspicion(all, measure::contract::AnswerSource::file);
+    };
+    CHECK(asked([](R&, S&) {}).empty());
+    CHECK(has(asked([](R& ray, S&) { ray.direction = -ray.direction; }),
+              "the direction seems to be reversed: the answers are those for -d; write -dx, -dy, -dz"));
+    CHECK(has(asked([](R& ray, S&) { ray.direction = ray.origin + ray.direction; }), "the point where the ray ends"));
+    CHECK(has(asked([](R& ray, S&) {
+                  for (Vec<double>* v : {&ray.origin, &ray.direction}) std::swap(v->y, v->z);
+              }),
+              "y and z of the rays seem to be exchanged"));
+    CHECK(has(asked([](R& ray, S&) { std::swap(ray.origin, ray.direction); }), "the origin and the direction"));
+    for (const auto& [factor, says] : {std::pair(1000.0, "1000 times as large (millimetres for metres?); write both"),
+                                       std::pair(0.01, "0.01 times as large (metres for centimetres?)")})
+        CHECK(has(asked([f = factor](R&, S& sphere) { sphere = {sphere.centre * f, sphere.radius * f}; }), says));
+    CHECK(has(asked([](R&, S&) {}, true), "hit seems to be inverted, 1 where the ray misses; write 1 for a hit"));
+    // A sphere elsewhere: it is hit where it is not, and missed where it is, but most rays miss both.
+    const std::string elsewhere = asked([](R&, S& sphere) { sphere.centre.x += 9; });
+    CHECK(has(elsewhere, "no known mistake"));
+}
+
+TEST_CASE("suspicion: what is wrong from inside is told apart", "[external]") {
+    using measure::contract::AnswerSource;
+    using measure::contract::suspicion;
+    // From inside of a sphere of radius 3, nearer to its back; `right` is the true t, `told` the answer.
+    const auto asked = [](const auto& right, const auto& told, AnswerSource source = AnswerSource::intersector) {
+        std::vector<measure::contract::Judged> all;
+        for (int i = 0; i < 200; ++i) {
+            const double z = -2.5 + 0.01 * i, near = -3 - z, far = 3 - z;
+            measure::contract::Judged j{.ray = {{0, 0, z}, {0, 0, 1}},
+                                        .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 3}),
+                                        .truly_hits = true,
+                                        .true_t = right(near, far),
+                                        .other_measure = right(near, far),
+                                        .hit = true};
+            j.t = told(near, far);
+            all.push_back(j);
+        }
+        return suspicion(all, source);
+    };
+    const auto near = [](double t, double) { return t; };
+    const auto far = [](double, double t) { return t; };
+    const auto none = [](double, double) { return 0.0; };
+    const auto size = [](double t, double) { return std::fabs(t); };
+    CHECK(asked(far, far).empty());
+    CHECK(asked(none, none).empty());
+    CHECK(
+        has(asked(far, none), "it answers 0 from inside, where another t is right; say so (inside_zero, inside=zero)"));
+    CHECK(has(asked(far, none, AnswerSource::file), "; say --inside zero"));
+    CHECK(has(asked(none, far), "it answers with the exit, where 0 is right; say so (inside_exit"));
+    CHECK(has(asked(none, far, AnswerSource::file), "; say --inside exit"));
+    CHECK(has(asked(far, size), "the near root without its sign"));
+    CHECK_FALSE(has(asked(far, near), "without its sign"));
+    CHECK(has(asked(far, near), "the near root, behind the ray; say so (near_root, roots=near)"));
+    CHECK(has(asked(far, near, AnswerSource::file), "; say --inside near"));
+}
+
+TEST_CASE("suspicion: origin and direction exchanged are known by hits, not by misses", "[external]") {
+    const auto asked = [](bool ever_hits) {
+        std::vector<measure::contract::Judged> all;
+        for (int i = 0; i < 300; ++i) {
+            // The ray from (x, 0, -5) along z is exchanged for one from (0, 0, 1) along d = (x, 0, -5), whose t has
+            // d² t² - 10 t + 1 - r² = 0.
+            const double x = -0.45 + 0.003 * i, half = std::sqrt(0.25 - x * x), d2 = x * x + 25;
+            measure::contract::Judged j{.ray = {{x, 0, -5}, {0, 0, 1}},
+                                        .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 0.5}),
+                                        .truly_hits = true,
+                                        .true_t = 5 - half,
+                                        .other_measure = 5 - half,
+                                        .hit = ever_hits};
+            j.t = ever_hits ? (5 - std::sqrt(25 - 0.75 * d2)) / d2 : std::nan("");
+            all.push_back(j);
+        }
+        return measure::contract::suspicion(all);
+    };
+    CHECK(has(asked(true), "the origin and the direction seem to be exchanged"));
+    CHECK_FALSE(has(asked(false), "exchanged"));
+    CHECK(has(asked(false), "wrong on 300 of the 300 rays that hit or should: 300 miss what they should hit"));
+    const measure::contract::Judged one{.ray = {{0, 0, -5}, {0, 0, 1}},
+                                        .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 1}),
+                                        .truly_hits = true,
+                                        .true_t = 4,
+                                        .other_measure = 4};
+    CHECK(has(measure::contract::suspicion({one}),
+              "wrong on the one ray that hit or should: 1 misses what it should hit"));
+}
+
+TEST_CASE("suspicion: a radius is blamed for what it explains everywhere, not for a march that ends early",
+          "[external]") {
+    const double nan = std::nan("");
+    // Rays from 1 to 2.7 beside the middle of a sphere of radius 3; those beyond 1.5 miss one of half the radius.
+    const auto asked = [&](const auto& t_of) {
+        std::vector<measure::contract::Judged> all;
+        for (int i = 0; i < 500; ++i) {
+            const double side = 1 + 0.0035 * i, t = 10 - std::sqrt(9 - side * side);
+            measure::contract::Judged j{.ray = {{side, 0, -10}, {0, 0, 1}},
+                                        .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 3}),
+                                        .truly_hits = true,
+                                        .true_t = t,
+                                        .other_measure = t,
+                                        .hit = side < 1.5};
+            j.t = t_of(t, side);
+            all.push_back(j);
+        }
+        return measure::contract::suspicion(all);
+    };
+    const auto of_half = [](double, double side) { return 10 - std::sqrt(std::max(0.0, 1.5 * 1.5 - side * side)); };
+    CHECK(has(asked(of_half), "taken for a diameter"));
+    CHECK(has(asked([&](double, double) { return nan; }), "taken for a diameter"));  // of a form that tells no t
+    // Too few steps: right in the middle, a miss near the rim.
+    const std::string early = asked([](double t, double) { return t; });
+    CHECK(has(early, "miss what they should hit"));
+    CHECK_FALSE(has(early, "radius"));
+}
+
+TEST_CASE("suspicion: of every form of the catalogue nothing, from outside and from inside", "[external]") {
+    const Scratch folder;
+    for (const std::string name : {"near-benign", "camera-inside", "rtg-fig-7-3-100-oblique", "box-one"}) {
+        const auto loaded =
+            scene::file::load_scene(std::string(LOSTBITS_DATA_DIR) + "/scenes/" + name + ".toml").front();
+        for (const auto& form : intersect::table::intersectors()) {
+            const bool near_only = form.info->roots == intersect::Roots::near_only;
+            if (!loaded.meets(form.shape) || (near_only && name == "camera-inside")) continue;
+            INFO(name << ' ' << form.info->name);
+            const Format format = *find_format(form.native64 ? "f64" : "f32");
+            CHECK(measure::contract::suspicion(loaded, {&form, format}).empty());
+        }
+    }
+}
+
+TEST_CASE("suspicion: a map and a sweep say it on stderr, for what is wrong alone", "[external]") {
+    const Scratch folder;
+    const auto map = [&](const std::string& form, const std::string& scene) {
+        return run("map " + scene + " --size 48x32 -f f32 -o out -i " + form + odd, folder.path()).err;
+    };
+    CHECK(has(map("odd.squared", "camera-inside"), "odd.squared f32: on all 1536 rays of camera-inside: wrong on "));
+    folder.write("large.toml", scene_text("[[sphere]]\ncentre = [0, 0, 0]\nradius = 4\n", "",
+                                          "kind = \"pinhole\"\nfov_deg = 50\neye = [0, 0, 12]\n"));
+    CHECK(has(map("odd.squared", "large.toml"), "taken for its square"));
+    // Of a radius of 1000 the square root is missed by all rays, which says nothing of a radius.
+    CHECK(has(map("odd.squared", "rtg-fig-7-4.r1e3"), "miss what they should hit; no known mistake"));
+    CHECK(has(map("odd.far_first", "near-benign"), "far root"));
+    CHECK(has(map("odd.forgetful", "near-benign"),
+              "odd.forgetful f32: on all 1536 rays of near-benign: wrong on "));  // a number for each call
+    for (const std::string form : {"odd.right", "odd.first", "odd.predicate", "odd.unit"}) {
+        INFO(form);
+        CHECK(map(form, "camera-inside").empty());
+        CHECK(map(form, "near-benign").empty());
+    }
+    const Outcome sweep = run("sweep sphere-distance -i odd.far_first -f f32 -o out" + odd, folder.path());
+    CHECK(has(sweep.err,
+              "odd.far_first f32: on all 1024 rays of sphere-distance at distance_radii = 1.25, the first "
+              "step: wrong on "));
+    // A small picture stands for a large one, and the line says so.
+    const Outcome large = run("map near-benign --size 256x128 -f f32 -o out -i odd.far_first" + odd, folder.path());
+    CHECK(has(large.err, "on a sample of near-benign, a picture of 64x32 with 2048 rays: wrong on "));
+    CHECK(has(sweep.err, "far root"));
+    const Outcome quiet = run("map near-benign -q --size 48x32 -f f32 -o out -i odd.far_first" + odd, folder.path());
+    CHECK(quiet.err.empty());
+}
+
+TEST_CASE("suspicion: no infinite condition acquits the exit where 0 is right, nor a t far off a tangent",
+          "[external]") {
+    const Scratch folder;
+    const std::string cases = folder.write("cases.toml", R"(schema = "lostbits-sweep/1"
+title = "t = 0, and a tangent"
+source = "-"
+[[case]]
+name = "from the surface"
+spheres = [{ centre = [0, 0, 0], radius = 3 }]
+rays = [{ origin = [0, 0, -3], direction = [0, 0, 1] }]
+[[case]]
+name = "touching"
+spheres = [{ centre = [0, 0, 0], radius = 3 }]
+rays = [{ origin = [3, 0, -8], direction = [0, 0, 1] }]
+)");
+    must("sweep " + cases + " -i odd.far_first -i odd.nothing_ahead -i sphere.unified -f f32 -o out" + odd,
+         folder.path());
+    std::map<std::string, std::string> verdict;
+    for (auto& row : read_csv(folder.path() / "out/cases/cases.csv"))
+        verdict[row["form"] + " " + row["case"]] = row["verdict"];
+    CHECK(verdict["odd.far_first from the surface"] == "wrong_value");  // 6 for 0
+    CHECK(verdict["odd.nothing_ahead touching"] == "wrong_value");      // 0 for 8
+    CHECK(verdict["odd.far_first touching"] == "right");                // both roots are 8
+    CHECK(verdict["sphere.unified from the surface"] == "right");
+}
+
+TEST_CASE("suspicion: what asks for operations says which rows it leaves out", "[external]") {
+    const Scratch folder;
+    const std::string map = "map near-benign --size 48x32 -f f32 -o out --metric culprit -i odd.right";
+    const Outcome both = must(map + " -i sphere.unified" + odd, folder.path());
+    CHECK(has(both.err, "--metric culprit: leaves out odd.right"));
+    const Outcome alone = run(map + odd, folder.path());
+    CHECK(alone.code == 2);
+    CHECK(has(alone.err, "docs/your-own-form.md"));
+}
+
+}  // namespace test_suspect

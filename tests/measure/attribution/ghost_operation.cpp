@@ -1,0 +1,22 @@
+// An operation that a copy of number/tape.hpp has one row more for; see ghost_operation.cmake.
+#include "measure/attribution/operation_rows.hpp"
+
+namespace lostbits::measure::attribution {
+
+#ifdef GHOST_IS_DESCRIBED
+template <>
+struct Operation<TapeOp::ghost> {
+    static constexpr OperationText text{.binds = 4,
+                                        .plain = "ghost($1, $2)",
+                                        .c = "ghost$f($1, $2)",
+                                        .c_lacks = "a ghost",
+#ifdef GHOST_HAS_ALL_TEXTS
+                                        .fpcore = "(ghost $1 $2)"
+#endif
+    };
+};
+#endif
+
+}  // namespace lostbits::measure::attribution
+
+#include "measure/attribution/operations.hpp"

@@ -1,0 +1,172 @@
+// Culprits as categories: every operation that can be one has a place and a name, and colours go to those that are.
+#include "measure/attribution/culprits.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "measure/attribution/recorded_rays.hpp"
+#include "measure/evaluate/culprit_order.hpp"
+#include "measure/rows.hpp"
+
+namespace lostbits::test::test_culprits {
+
+using intersect::table::Intersector;
+using measure::metric::find_metric;
+using measure::metric::Metric;
+using measure::metric::MetricSet;
+
+namespace {
+
+/// What the library calls a setting, of the rays that the tests draw.
+lostbits::measure::attribution::Setting given(const Setting& s) { return {s.primitives, &s.march}; }
+
+}  // namespace
+
+TEST_CASE("every culprit is among the operations of its form, and no plain miss has one", "[culprits]") {
+    int blamed = 0, misses = 0;
+    const int rays = is_long() ? 40 : 10;
+    const auto see = [&](const Intersector& form, const Format& format, const Setting& s, const Tape&) {
+        MetricSet made;
+        const Metric* const culprit = made.for_forms({find_metric("culprit")}, {&form}, given(s)).front();
+        measure::attribution::Attributor attributor(form, format, culprit->categories);
+        const measure::attribution::RayAttribution blame = attributor.of(s.ray, s.target(form));
+        if (measure::attribution::is_plain_miss(*blame.tape, *blame.attribution)) {
+            CHECK(std::isnan(blame.culprit));
+            CHECK(blame.attribution->culprit == no_node);
+            ++misses;
+            return;
+        }
+        if (blame.attribution->culprit == no_node) return;
+        REQUIRE(blame.culprit >= 1);
+        const auto operations = measure::attribution::operation_names(form, given(s));
+        CHECK(std::ranges::find(operations, culprit->categories[static_cast<std::size_t>(blame.culprit)]) !=
+              operations.end());
+        ++blamed;
+    };
+    on_recorded_rays({{"f32", "p12"}, rays, 1, 7}, see);
+    CHECK(blamed > 37 * rays);
+    CHECK(misses > 2 * rays);
+}
+
+TEST_CASE("cancellation and contributions of labels: parts of what there is", "[culprits]") {
+    int cancelled = 0;
+    const auto see = [&](const Intersector& form, const Format& format, const Setting& s, const Tape&) {
+        measure::attribution::Attributor attributor(form, format, {});
+        const measure::attribution::RayAttribution blame = attributor.of(s.ray, s.target(form));
+        const int worst = measure::attribution::worst_cancellation(*blame.attribution);
+        for (const std::string_view label : measure::attribution::labels_of(form, given(s))) {
+            INFO(label);
+            const double bits = measure::attribution::cancellation_of(*blame.tape, *blame.attribution, label);
+            const bool there = std::ranges::find(blame.tape->nodes, label, &TapeNode::label) != blame.tape->nodes.end();
+            CHECK(std::isnan(bits) == !there);
+            if (there) CHECK(bits <= worst);
+            cancelled += bits > 0;
+        }
+        CHECK(std::isnan(measure::attribution::cancellation_of(*blame.tape, *blame.attribution, "no such label")));
+        CHECK(std::isnan(measure::attribution::contribution_of(*blame.tape, *blame.attribution, "no such label")));
+    };
+    on_recorded_rays({{"f32"}, 40, 100, 11}, see);
+    CHECK(cancelled > 200);
+}
+
+TEST_CASE("a limit of a ray that rounding turned has a culprit among the operations, and the choice of a root is one",
+          "[culprits]") {
+    // t is 1.4e-4 in binary32 and 6.6e-5 without rounding, and the ray begins at 1e-4.
+    const Intersector& form = form_named("sphere.unified");
+    const std::array<Primitive<double>, 1> primitives{Sphere<double>{{0, -1001, -30}, 1000}};
+    const Ray<double> ray{{-0x1.99f126p-1, -0x1.00b684p+0, -0x1.bccd1p+4},
+                          {0x1.9a5e32p-2, 0x1.576072p-1, 0x1.3f964ep-1}};
+    const measure::attribution::Setting without{primitives}, with{primitives, nullptr, nullptr, true};
+    MetricSet made;
+    const Metric* const culprit = made.for_forms({find_metric("culprit")}, {&form}, with).front();
+    const Format f32 = *find_format("f32");
+    measure::attribution::Attributor attributor(form, f32, culprit->categories);
+    const auto whole = attributor.of(ray, intersect::Target<double>(primitives[0]));
+    CHECK(whole.attribution->exact_hit);
+    CHECK(whole.attribution->subject == whole.tape->outputs.t);
+    const auto blame = attributor.of(ray, intersect::Target<double>(primitives[0]), {.tmin = 0x1.a36e2ep-14});
+    CHECK_FALSE(blame.attribution->exact_hit);
+    REQUIRE(blame.culprit >= 1);
+    CHECK(culprit->categories[static_cast<std::size_t>(blame.culprit)] == "v.i = o.i - centre.i");
+    const auto chooses = [&](const measure::attribution::Setting& s) {
+        return std::ranges::any_of(measure::attribution::operation_names(form, s),
+                                   [](const std::string& name) { return name.starts_with("t_in_range = "); });
+    };
+    CHECK(chooses(with));
+    CHECK_FALSE(chooses(without));
+}
+
+TEST_CASE("shares are of the rays that have a culprit: those on which nothing rounds are none", "[culprits]") {
+    const std::array<std::uint64_t, 4> counts{90, 1, 3, 6};
+    CHECK(measure::attribution::culprit_share(counts, std::array<std::size_t, 1>{2}) == 0.3);
+    CHECK(measure::attribution::culprit_share(counts, std::array<std::size_t, 3>{1, 2, 3}) == 1);
+    CHECK(std::isnan(
+        measure::attribution::culprit_share(std::array<std::uint64_t, 2>{5, 0}, std::array<std::size_t, 1>{1})));
+}
+
+TEST_CASE("an unknown label is refused with what was meant, a known one is bound", "[culprits]") {
+    const Sphere<double> unit{{0, 0, 5}, 1};
+    const std::array<Primitive<double>, 1> primitives{unit};
+    std::vector<const Intersector*> forms;
+    for (const Intersector& form : intersect::table::intersectors(Shape::sphere)) forms.push_back(&form);
+    const measure::attribution::Setting setting{primitives};
+    MetricSet made;
+    const std::vector<const Metric*> asked{made.find("contribution:disc"), made.find("cancellation:c"),
+                                           made.find("culprit")};
+    const auto metrics = made.for_forms(asked, forms, setting);
+    CHECK(metrics[0] == asked[0]);
+    CHECK(metrics[1] == asked[1]);
+    CHECK(metrics[2]->categories.size() > 100);
+    CHECK(asked[2]->categories.empty());  // the table's own row stays as it is
+    CHECK(made.find("contribution:") == nullptr);
+    CHECK(made.find("contributions:c") == nullptr);
+    CHECK_THROWS_WITH(made.for_forms({made.find("cancellation:disk")}, forms, setting),
+                      Catch::Contains("did you mean \"disc\"?"));
+}
+
+TEST_CASE("a run keeps one row of a label, and what it keeps stays when it moves", "[culprits]") {
+    MetricSet made;
+    const Metric* const of_c = made.find("contribution:c");
+    REQUIRE(of_c != nullptr);
+    for (int i = 0; i < 100; ++i) made.find("contribution:c" + std::to_string(i));
+    CHECK(made.find("contribution:c") == of_c);
+    const MetricSet kept = std::move(made);
+    CHECK(of_c->name == "contribution:c");
+    CHECK(of_c->layer == "contribution.c");
+    CHECK(of_c->label == "c");
+    CHECK(find_metric("contribution:c") == nullptr);
+}
+
+TEST_CASE("categories go by how often they are to blame", "[culprits]") {
+    const scene::file::Scene scene = test::scene_named("near-benign", std::pair{60, 40});
+    measure::evaluate::EvaluationRequest request{
+        .scene = &scene, .rows = {}, .metrics = {find_metric("lost_bits"), find_metric("culprit")}};
+    for (const Intersector& form : intersect::table::intersectors(Shape::sphere))
+        request.rows.push_back({&form, *find_format("f32")});
+    MetricSet made;
+    request.metrics = made.for_forms(request.metrics, measure::evaluate::forms_of(request.rows),
+                                     measure::attribution::SettingOf(scene).get());
+    const Metric* const before = request.metrics[1];
+    request.metrics = order_culprits(request, made);
+    const Metric* const after = request.metrics[1];
+    CHECK(after->categories.front() == before->categories.front());
+    std::vector<std::string_view> a(before->categories.begin(), before->categories.end()),
+        b(after->categories.begin(), after->categories.end());
+    CHECK(a != b);
+    std::ranges::sort(a);
+    std::ranges::sort(b);
+    CHECK(a == b);
+    // The picture is small enough to be its own small picture.
+    const auto summaries = measure::evaluate::evaluate_rows(request, {});
+    std::vector<std::uint64_t> total(after->categories.size());
+    for (const measure::evaluate::FormSummary& s : summaries) {
+        for (std::size_t c = 0; c < total.size(); ++c) total[c] += s.categories[1][c];
+    }
+    CHECK(std::is_sorted(total.begin() + 1, total.end(), std::greater{}));
+    CHECK(total[1] > 0);
+}
+
+}  // namespace lostbits::test::test_culprits

@@ -1,0 +1,119 @@
+// What does better on a ray is ranked on the rays around it, where luck evens out.
+#include <algorithm>
+#include <cmath>
+
+#include "catch.hpp"
+#include "measure/attribution/explanation.hpp"
+#include "measure/attribution/operation_error.hpp"
+#include "measure/rows.hpp"
+#include "measure/truth/lost_bits.hpp"
+
+namespace test_neighbours {
+
+using namespace lostbits;
+using intersect::table::Intersector;
+using measure::answer::OneRay;
+using measure::answer::Outcome;
+using measure::attribution::Explanation;
+using measure::attribution::Standing;
+using test::form_named;
+using test::scene_named;
+
+namespace {
+
+const Format f32 = *find_format("f32");
+
+std::vector<double> numbers_of(const Ray<double>& ray) {
+    return {ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z};
+}
+
+/// Bits that a form loses on one ray, from what it answers and what is true; all where it decides wrongly.
+double lost(const Intersector& form, const OneRay& ray) {
+    const OneRay::Inputs in = ray.inputs(form, f32);
+    const auto answers = measure::answer::evaluate(form, in.all);
+    const bool hit = answers.hit[in.index] != 0, truly = ray.truth(*form.info).is_hit();
+    if (hit != truly || (hit && std::isnan(answers.t[in.index]))) return 24;
+    if (!hit) return 0;
+    return measure::truth::lost_bits(
+        measure::truth::ulp_error(answers.t[in.index], ray.true_t(*form.info), f32.parameters), 24);
+}
+
+}  // namespace
+
+TEST_CASE("neighbours are within an ulp in each number, zeros stay, and every run has the same") {
+    const auto scene = scene_named("rtg-fig-7-3-4100");  // along the axis: the eye has zeros
+    const Intersector& form = form_named("sphere.schoolbook");
+    const OneRay ray(scene, 100, 128);
+    const OneRay::Inputs in = ray.inputs(form, f32);
+    const std::vector<Primitive<double>> primitives{in.all.primitives[0]};
+    const auto around = measure::attribution::neighbours_of(ray, in, f32.parameters, primitives),
+               again = measure::attribution::neighbours_of(ray, in, f32.parameters, primitives);
+    REQUIRE(around.size() == measure::attribution::neighbours);
+    const auto middle = numbers_of(in.all.rays[in.index]);
+    std::vector<int> down(6), up(6);
+    for (std::size_t k = 0; k < around.size(); ++k) {
+        const auto here = around[k].inputs(form, f32), same = again[k].inputs(form, f32);
+        CHECK(around[k].keeps(here));  // numbers of the format
+        const auto x = numbers_of(here.all.rays[here.index]);
+        CHECK(x == numbers_of(same.all.rays[same.index]));
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            const double ulps = (x[i] - middle[i]) / measure::attribution::ulp_at(middle[i], f32.parameters);
+            CHECK((ulps == -1 || ulps == 0 || ulps == 1));
+            if (middle[i] == 0) CHECK(x[i] == 0);
+            down[i] += ulps < 0;
+            up[i] += ulps > 0;
+        }
+    }
+    int zeros = 0;
+    for (std::size_t i = 0; i < middle.size(); ++i) {
+        if (middle[i] == 0) ++zeros;
+        else CHECK((down[i] > 8 && up[i] > 8));  // a third of 64 each, or so
+    }
+    CHECK(zeros > 0);
+    CHECK(zeros < 4);
+}
+
+TEST_CASE("better is what loses less on the ray and its neighbours, and luck on the ray alone is not named") {
+    const auto scene = scene_named("near-benign");
+    const Intersector& form = form_named("sphere.schoolbook");
+    int better = 0, lucky = 0, unlucky = 0;
+    for (const int x : {60, 80, 100, 120, 140, 160}) {
+        const OneRay ray(scene, x, 128);
+        const Explanation all = measure::attribution::explain(form, f32, ray);
+        if (all.standing.outcome != Outcome::agree_hit) continue;
+        const OneRay::Inputs in = ray.inputs(form, f32);
+        const auto around = measure::attribution::neighbours_of(
+            ray, in, f32.parameters, {in.all.primitives[static_cast<std::size_t>(all.primitive)]});
+        const auto mean = [&](const Intersector& each) {
+            double sum = 0;
+            for (const OneRay& beside : around) sum += lost(each, beside);
+            return sum / static_cast<double>(around.size());
+        };
+        CHECK(all.standing.around == Approx(mean(form)));
+        double before = 0;
+        for (const Standing& s : all.better) {
+            INFO(x << " " << s.form->info->name);
+            CHECK(s.around == Approx(mean(*s.form)));
+            CHECK(s.around < all.standing.around);
+            CHECK(s.around >= before);
+            before = s.around;
+            ++better;
+            unlucky += !s.beats(all.standing);  // loses more on this very ray
+        }
+        for (const Intersector& other : intersect::table::intersectors()) {
+            if (other.info->roots == intersect::Roots::none || other.shape != form.shape || !other.exists_in(f32) ||
+                other.info->direction != form.info->direction)
+                continue;
+            const bool named = std::ranges::find(all.better, &other, &Standing::form) != all.better.end();
+            const bool beats = lost(other, ray) < all.standing.lost;
+            if (beats && !named) {
+                ++lucky;
+                CHECK(!(mean(other) < all.standing.around));
+            }
+        }
+    }
+    CHECK(better > 20);
+    CHECK(lucky + unlucky > 0);  // or the ranking on the ray alone would do
+}
+
+}  // namespace test_neighbours

@@ -1,0 +1,222 @@
+// Operations that contribute the same: which of them is the culprit hangs on the formula, and not on the order in which
+// its tape happens to stand.
+#include "measure/attribution/attribution.hpp"
+
+#include <algorithm>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "measure/attribution/recorded_rays.hpp"
+#include "number/recorded.hpp"
+#include "number/recorders/tape_recorder.hpp"
+
+namespace lostbits::test::test_ties {
+
+using intersect::table::Intersector;
+using measure::attribution::Attribution;
+
+namespace {
+
+struct Shuffled {
+    Tape tape;
+    std::vector<NodeId> place;  ///< of each node of the tape as it was
+
+    [[nodiscard]] NodeId at(NodeId i) const { return i == no_node ? no_node : place[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] std::vector<NodeId> at(std::vector<NodeId> nodes) const {
+        for (NodeId& i : nodes) i = at(i);
+        return nodes;
+    }
+};
+
+/// The same operations in a random order in which each comes after its operands.
+Shuffled shuffle(const Tape& tape, Random& random) {
+    Shuffled s{tape, std::vector<NodeId>(tape.nodes.size(), no_node)};
+    std::vector<std::vector<NodeId>> users(tape.nodes.size());
+    std::vector<int> waits(tape.nodes.size());
+    std::vector<NodeId> ready;
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        for (const NodeId operand : tape.operands_of(i)) {
+            if (operand == no_node) continue;
+            users[static_cast<std::size_t>(operand)].push_back(i);
+            ++waits[static_cast<std::size_t>(i)];
+        }
+        if (waits[static_cast<std::size_t>(i)] == 0) ready.push_back(i);
+    }
+    NodeId next = 0;
+    while (!ready.empty()) {
+        const auto k = static_cast<std::size_t>(random.unit() * static_cast<double>(ready.size()));
+        const NodeId i = ready[k];
+        ready.erase(ready.begin() + static_cast<std::ptrdiff_t>(k));
+        s.place[static_cast<std::size_t>(i)] = next;
+        TapeNode& n = s.tape[next++] = tape[i];
+        if (!is_given(n.op)) {
+            for (NodeId& operand : n.operands) operand = s.at(operand);
+        }
+        for (const NodeId user : users[static_cast<std::size_t>(i)]) {
+            if (--waits[static_cast<std::size_t>(user)] == 0) ready.push_back(user);
+        }
+    }
+    for (TapeCall& call : s.tape.calls) call.node = s.at(call.node), call.arguments = s.at(call.arguments);
+    s.tape.samples.clear();
+    s.tape.outputs = {s.at(tape.outputs.hit), s.at(tape.outputs.t), s.at(tape.outputs.near), s.at(tape.outputs.far)};
+    return s;
+}
+
+/// What was seen of ties over many tapes.
+struct Seen {
+    int ties = 0;       ///< tapes with equals
+    int not_first = 0;  ///< of which the culprit is not the first on the tape
+};
+
+/// The tape has the same culprit, and the same equals, in whatever order it stands.
+void demand_one_culprit(const Tape& tape, bool is_solver, Random& random, Seen& seen) {
+    const Attribution a = measure::attribution::attribute(tape);
+    for (int k = 0; k < 3; ++k) {
+        const Shuffled s = shuffle(tape, random);
+        const Attribution b = measure::attribution::attribute(s.tape);
+        REQUIRE(b.subject == s.at(a.subject));
+        REQUIRE(b.culprit == s.at(a.culprit));
+        // Of a solver's thousands of operations adjoints are long sums, in another order off by their last place.
+        if (!is_solver) REQUIRE(b.equals == s.at(a.equals));
+    }
+    seen.ties += !a.equals.empty();
+    seen.not_first += std::ranges::any_of(a.equals, [&](NodeId i) { return i < a.culprit; });
+}
+
+/// A tape by hand, in binary64. Sums at 2^53, whose ulp is 2: 2^53 + 1 rounds down and (2^53 + 2) + 1 up, both by 1.
+struct ByHand {
+    using T = Recorded;
+    Tape tape;
+    number::recorders::TapeRecorder recorder{tape, binary64};
+    T down() const { return T(0x1p53) + T(1.0); }
+    T up() const { return T(0x1p53 + 2) + T(1.0); }
+};
+
+/// In every order of the tape.
+Attribution attribution_of(const ByHand& hand, const Recorded& t) {
+    Random random(3);
+    const Attribution a = measure::attribution::attribute(hand.tape, t.node());
+    for (int k = 0; k < 50; ++k) {
+        const Shuffled s = shuffle(hand.tape, random);
+        const Attribution b = measure::attribution::attribute(s.tape, s.at(t.node()));
+        CHECK(b.culprit == s.at(a.culprit));
+        CHECK(b.equals == s.at(a.equals));
+    }
+    return a;
+}
+
+}  // namespace
+
+TEST_CASE("of two that cancel the culprit is the one that is computed from the other", "[ties]") {
+    const ByHand hand;
+    const auto sum = hand.down();        // −1
+    const auto c = sum + Recorded(3.0);  // 2^53 + 3, up by 1
+    const Attribution a = attribution_of(hand, c);
+    CHECK(a[sum.node()].contribution == -1);
+    CHECK(a[c.node()].contribution == 1);
+    CHECK(a.error == 0);
+    CHECK(a.culprit == c.node());
+    CHECK(a.equals == std::vector{sum.node()});
+    CHECK(is_computed_from(hand.tape, a, c.node(), sum.node()));
+    CHECK_FALSE(is_computed_from(hand.tape, a, sum.node(), c.node()));
+}
+
+TEST_CASE("of two that add up it is too", "[ties]") {
+    const ByHand hand;
+    const auto sum = hand.up();          // +1
+    const auto c = sum - Recorded(1.0);  // (2^53 + 4) − 1, up by 1
+    const Attribution a = attribution_of(hand, c);
+    CHECK(a.error == 2);
+    CHECK(a.culprit == c.node());
+    CHECK(a.equals == std::vector{sum.node()});
+}
+
+TEST_CASE("of two that are not on one chain it is the nearer one, then the one that is read first", "[ties]") {
+    for (const bool down_first : {true, false}) {
+        const ByHand hand;
+        const auto down = hand.down(), up = hand.up();
+        const auto t = down_first ? down + up : up + down;
+        const Attribution a = attribution_of(hand, t);
+        CHECK(a.culprit == (down_first ? down : up).node());
+        CHECK(a.equals == std::vector{(down_first ? up : down).node()});
+        CHECK_FALSE(is_computed_from(hand.tape, a, up.node(), down.node()));
+    }
+    const ByHand hand;
+    const auto down = hand.down(), up = hand.up();
+    const auto t = -down + up;
+    CHECK(attribution_of(hand, t).culprit == up.node());
+}
+
+TEST_CASE("of three equals too", "[ties]") {
+    for (const bool chain_first : {true, false}) {
+        const ByHand hand;
+        const auto sum = hand.down(), c = sum + Recorded(3.0), up = hand.up();
+        const auto t = chain_first ? c + up : up + c;
+        const Attribution a = attribution_of(hand, t);
+        CHECK(a.culprit == (chain_first ? c : up).node());
+        CHECK(a.equals == std::vector{(chain_first ? up : c).node(), sum.node()});
+    }
+}
+
+TEST_CASE("a side that is not taken makes no chain", "[ties]") {
+    const ByHand hand;
+    const auto down = hand.down(), other = hand.down();
+    const auto taken = select(Recorded(1.0) < Recorded(2.0), other, down);
+    const auto c = taken + Recorded(3.0);
+    const auto t = down + c;
+    const Attribution a = attribution_of(hand, t);
+    CHECK(a.culprit == down.node());
+    CHECK(a.equals == std::vector{c.node(), other.node()});
+    CHECK_FALSE(is_computed_from(hand.tape, a, c.node(), down.node()));
+    CHECK(is_computed_from(hand.tape, a, c.node(), other.node()));
+}
+
+TEST_CASE("wrong choices that undo each other are no culprit while anything else was lost", "[ties]") {
+    using T = ByHand::T;
+    const auto chosen = [](const ByHand& hand) { return select(hand.down() > T(0x1p53), T(1000), T(2000)); };
+    ByHand hand;
+    const T a = chosen(hand), b = chosen(hand), third = T(1) / T(3);
+    const Attribution with = attribution_of(hand, (a - b) + third);
+    CHECK(with.culprit == third.node());
+    CHECK(with.equals.empty());
+    const Attribution alone = attribution_of(hand, a - b);
+    CHECK((alone.culprit == a.node() || alone.culprit == b.node()));
+    CHECK(alone.equals.size() == 1);
+    const Attribution one = attribution_of(hand, a + third);
+    CHECK(one.culprit == a.node());
+}
+
+TEST_CASE("equal is what agrees to 2^-20", "[ties]") {
+    for (const auto& [more, equal] : {std::pair{0x1p-21, true}, std::pair{0x1p-19, false}}) {
+        const ByHand hand;
+        const auto larger = hand.down(), smaller = hand.up();
+        const auto t = larger * Recorded(1 + more) + smaller;
+        const Attribution a = attribution_of(hand, t);
+        CHECK(a.culprit == (equal ? smaller : larger).node());
+        CHECK(a.equals.empty() != equal);
+        CHECK(measure::attribution::largest_contributions(hand.tape, a, 1).empty());
+    }
+}
+
+TEST_CASE("roundings that do not reach the answer are no equals", "[ties]") {
+    const ByHand hand;
+    const auto t = (hand.down() + hand.up()) * Recorded(0.0);
+    const Attribution a = attribution_of(hand, t);
+    CHECK(a.error == 0);
+    CHECK(a.equals.empty());
+}
+
+TEST_CASE("every form has the same culprit in every order of its tape", "[ties]") {
+    Seen seen;
+    Random random(31);
+    const int rays = is_long() ? 20 : 3;
+    for (const double far : {1.0, 100.0, 4000.0})
+        on_recorded_rays({{"f32", "f64", "bf16", "p12"}, rays, far, 31},
+                         [&](const Intersector& form, const Format&, const Setting&, const Tape& tape) {
+                             demand_one_culprit(tape, form.shape == Shape::torus, random, seen);
+                         });
+    CHECK(seen.ties > 10 * rays);
+    CHECK(seen.not_first > 7 * rays);
+}
+
+}  // namespace lostbits::test::test_ties

@@ -1,0 +1,74 @@
+// A hit of another primitive than the ray meets first: an outcome of its own, on which no error is measured.
+#include <array>
+#include <cmath>
+
+#include "catch.hpp"
+#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/summary_columns.hpp"
+#include "measure/rows.hpp"
+#include "scene/file/scene.hpp"
+
+namespace lostbits::test::test_wrong_primitive {
+
+using measure::answer::Outcome;
+using measure::evaluate::FormSummary;
+
+namespace {
+
+/// Counts for itself what a band shows.
+class Recount {
+public:
+    void band(const measure::evaluate::BandResult& result) {
+        for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
+            const auto truth = result.truth(i);
+            const bool both = truth.is_hit() && result.answers->hit[i] != 0 && !std::isnan(result.answers->t[i]);
+            const bool other = both && truth.object != result.answers->object[i];
+            wrong += other;
+            mistaken += other != (result.outcomes[i] == Outcome::wrong_primitive);
+            mistaken += (result.outcomes[i] == Outcome::agree_hit) != (both && !other);
+            for (const auto& values : result.metrics)
+                mistaken += std::isnan(values[i]) != (result.outcomes[i] != Outcome::agree_hit);
+        }
+    }
+    std::uint64_t wrong = 0, mistaken = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a hit of the wrong primitive is not an agreed hit, and no error is measured there", "[outcome]") {
+    const auto scene = test::load("rtg-fig-7-6-far", 96, 96);
+    const measure::evaluate::EvaluationRequest request{
+        .scene = &scene,
+        .rows = {test::row("sphere.schoolbook", "f32"), test::row("sphere.schoolbook", "f64")},
+        .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("ulp_error")}};
+    std::array<Recount, 2> counts;
+    const auto& [single, wide] = counts;
+    const auto summaries = measure::evaluate::evaluate_rows(request, measure::evaluate::shown_to_each(counts));
+    CHECK(single.wrong > 500);
+    CHECK(wide.wrong == 0);
+    CHECK(single.mistaken + wide.mistaken == 0);
+
+    const FormSummary& s = summaries.front();
+    CHECK(s.count(Outcome::wrong_primitive) == single.wrong);
+    CHECK(s.metrics[0].count() == s.count(Outcome::agree_hit));
+    CHECK(s.agreement().agreed == s.count(Outcome::agree_hit));
+    CHECK(s.agreement().true_hits == s.true_hits);
+    CHECK(s.true_hits ==
+          s.count(Outcome::agree_hit) + s.count(Outcome::wrong_primitive) + s.count(Outcome::false_miss));
+    // It is what goes wrong most often here, so the ray that stands for faults is one.
+    CHECK(s.wrong() == Outcome::wrong_primitive);
+    REQUIRE(s.fault() != nullptr);
+    CHECK(s.fault()->outcome == Outcome::wrong_primitive);
+    CHECK(s.fault()->t != s.fault()->truth);
+
+    const auto columns = measure::evaluate::summary_columns(request.metrics);
+    CHECK(measure::evaluate::find_column(columns, "wrong_primitive")->value(s) == static_cast<double>(single.wrong));
+    CHECK(measure::evaluate::find_column(columns, "wrong_primitive_fraction")->value(s) ==
+          static_cast<double>(single.wrong) / static_cast<double>(s.true_hits));
+    REQUIRE(s.count(Outcome::unresolved) == 0);
+    CHECK(measure::evaluate::find_column(columns, "wrong_fraction")->value(s) ==
+          static_cast<double>(s.rays - s.count(Outcome::agree_hit) - s.count(Outcome::agree_miss)) /
+              static_cast<double>(s.rays));
+}
+
+}  // namespace lostbits::test::test_wrong_primitive

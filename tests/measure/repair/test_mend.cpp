@@ -1,0 +1,228 @@
+// Which operations must be wider: the set meets the requirement, nothing can be taken from it, and what was not
+// searched tells.
+#include "measure/repair/mend.hpp"
+
+#include <tbb/global_control.h>
+
+#include <algorithm>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "intersect/methods.hpp"
+#include "intersect/transform/spaced.hpp"
+#include "measure/repair/price.hpp"
+#include "measure/rows.hpp"
+#include "number/real.hpp"
+#include "output/repair/form_code.hpp"
+#include "output/repair/mend_files.hpp"
+#include "scene/file/scene.hpp"
+#include "scratch.hpp"
+
+namespace lostbits::test::test_mend {
+
+using namespace lostbits::measure::repair;
+using scene::file::Scene;
+namespace identity = measure::identity;
+namespace tape = measure::tape;
+
+namespace {
+
+Scene scene_named(const char* name, int size) { return test::scene_named(name, std::pair{size, size}); }
+
+MendRequest request_of(const Scene& scene, const char* form, double bits) {
+    MendRequest request{.scene = &scene, .row = test::row(form, "f32")};
+    request.requirement = {.bits = bits, .wrong = 0, .quantile = 1};
+    return request;
+}
+
+/// The operations that must be wider alone, without the rewriting that `mend` tries too.
+struct Search {
+    explicit Search(const MendRequest& asked) : request(asked), judge(asked), tape(recorded(asked)) {}
+    RowQuality with(const std::vector<NodeId>& wider) {
+        return judge.quality_of({tape::widened(tape, wider, binary64)}).front();
+    }
+    WiderSet smallest(std::uint64_t affordable) {
+        const RowQuality quality = with(all);
+        REQUIRE(quality.meets(request.requirement));
+        return smallest_set(tape, binary64, quality, request, judge, affordable);
+    }
+    const MendRequest& request;
+    Judge judge;
+    Tape tape;
+    std::vector<NodeId> all = tape::rounded_operations(tape);
+};
+
+bool same(const RowQuality& a, const RowQuality& b) {
+    return a.wrong == b.wrong && a.hits == b.hits && a.rays == b.rays &&
+           (a.kept_bits == b.kept_bits || (std::isnan(a.kept_bits) && std::isnan(b.kept_bits)));
+}
+
+}  // namespace
+
+TEST_CASE("the set meets the requirement, and without any of its operations fails it, when measured again", "[mend]") {
+    for (const auto& [name, form, bits] :
+         {std::tuple("rtg-fig-7-3-4100-oblique", "sphere.half_b", 16.0),
+          std::tuple("near-benign", "sphere.schoolbook", 20.0), std::tuple("cylinder-far", "cylinder.crossed", 12.0),
+          std::tuple("triangle-far", "triangle.undivided", 12.0), std::tuple("box-slabs", "box.baseline", 10.0)}) {
+        INFO(name << ", " << form);
+        const Scene scene = scene_named(name, is_long() ? 40 : 24);
+        const MendRequest request = request_of(scene, form, bits);
+        Search search(request);
+        CHECK_FALSE(search.with({}).meets(request.requirement));
+        const WiderSet found = search.smallest(200);
+        Judge judge(request, scene);
+        const auto quality_with = [&](const std::vector<NodeId>& wider) {
+            return judge.quality_of({tape::widened(search.tape, wider, binary64)}).front();
+        };
+        const auto& set = found.operations;
+        REQUIRE_FALSE(set.empty());
+        CHECK(set.size() < search.all.size());
+        CHECK(found.quality.meets(request.requirement));
+        CHECK(same(quality_with(set), found.quality));
+        REQUIRE(found.without.size() == set.size());
+        for (std::size_t k = 0; k < set.size(); ++k) {
+            std::vector<NodeId> fewer = set;
+            fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(k));
+            const RowQuality there = quality_with(fewer);
+            CHECK(same(there, found.without[k]));
+            CHECK_FALSE(there.meets(request.requirement));
+        }
+        if (scene.id != "box-slabs") continue;
+        // Of three operations, and none of the sets of two would do: all were tried.
+        REQUIRE(set.size() == 3);
+        CHECK(found.none_of == 2);
+        std::vector<Tape> pairs;
+        for (const NodeId a : search.all)
+            for (const NodeId b : search.all)
+                if (a <= b) pairs.push_back(tape::widened(search.tape, {a, b}, binary64));
+        for (const RowQuality& quality : judge.quality_of(pairs)) CHECK_FALSE(quality.meets(request.requirement));
+    }
+}
+
+// Why no rule closes the cracks of a mesh that is far: what both triangles share of an edge are cross products of
+// vectors from the ray's origin, and little is left of those where the vectors are long and nearly alike.
+TEST_CASE("edges seen from the ray's origin decide better near a triangle, and far from a mesh much worse", "[mend]") {
+    for (const auto& [name, size, is_far] :
+         {std::tuple("triangle-edge", 64, false), std::tuple("mesh-icosphere-edges", 24, true)}) {
+        INFO(name);
+        const Scene scene = scene_named(name, size);
+        const MendRequest request = request_of(scene, "triangle.undivided", 10);
+        const Tape before = tape::tape_of(*request.row.form, request.row.format);
+        identity::Terms terms(before);
+        std::vector<Tape> tapes{before};
+        for (const auto& rewrite : identity::rewrites_of(terms, terms.outputs(), std::nullopt))
+            if (rewrite.rule->name == "edges from the origin")
+                tapes.push_back(terms.tape(terms.with(terms.outputs(), rewrite.replaced)));
+        REQUIRE(tapes.size() == 2);
+        tapes.push_back(tape::tape_of(test::form_named("triangle.signed_volumes"), *find_format("f32")));
+        Judge judge(request, scene);
+        const auto quality = judge.quality_of(tapes);
+        if (is_far) {
+            CHECK(quality[1].wrong > 10 * quality[0].wrong);
+            CHECK(quality[2].wrong > 10 * quality[0].wrong);
+        } else {
+            CHECK(quality[1].wrong < quality[0].wrong);
+        }
+    }
+}
+
+TEST_CASE("a form that is enough has nothing to be wider, and one that double does not help has no set", "[mend]") {
+    const Scene scene = scene_named("near-benign", 32);
+    const MendRequest easy = request_of(scene, "sphere.half_b", 5);
+    const Mended enough = mend(easy);
+    REQUIRE(enough.set);
+    CHECK(enough.set->operations.empty());
+    // Its contract is a direction of length one, which a rounded direction is not.
+    const Scene far = scene_named("rtg-fig-7-3-4100-oblique", 32);
+    const MendRequest hard = request_of(far, "sphere.pythagoras", 16);
+    const Mended none = mend(hard);
+    CHECK_FALSE(none.set);
+    CHECK(output::repair::in_words({.request = hard, .mended = none, .catalogue = {}, .catalogue_quality = {}})
+              .find("does not meet the requirement") != std::string::npos);
+}
+
+TEST_CASE("two floats do what double does here", "[mend]") {
+    const Scene scene = scene_named("rtg-fig-7-3-4100-oblique", 16);
+    MendRequest request = request_of(scene, "sphere.half_b", 16);
+    request.two_words = true;
+    const Mended m = mend(request, 1);
+    CHECK(m.wider == tape::two_floats);
+    CHECK(m.all.kept_bits > 23);
+    CHECK((m.apart.width != scene.width && m.apart_quality.rays != m.own.rays));
+    CHECK(m.set.value().quality.meets(request.requirement));
+}
+
+TEST_CASE("under matrices the operations that lead into the space of the primitive are made wider", "[mend]") {
+    Scene scene = scene_named("instance-far.sphere", 16);
+    for (const bool inverse : {false, true}) {
+        CAPTURE(inverse);
+        if (inverse) {
+            // The turned sphere as the way back to it: what stands in the file is transposed, and -A^T T.
+            auto& placed = *scene.listed.front().placed;
+            const auto there = placed.map();
+            const Affine<Real> back{{Vec<Real>(there.rows[0].x, there.rows[1].x, there.rows[2].x),
+                                     Vec<Real>(there.rows[0].y, there.rows[1].y, there.rows[2].y),
+                                     Vec<Real>(there.rows[0].z, there.rows[1].z, there.rows[2].z)},
+                                    {Real(0), Real(0), Real(0)}};
+            const Vec<Real> shift = back.linear(there.shift);
+            std::size_t k = 0;
+            Affine<Real>{back.rows, {-shift.x, -shift.y, -shift.z}}.each(
+                [&](const Real& x) { placed.matrix[k++] = x; });
+            placed.is_inverse = true;
+        }
+        MendRequest request = request_of(scene, "sphere.unified", 18);
+        const auto& form = *request.row.form;
+        request.row.form = &intersect::transform::through(test::transform_method_named("plain"), form);
+        Search search(request);
+        const RowQuality own = search.with({});
+        CHECK(own.kept_bits < 14);
+        CHECK(search.smallest(0).quality.meets(request.requirement));
+        CHECK(search.all.size() > tape::rounded_operations(tape::tape_of(form, request.row.format)).size());
+        request.row.form = &intersect::transform::through(test::transform_method_named("relative"), form);
+        const RowQuality relative = Judge(request, scene).quality_of({recorded(request)}).front();
+        CHECK(relative.kept_bits > own.kept_bits + (inverse ? -1 : 6));
+    }
+    scene.listed.push_back(scene.listed.front());
+    scene.listed.back().placed.reset();
+    MendRequest mixed = request_of(scene, "sphere.unified", 18);
+    mixed.row.form = &intersect::transform::through(intersect::transform::usual_transform_method(), *mixed.row.form);
+    CHECK_THROWS_AS(mend(mixed, 0), InputError);
+}
+
+TEST_CASE("a form that decides by itself how far it goes is refused", "[mend]") {
+    const Scene scene = scene_named("rtg-fig-7-3-4100-oblique", 32);
+    const MendRequest request = request_of(scene, "sphere.filtered", 16);
+    CHECK_THROWS_WITH(mend(request), Catch::Contains("decides by itself"));
+}
+
+TEST_CASE("what cannot be compiled has no price, and the message says why", "[mend]") {
+    const Scene scene = scene_named("near-benign", 8);
+    const MendRequest request = request_of(scene, "sphere.half_b", 5);
+    const Tape tape = tape::tape_of(*request.row.form, request.row.format);
+    const std::vector<Written> forms{{.tape = &tape, .header = "", .type = "None", .from = request.row}};
+    const test::Scratch folder;
+    CHECK_THROWS_WITH(compiled(request, forms, {"c++", folder.path()}), Catch::Contains("form.flags"));
+    folder.write("form.flags", "");
+    CHECK_THROWS_WITH(compiled(request, forms, {"no-such-compiler", folder.path()}),
+                      Catch::Contains("no-such-compiler"));
+}
+
+TEST_CASE("only what is wider, and what takes of it, changes in the code", "[mend]") {
+    const auto& form = test::form_named("sphere.half_b");
+    const Tape tape = tape::tape_of(form, *find_format("f32"));
+    const auto before = output::repair::statements(tape, form);
+    CHECK(output::repair::changed_lines(before, before).empty());
+    const auto named = std::ranges::find(tape.nodes, std::string_view("disc"), &TapeNode::label);
+    REQUIRE(named != tape.nodes.end());
+    const auto disc = static_cast<NodeId>(named - tape.nodes.begin());
+    const auto after = output::repair::statements(tape::widened(tape, {disc}, binary64), form);
+    CHECK(after.size() == before.size());
+    const auto lines = output::repair::changed_lines(before, after);
+    REQUIRE(lines.size() == 6);
+    CHECK(lines[0] == "- const T disc = named(\"disc\", square(h) - a*c);");
+    CHECK(lines[1] == "+ const W disc = named(\"disc\", wide(square(h)) - wide(a*c));");
+    CHECK(lines[3].find("sqrt(narrow(disc))") != std::string::npos);
+    CHECK(lines[5].find("(disc < W(0))") != std::string::npos);
+}
+
+}  // namespace lostbits::test::test_mend

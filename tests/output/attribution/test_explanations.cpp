@@ -1,0 +1,317 @@
+// Explanations of rays of every kind: text, JSON and table say the same of a ray, and nothing that is not finite stands
+// in a sentence.
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <map>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "counts.hpp"
+#include "intersect/table/in_range.hpp"
+#include "measure/answer/answers.hpp"
+#include "measure/attribution/recorded_rays.hpp"
+#include "measure/rows.hpp"
+#include "number/oracle.hpp"
+#include "output/attribution/explain_text.hpp"
+
+namespace lostbits::test::test_explanations {
+
+using intersect::Touching;
+using intersect::table::Intersector;
+using measure::answer::OneRay;
+using measure::answer::Outcome;
+using measure::attribution::Explanation;
+using output::attribution::ExplainedVerdict;
+using output::attribution::MarchEnd;
+
+namespace {
+
+struct Asked {
+    const Intersector* form;
+    Format format;
+    scene::rays::RayGroup group;
+    std::optional<Touching> judged = {};
+    [[nodiscard]] OneRay ray() const {
+        OneRay one{scene::rays::RayGroup(group)};
+        one.judge_by(judged);
+        return one;
+    }
+};
+
+/// An explained ray, every way it is shown.
+struct Shown {
+    OneRay ray;
+    Explanation x;
+    std::optional<MarchEnd> march;
+    ExplainedVerdict verdict;
+    std::string text;
+    nlohmann::json json;
+
+    explicit Shown(const Asked& of)
+        : ray(of.ray()),
+          x(measure::attribution::explain_alone(*of.form, of.format, ray)),
+          march(output::attribution::end_of_march(*of.form, of.format, ray)),
+          verdict(output::attribution::verdict_of(x, march)),
+          text(output::attribution::explain_text(x, true, march)),
+          json(nlohmann::json::parse(output::attribution::explain_json(x, march))) {}
+    [[nodiscard]] bool says(const std::string& part) const { return text.find(part) != std::string::npos; }
+};
+
+std::size_t below(Random& random, std::size_t n) {
+    return static_cast<std::size_t>(random.between(0, static_cast<long>(n) - 1));
+}
+
+/// Numbers with degenerate ones among them: zeros, far ones, very small ones. One in three at two primitives.
+Asked draw(Random& random, const Intersector& form, const Format& format) {
+    constexpr std::array far{1.0, 1.0, 30.0, 2000.0};
+    Setting s = draw_setting(random, form, format, far[below(random, far.size())]);
+    const auto in_format = [&](double x) { return rounding::to_format(x, 0, format.parameters); };
+    constexpr std::array odd{0.0, 0.0, 1.0, -1.0, 0x1p-60, 0x1p+20, 0x1p-120, 0x1p+100};
+    for (Vec<double>* const v : {&s.ray.origin, &s.ray.direction})
+        for (int k = 0; k < 3; ++k)
+            if (below(random, 8) == 0) (*v)[k] = in_format(odd[below(random, odd.size())]);
+    if (s.ray.direction == Vec<double>(0, 0, 0)) s.ray.direction.x = 1;
+    Asked asked{&form, format, scene::rays::group_of(s.ray)};
+    asked.group.primitives = s.primitives;
+    if (is_primitive(form.shape) && random.one_in(3))
+        asked.group.primitives.push_back(draw_setting(random, form, format, 1).primitives.front());
+    if (!is_primitive(form.shape)) asked.group.march = s.march;
+    constexpr std::array<std::optional<Touching>, 3> judged{std::nullopt, Touching::hit, Touching::miss};
+    asked.judged = judged[below(random, judged.size())];
+    return asked;
+}
+
+/// A range that ends or begins near a root, so that rounding may decide.
+Range<double> draw_range(Random& random, const Explanation& x) {
+    const auto& f = x.format.parameters;
+    const auto near = [&](double t) {
+        if (!std::isfinite(t) || t < 0) t = random.unit();
+        for (std::size_t k = below(random, 4); k > 0; --k) t = rounding::next_up(t, f);
+        for (std::size_t k = below(random, 4); k > 0 && t > 0; --k) t = -rounding::next_up(-t, f);
+        return t;
+    };
+    const TapeOutputs& at = x.tape.outputs;
+    const double roots[] = {x.tape[at.t].value, x.tape[at.near].value, x.tape[at.far].value, x.attribution[at.t].exact,
+                            x.attribution[at.far].exact};
+    const auto root = [&] { return near(rounding::to_format(roots[below(random, 5)], 0, f)); };
+    Range<double> range;
+    if (below(random, 3) != 0) range.tmin = root();
+    if (below(random, 3) != 0) range.tmax = root();
+    range.open = open_ends_names[below(random, 4)].second;
+    return range;
+}
+
+/// `see(asked, shown)` of many rays: each as it is, and with two ranges. Every form in every format where the tests are
+/// long; else a form in one format, a third of the forms in each.
+template <class See>
+void on_explained_rays(int rays, std::uint64_t seed, const See& see) {
+    Random random(seed);
+    constexpr std::array formats{"f32", "p12", "f64"};
+    std::size_t place = 0;
+    for (const Intersector& form : intersect::table::catalogue()) {
+        ++place;
+        for (std::size_t f = 0; f < formats.size(); ++f) {
+            const char* const name = formats[f];
+            const Format format = *find_format(name);
+            if (!form.exists_in(format) || (!is_long() && (place + seed) % formats.size() != f)) continue;
+            for (int i = 0; i < rays; ++i) {
+                Asked asked = draw(random, form, format);
+                INFO(form.info->name << " in " << name << ", ray " << i);
+                const Shown plain(asked);
+                see(asked, plain);
+                for (int k = 0; k < 2; ++k) {
+                    const Range<double> range = draw_range(random, plain.x);
+                    asked.group.rays.tmin = {range.tmin};
+                    asked.group.rays.tmax = {range.tmax};
+                    asked.group.rays.open = range.open;
+                    INFO("from " << range.tmin << " to " << range.tmax << ", open " << name_of(range.open));
+                    see(asked, Shown(asked));
+                }
+            }
+        }
+    }
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+
+/// The decision without rounding, by the tape that is told no range and the function that batches are asked with.
+std::optional<bool> exact_decision(const Asked& asked, const Explanation& x) {
+    const OneRay ray = asked.ray();
+    const OneRay::Inputs in = ray.inputs(*asked.form, asked.format);
+    const auto aim = in.all.target_for(*asked.form, static_cast<std::size_t>(x.primitive));
+    Tape tape;
+    asked.form->record(asked.format, in.ray(*asked.form->info), aim, x.range.tmax, tape);
+    const auto found = measure::attribution::attribute(tape, {.full = true});
+    double t = found[tape.outputs.t].exact, near = found[tape.outputs.near].exact, far = found[tape.outputs.far].exact;
+    for (const double root : {t, near, far})  // rounded to a double it may have changed sides
+        for (const double end : {x.range.tmin, x.range.tmax})
+            if (std::fabs(root - end) <= 0x1p-50 * std::fabs(end)) return {};
+    std::uint8_t hit = found.exact_hit;
+    const auto one = [](double& v) { return std::span<double>(&v, 1); };
+    double begin = x.range.tmin, end = x.range.tmax, zero = 0;
+    const intersect::table::RayBatch<double> batch{one(zero), one(zero), one(zero),  one(zero),   one(zero),
+                                                   one(zero), one(end),  one(begin), x.range.open};
+    intersect::table::keep_in_range<double>(*asked.form->info, asked.form->shape, batch,
+                                            {one(t), one(near), one(far), std::span(&hit, 1)});
+    return hit != 0;
+}
+
+const std::regex& raw_number() {
+    static const std::regex found(R"((^|[^\w.])-?(inf|nan)($|[^\w(]))");
+    return found;
+}
+
+}  // namespace
+
+TEST_CASE("text, JSON and table of an explained ray have one verdict, whatever the ray, its range and the convention") {
+    std::map<std::string, int> seen;
+    on_explained_rays(is_long() ? 40 : 2, 65, [&](const Asked&, const Shown& s) {
+        INFO(s.text);
+        for (const auto& [key, says] :
+             {std::pair{"answer", s.verdict.answer}, {"verdict", s.verdict.loss}, {"sentence", s.verdict.blame}}) {
+            REQUIRE(s.json[key] == says);
+            REQUIRE(s.says(says + "\n"));
+        }
+        // The culprit is the row with the star, and the sentence names it; else there is neither.
+        std::string starred;
+        for (const std::string& line : lines_of(s.text))
+            if (line.starts_with("* ") && !line.starts_with("* marks")) starred = line.substr(2, line.find(' ', 2) - 2);
+        REQUIRE(s.json["culprit"].is_null() == starred.empty());
+        if (!starred.empty()) REQUIRE(s.json["culprit"] == starred);
+        REQUIRE(s.says("* marks the culprit") == !starred.empty());
+        const std::string& blame = s.verdict.blame;
+        const auto has = [&blame](const char* words) { return blame.find(words) != std::string::npos; };
+        if (starred.empty()) CHECK_FALSE(has("The culprit is"));
+        if (has("o operation is to blame") || has("No operation rounded")) CHECK(starred.empty());
+        // The words on decisions are what the two runs decided, and what the table shows.
+        const bool hit = s.json["hit"], exact = s.json["attribution"]["exact_hit"], cut = s.x.attribution.cut_short;
+        if (has("is the same without rounding") || has("Rounding changed no decision")) CHECK((cut || hit == exact));
+        if (has("The decision is the same")) CHECK_FALSE(s.x.standing.is_right());
+        if (hit != exact && !cut && !s.x.standing.is_right() && s.x.standing.outcome != Outcome::unresolved) {
+            CHECK_FALSE(s.says("On the inputs as the format stores them, the form"));
+            ++seen[starred.empty() ? "turned, nothing named" : "turned, named"];
+        }
+        if (s.x.standing.is_right()) CHECK((starred.empty() || s.x.standing.lost >= 1));
+        const NodeId subject = s.x.attribution.subject;
+        if (subject != no_node && is_decision(s.x.tape[subject].op)) {
+            const std::string name = s.json["attribution"]["subject"];
+            for (const auto& row : s.json["operations"])
+                if (row["name"] == name) CHECK(row["computed"] != row["exact"]);
+            ++seen["subject is a decision"];
+        }
+        seen[starred.empty() ? "no culprit" : "culprit"] += 1;
+    });
+    CHECK(seen["turned, named"] > 20);
+    CHECK(seen["turned, nothing named"] <= seen["turned, named"] / 10);
+    CHECK(seen["subject is a decision"] > 20);
+    CHECK(seen["culprit"] > 100);
+    CHECK(seen["no culprit"] > 100);
+}
+
+TEST_CASE("the range of a ray is among the inputs and on the tape, which decides as those do who ask the form") {
+    int limits = 0, decided = 0, turned = 0;
+    on_explained_rays(is_long() ? 40 : 2, 66, [&](const Asked& asked, const Shown& s) {
+        INFO(s.text);
+        const OneRay::Inputs in = s.ray.inputs(*asked.form, asked.format);
+        const auto answers = measure::answer::evaluate(*asked.form, in.all);
+        REQUIRE(s.x.hit == (answers.hit[in.index] != 0));
+        if (s.x.hit) REQUIRE(same_number(s.x.standing.t, answers.t[in.index]));
+        const bool whole = s.x.range.is_whole();
+        REQUIRE(s.says("\n  ray.tmin") == !whole);
+        REQUIRE(s.says("\n  ray.tmax") == !whole);
+        REQUIRE(s.json["inputs"].contains("ray.tmin") == !whole);
+        REQUIRE(s.json["open_ends"] == std::string(name_of(s.x.range.open)));
+        limits += !whole;
+        if (s.x.attribution.cut_short) return;
+        if (const auto exact = exact_decision(asked, s.x)) {
+            REQUIRE(s.x.attribution.exact_hit == *exact);
+            ++decided;
+            turned += s.x.hit != *exact;
+        }
+    });
+    CHECK(limits > 150);
+    CHECK(decided > 150);
+    CHECK(turned > 20);
+}
+
+TEST_CASE("no sentence of an explanation holds an infinity or a NaN as a number") {
+    std::map<std::string, int> seen;
+    on_explained_rays(is_long() ? 40 : 2, 67, [&](const Asked&, const Shown& s) {
+        const output::attribution::OperationView words(s.x);
+        std::vector<std::string> sentences = lines_of(s.verdict.text() + output::attribution::sums_text(s.x, words));
+        sentences.push_back(s.json["largest_sentence"]);
+        for (const std::string& sentence : sentences) {
+            INFO(sentence);
+            CHECK_FALSE(std::regex_search(sentence, raw_number()));
+            seen["infinity"] += sentence.find("infinity") != std::string::npos;
+            seen["not a number"] += sentence.find("not a number") != std::string::npos;
+            seen["no finite share"] += sentence.find("no finite share") != std::string::npos;
+        }
+        for (const output::attribution::OperationRow& row : operation_table(s.x, words, true).rows)
+            for (const std::string* const cell : {&row.off, &row.cancelled, &row.local, &row.own, &row.share})
+                CHECK_FALSE(std::regex_search(*cell, raw_number()));
+    });
+    CHECK(seen["infinity"] > 0);
+    CHECK(seen["not a number"] > 0);
+}
+
+TEST_CASE("shares, roundings and errors that are not finite are said to be none, and not written as numbers") {
+    // Whatever of these overflows on a way that the tests do not find.
+    int said = 0;
+    on_explained_rays(1, 69, [&](const Asked&, const Shown& s) {
+        if (s.x.attribution.culprit == no_node) return;
+        for (const double odd : {HUGE_VAL, -HUGE_VAL, std::nan("")}) {
+            for (int what = 0; what < 4; ++what) {
+                Explanation x = s.x;
+                measure::attribution::OperationError& e =
+                    x.attribution.of[static_cast<std::size_t>(x.attribution.culprit)];
+                if (what == 0) e.contribution = odd;
+                if (what == 1) e.contribution = odd, x.attribution.equals.push_back(x.attribution.culprit);
+                if (what == 2) e.rounding = e.error = odd;
+                if (what == 3) x.attribution.error = x.attribution.explained = odd;
+                if (x.culprit_alone) x.culprit_alone->mended.error = x.culprit_alone->alone.error = odd;
+                const output::attribution::OperationView words(x);
+                for (const std::string& line : lines_of(output::attribution::culprit_sentence(x) + "\n" +
+                                                        verdict_of(x, s.march).text() + sums_text(x, words))) {
+                    INFO(line);
+                    CHECK_FALSE(std::regex_search(line, raw_number()));
+                    said += line.find("no finite share") != std::string::npos;
+                }
+            }
+        }
+    });
+    CHECK(said > 100);
+}
+
+TEST_CASE("what is marked as not on the way changes neither the decision nor t, whatever its value") {
+    int changed = 0;
+    on_explained_rays(1, 68, [&](const Asked& asked, const Shown& s) {
+        if (asked.format.name == std::string("f64")) return;
+        const auto [hit, t, near, far] = s.x.tape.outputs;
+        const output::attribution::OperationView words(s.x);
+        int place = 0;
+        for (const output::attribution::OperationRow& row : operation_table(s.x, words, true).rows) {
+            if (!row.aside || s.x.tape[row.node].op == TapeOp::call || place++ % 7 != 0) continue;
+            CHECK(row.share.empty());
+            Tape other = s.x.tape;
+            other[row.node] = {.op = TapeOp::input, .format = other[row.node].format, .operands = {0}, .value = 1.5};
+            const measure::attribution::Rerun again(other, [](NodeId) { return true; });
+            INFO(row.name);
+            CHECK((again[hit] != 0) == s.x.hit);
+            if (s.x.hit) CHECK(same_number(again[t], s.x.tape[t].value));
+            ++changed;
+        }
+    });
+    CHECK(changed > 300);
+}
+
+}  // namespace lostbits::test::test_explanations

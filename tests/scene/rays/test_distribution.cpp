@@ -1,0 +1,158 @@
+// Families of rays by exact arithmetic: where the eye is, how far the centre, how close the line passes.
+#include "shapes/sphere/distribution/distribution.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "catch.hpp"
+#include "number/real.hpp"
+#include "scene/scene_text.hpp"
+
+namespace test_distribution {
+
+using namespace lostbits;
+using namespace lostbits::scene;
+using namespace lostbits::scene::rays;
+using lostbits::scene::sphere::SphereDistribution;
+using namespace lostbits::scene::toml;
+using namespace lostbits::scene::test;
+
+namespace {
+
+Vec<Real> lifted(const Vec<double>& v) { return {Real(v.x), Real(v.y), Real(v.z)}; }
+
+/// A ray against its sphere, in 256 bits; all lengths in radii.
+struct Geometry {
+    Geometry(const RayGroup& group, std::size_t i) {
+        const Ray<double> ray = group.rays[i];
+        const Sphere<double> sphere = group.primitives.front().sphere();
+        const Vec<Real> f = lifted(ray.origin) - lifted(sphere.centre), d = lifted(ray.direction),
+                        c = cross<Real>(f, d);
+        const Real r(sphere.radius), size = length(d);
+        eye = static_cast<double>(Real(length(f) / r));
+        impact = static_cast<double>(Real(length(c) / (size * r)));
+        along = static_cast<double>(Real(dot(f, d) / (size * r)));
+    }
+    double eye;     ///< from eye to centre
+    double impact;  ///< from line to centre
+    double along;   ///< negative where the ray goes toward the centre
+};
+
+scene::sphere::SphereDistribution distribution_of(const std::string& text) {
+    const Scratch folder;
+    const Node root = read_toml(folder.write("f.toml", text));
+    return SphereDistribution::read(TableReader(root));
+}
+std::string distribution_error(const std::string& text) {
+    const Scratch folder;
+    const fs::path file = folder.write("f.toml", text);
+    return error_in(folder, [&] {
+        const Node root = read_toml(file);
+        SphereDistribution::read(TableReader(root));
+    });
+}
+
+}  // namespace
+
+TEST_CASE("tilted views leave an axis by the angle asked for, each another way, the centre on the direction") {
+    for (const double tilt : {0.0, 0x1p-24, 0x1p-7, 0.3, 1.0}) {
+        for (const double distance : {4.0, 1000.0, 777.7}) {
+            scene::sphere::SphereDistribution f =
+                distribution_of("directions = \"tilted\"\nimpact_to = 0.99\nviews = 64\nrays = 1\n");
+            f.tilt = tilt;
+            f.distance = distance;
+            const auto groups = f.draw();
+            REQUIRE(groups.size() == 64);
+            std::set<double> distances;
+            for (const RayGroup& g : groups) {
+                const Vec<double> c = g.primitives.front().sphere().centre, d = g.rays[0].direction;
+                CAPTURE(tilt, distance, d.x, d.y, d.z);
+                const double far = static_cast<double>(length(lifted(c)));
+                distances.insert(far);
+                CHECK(std::fabs(far / distance - 1) <= 0x1p-6 + 0x1p-12);
+                double parts[] = {std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)};
+                std::ranges::sort(parts);
+                CHECK(parts[2] > 0);
+                CHECK(std::hypot(parts[0], parts[1]) == Approx(tilt * parts[2]).epsilon(0x1p-11).margin(0));
+                // Exactly along the centre's direction: every product of 12-bit numbers is a float.
+                CHECK((c.x * d.y == c.y * d.x && c.y * d.z == c.z * d.y && c.x * d.z == c.z * d.x));
+                const Geometry at(g, 0);
+                CHECK(at.impact < 0.9901);
+                CHECK(at.along < -0.98 * distance + 1);
+            }
+            CHECK(distances.size() > 16);  // or all views would share the rounding of c
+        }
+    }
+}
+
+TEST_CASE("a silhouette gap puts every line at 1 - gap radii, from both projections") {
+    for (const char* projection : {"parallel", "point"}) {
+        for (const double gap : {0.5, 0x1p-5, 0x1p-10}) {
+            for (const double radius : {1.0, 48.0}) {
+                scene::sphere::SphereDistribution f =
+                    distribution_of("projection = \"" + std::string(projection) +
+                                    "\"\nimpact_from = 0.25\nweighting = \"silhouette\"\nviews = 4\nrays = 16\n");
+                f.silhouette_gap = gap;
+                f.radius = radius;
+                f.distance = 16;
+                f.height = 3 * radius;
+                for (const RayGroup& g : f.draw()) {
+                    for (std::size_t i = 0; i < g.rays.size(); ++i) {
+                        const Geometry at(g, i);
+                        CAPTURE(projection, gap, radius, i);
+                        CHECK(std::fabs(at.impact - (1 - gap)) < 0x1p-20);  // every number is rounded to a float
+                        CHECK(at.eye > 1);
+                        CHECK(at.along < 0);
+                    }
+                }
+            }
+        }
+    }
+    // Without one the impacts are spread.
+    double least = 1, most = 0;
+    for (const RayGroup& g : distribution_of("impact_to = 0.99").draw()) {
+        for (std::size_t i = 0; i < g.rays.size(); ++i) {
+            least = std::min(least, Geometry(g, i).impact);
+            most = std::max(most, Geometry(g, i).impact);
+        }
+    }
+    CHECK(least < 0.2);
+    CHECK(most > 0.95);
+}
+
+TEST_CASE("rays away leave the centre behind, those that do not are the same, turned") {
+    for (const double height : {1.0, 0.0, -0x1p-6, -0.5}) {
+        scene::sphere::SphereDistribution f =
+            distribution_of("projection = \"point\"\nimpact_to = 0.5\nradius = 1\nviews = 6\nrays = 16\n");
+        f.height = height;
+        const auto toward = f.draw();
+        f.away = true;
+        const auto away = f.draw();
+        REQUIRE(away.size() == toward.size());
+        for (std::size_t v = 0; v < away.size(); ++v) {
+            CHECK(away[v].primitives.front().numbers == toward[v].primitives.front().numbers);
+            for (std::size_t i = 0; i < away[v].rays.size(); ++i) {
+                const Geometry a(away[v], i), b(toward[v], i);
+                CAPTURE(height, v, i);
+                CHECK(away[v].rays[i].origin == toward[v].rays[i].origin);
+                CHECK(std::fabs(a.eye - (1 + height)) < 0x1p-10);  // the radius has 12 bits
+                CHECK((a.eye < 1) == (height < 0));
+                CHECK(a.along > 0);
+                CHECK(b.along < 0);
+                CHECK(a.impact == Approx(b.impact).margin(1e-6));
+                CHECK(a.impact < 0.51);
+            }
+        }
+    }
+}
+
+TEST_CASE("what a ray distribution cannot be is refused where it is written") {
+    CHECK(distribution_error("tilt = 0.5\nsilhouette_gap = 1\naway = true\ndirections = \"tilted\"") == "no error");
+    CHECK(distribution_error("radius = 1\ntilt = 1.5").starts_with("f.toml:2:8: tilt must lie between 0"));
+    CHECK(distribution_error("tilt = -0.5").starts_with("f.toml:1:8: tilt must lie between"));
+    CHECK(distribution_error("silhouette_gap = 1.25").starts_with("f.toml:1:18: silhouette_gap must lie between"));
+    CHECK(distribution_error("silhouette_gap = -1").starts_with("f.toml:1:18: silhouette_gap must lie between"));
+}
+
+}  // namespace test_distribution
