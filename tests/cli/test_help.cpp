@@ -133,7 +133,10 @@ TEST_CASE("old names of options are read, with one line that gives the new name"
         {"judge " + on_rays, {"--format f32", "--file-format f32"}},
         {"judge " + on_rays, {"--worst=1", "--worst-rays=1"}},
         {"map near-benign --size 4x4 -i sphere.unified -f f32 -o out", {"--bits-needed 8", "--bits 8"}},
-        {"trade --size 4x4 -i sphere.unified -f f32 --quick -o out", {"--scene near-benign", "near-benign"}}};
+        {"trade --size 4x4 -i sphere.unified -f f32 --quick -o out", {"--scene near-benign", "near-benign"}},
+        {"list", {"hulls", "boxes"}},
+        {"list", {"makers", "generators"}},
+        {"list", {"spaces", "transforms"}}};
     const auto rows = renamed_in_changelog();
     CHECK(rows.size() == uses.size());
     for (const auto& [line, names] : uses) {
@@ -147,10 +150,13 @@ TEST_CASE("old names of options are read, with one line that gives the new name"
         }));
         const auto old_run = must("-j 1 " + line + " " + names.first, scratch.path());
         const auto new_run = must("-j 1 " + line + " " + names.second, scratch.path());
-        const std::string advice = "lostbits: " + command + " " + before + ": the option is ";
+        const bool is_option = before.front() == '-';
+        const std::string advice =
+            "lostbits: " + command + " " + before + (is_option ? ": the option is " : ": the list is ");
         CHECK(has(old_run.err, advice));
         CHECK(old_run.err.find(advice) == old_run.err.rfind(advice));
-        CHECK(has(old_run.err, now.front() == '-' ? "called " + now + " now\n" : "write SCENE without it\n"));
+        CHECK(has(old_run.err,
+                  !is_option || now.front() == '-' ? "called " + now + " now\n" : "write SCENE without it\n"));
         CHECK_FALSE(has(new_run.err, "the option is"));
         if (command != "trade") CHECK(old_run.out == new_run.out);  // which prints times
         CHECK_FALSE(has(must("-q " + line + " " + names.first, scratch.path()).err, advice));
