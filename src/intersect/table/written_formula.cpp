@@ -39,13 +39,22 @@ T constant(double x) {
     return x < 0 ? -whole : whole;
 }
 
-/// Evaluates the list in T. Numbers and decisions are kept in two lists; `place_` has the index of each operation in
-/// its own list.
+/// Evaluates the list in T. Numbers and decisions are kept in lists; `place_` has the index of each operation in its
+/// own list.
 template <class T>
 class Evaluation {
 public:
-    explicit Evaluation(const WrittenFormula& formula) : formula_(formula), place_(formula.operations.size()) {
-        numbers_.reserve(formula.operations.size());
+    explicit Evaluation(const WrittenFormula& formula) : formula_(formula) {
+        place_.reserve(formula.operations.size()), numbers_.reserve(formula.operations.size());
+        std::array<std::size_t, 3> counts{};
+        for (const WrittenOperation& w : formula.operations)
+            place_.push_back(counts[is_decision(w.op) ? 0 : w.wide ? 1 : 2]++);
+    }
+
+    /// Makes the constants once for all runs, for numbers that do not record their operations.
+    void make_constants() {
+        for (const WrittenOperation& w : formula_.operations)
+            constants_.push_back(w.op == TapeOp::constant && !w.wide ? constant<T>(w.value) : T(0));
     }
 
     /// The answer to one ray. May be called again for the next one.
@@ -68,7 +77,6 @@ private:
         for (; i < formula_.operations.size(); ++i) {
             const WrittenOperation& w = formula_.operations[i];
             if (is_decision(w.op)) {
-                place_[i] = masks_.size();
                 masks_.push_back(decision(w));
                 if constexpr (std::same_as<mask_t<T>, Tri>)
                     if (w.has_sides && masks_.back().is_unknown()) return on_both_sides(i + 1, input);
@@ -99,7 +107,6 @@ private:
     }
     template <class N>
     void add(std::vector<N>& numbers, std::size_t i, N made) {
-        place_[i] = numbers.size();
         numbers.push_back(std::move(made));
         if (!formula_.operations[i].label.empty())
             static_cast<void>(named(formula_.operations[i].label, numbers.back()));
@@ -118,7 +125,11 @@ private:
             case TapeOp::input:
                 if constexpr (std::is_same_v<N, T>) return input(static_cast<std::size_t>(w.operands[0]));
                 else return Wider<T>::widen(input(static_cast<std::size_t>(w.operands[0])));
-            case TapeOp::constant: return constant<N>(w.value);
+            case TapeOp::constant:
+                if constexpr (std::is_same_v<N, T>)
+                    if (!constants_.empty())
+                        return constants_[static_cast<std::size_t>(&w - formula_.operations.data())];
+                return constant<N>(w.value);
             case TapeOp::add: return x(w, 0) + x(w, 1);
             case TapeOp::sub: return x(w, 0) - x(w, 1);
             case TapeOp::mul: return w.operands[0] == w.operands[1] ? square(x(w, 0)) : x(w, 0) * x(w, 1);
@@ -158,7 +169,7 @@ private:
 
     const WrittenFormula& formula_;
     std::vector<std::size_t> place_;
-    std::vector<T> numbers_;
+    std::vector<T> constants_, numbers_;
     std::vector<typename Wider<T>::type> wide_;
     std::vector<mask_t<T>> masks_;
 };
@@ -187,6 +198,7 @@ void answer_rays(const WrittenFormula& formula, const RayBatch<S>& rays, const T
     const std::size_t step = target.primitives.size() == 1 ? 0 : 1;
     const std::size_t numbers = row_of(formula.shape).numbers;
     Evaluation<T> evaluation(formula);
+    evaluation.make_constants();
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray<S> ray{{rays.ox[i], rays.oy[i], rays.oz[i]}, {rays.dx[i], rays.dy[i], rays.dz[i]}};
         const Primitive<S>& primitive = target.primitives[i * step];

@@ -183,8 +183,7 @@ private:
         return answer::measured_at(*result_.inputs, i, hit ? result_.answers->object[i] : truth_.object[i]);
     }
 
-    /// Of several primitives that a ray misses, the one that it misses most narrowly; nothing where there are too many
-    /// to compare.
+    /// The primitive that a ray misses most narrowly; nothing if there are too many to compare.
     [[nodiscard]] std::optional<Primitive<double>> narrowly_missed(const Sample& sample) const {
         constexpr std::size_t most_compared = 4096;
         const auto& primitives = result_.inputs->primitives;

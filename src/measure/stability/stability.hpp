@@ -47,7 +47,7 @@ double decision_margin(const Ray<double>& ray, const Primitive<double>& primitiv
                        Perturbed perturbed = Perturbed::componentwise, intersect::Convention convention = {},
                        Range<double> range = {});
 
-/// Whether a change of at most ε turns the answer: true with an example, false with a proof, otherwise nothing.
+/// Decides if a change of at most ε turns the answer: true with an example, false with a proof, otherwise nothing.
 std::optional<bool> is_turned_within(double epsilon, const Ray<double>& ray, const Primitive<double>& primitive,
                                      Turned turned = Turned::root, Perturbed perturbed = Perturbed::componentwise,
                                      intersect::Convention convention = {}, Range<double> range = {});

@@ -53,10 +53,9 @@ public:
     [[nodiscard]] FormatInputs inputs_for(const Format& format, const intersect::Info& form) const {
         return inputs(format, {.unit_rays = form.direction == intersect::Direction::unit});
     }
-    /// True where `inputs`, which are of this band, hold ray i and the primitives as they were given: the format
-    /// rounded none of their numbers.
+    /// True if the format rounded no number of ray i and of the primitives. `inputs` are those of this band.
     [[nodiscard]] bool keeps(const FormatInputs& inputs, std::size_t i) const;
-    /// Whether all rays and primitives are in them so.
+    /// The same for all rays and primitives.
     [[nodiscard]] bool keeps_all(const FormatInputs& inputs) const;
     /// Ray i before any format rounds or makes it.
     [[nodiscard]] Ray<Real> true_ray(std::size_t i) const;
@@ -95,7 +94,7 @@ private:
     void find_truth_of_all();
     [[nodiscard]] bool keeps_ray(const FormatInputs& inputs, std::size_t i) const;
     [[nodiscard]] bool keeps_primitive(const FormatInputs& inputs, std::size_t k) const;
-    /// Whether what ray i truly meets first is proved to be met from a side that counts.
+    /// True if the first hit of ray i is proved to be on a side that counts.
     [[nodiscard]] bool shows_side(std::size_t i, intersect::Facing facing) const;
 
     [[nodiscard]] Truth find_truth_of(std::size_t i, intersect::Convention convention) const;

@@ -89,7 +89,7 @@ double scaled_difference(const Certified& x, const Certified& y, std::int64_t e)
     const std::int64_t top = std::max(x.exponent, y.exponent);
     const DoubleDouble d = two_sum(scale(x.hi, x.exponent - top), -scale(y.hi, y.exponent - top));
     const DoubleDouble tail = two_sum(scale(x.lo, x.exponent - top), -scale(y.lo, y.exponent - top));
-    // Where d.hi and tail.hi cancel, d.hi is itself the result of a cancellation and d.lo = 0: nothing is lost.
+    // If d.hi and tail.hi cancel, d.hi is itself the result of a cancellation and d.lo = 0, so nothing is lost.
     const DoubleDouble s = two_sum(d.hi, tail.hi);
     return scale(s.hi + (s.lo + d.lo + tail.lo), top - e);
 }

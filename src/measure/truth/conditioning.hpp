@@ -13,7 +13,6 @@ namespace lostbits::measure::truth {
 /// Relative errors of δ in each input alone move t by at most κ·δ in all, to first order. Good to 2^-20 of itself.
 /// Infinite where t = 0, and on an exact tangent, where ∂t/∂xᵢ is infinite; NaN for a miss. The range is not an input:
 /// where the answer is the tmin of a ray that begins inside, κ is 0.
-/// answer is the tmin of a ray that begins inside, κ is 0.
 double condition(const Ray<double>& ray, const Primitive<double>& primitive, intersect::Convention convention = {},
                  const Range<double>& range = {});
 double condition(const Ray<Real>& ray, const Primitive<Real>& primitive, intersect::Convention convention = {},

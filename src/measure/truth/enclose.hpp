@@ -18,33 +18,34 @@
 
 namespace lostbits::measure::truth {
 
-/// At what of a line a ray meets a primitive: where its range begins, at the near root or entry, at the far root or
-/// exit.
+/// The point of a line at which a ray meets a primitive: the start of its range, the near root (entry) or the far root
+/// (exit).
 enum class Crossing : std::uint8_t { begin, near, far };
 
-/// What one precision can say about one primitive, all of it only where `hit` is certain.
+/// Answer of one precision for one primitive. The other members have a meaning only where `hit` is certain.
 template <class E>
 struct Enclosed {
     Tri hit;  ///< of the closed primitive: touching counts
     E t = E(0);
     E distance = E(0);
-    /// The ray meets the primitive's boundary alone: a miss where touching does not count. A tangent does, and so does
-    /// a ray that ends where it enters; what has no inside is crossed there. Whether a ray may begin where it leaves is
-    /// said of its origin, but for boxes, whose points count.
+    /// The ray meets only the boundary of the primitive, which is a miss if touching is a miss. Tangents touch, and so
+    /// do rays that end where they enter. A surface without an inside is crossed there instead. A ray that begins where
+    /// it leaves is decided by the convention for origins; boxes are an exception, since their points count.
     bool touching = false;
-    /// The ray begins on the surface: that is a root, and whether it counts is a matter of convention.
+    /// The ray begins on the surface. That is a root, and the convention decides if it counts.
     bool on_surface = false;
     Crossing at = Crossing::begin;
     bool at_double_root = false;  ///< of a quartic: t has no derivative
 };
 
-/// Where a ray begins: at t = 0, or where its range says.
+/// Parameter t at which a ray begins: the start of its range, or 0.
 template <class E>
 E begin_of(const RangeOfSpan<E>* range) {
     return range ? range->begin : E(0);
 }
 
-/// A hit where the ray begins. Nothing is multiplied with a 0, which would say less of it than that it is one.
+/// Hit at the start of the ray. The distance of t = 0 is 0 itself, not a product with 0, whose enclosure would be
+/// wider.
 template <class E>
 Enclosed<E> enclosed_begin(const E& d2, const RangeOfSpan<E>* range, bool touching = false, bool on_surface = false) {
     const E begin = begin_of(range);
@@ -52,7 +53,7 @@ Enclosed<E> enclosed_begin(const E& d2, const RangeOfSpan<E>* range, bool touchi
     return {Tri::yes, begin, at_0 ? begin : begin * sqrt(d2), touching, on_surface};
 }
 
-/// A hit at one of the roots.
+/// Hit at one of the roots.
 template <class E>
 Enclosed<E> enclosed_root(const QuadraticSpan<E>& s, Crossing at, bool touching = false, bool on_surface = false) {
     const E root = sqrt(s.q);
@@ -70,12 +71,13 @@ Enclosed<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leav
     const Tri aside = h > zero || h < zero;
     if (aside.is_unknown() || leaving.is_unknown()) return {Tri::unknown};
     const bool touching = aside.is_no();
-    // Whoever misses from inside has no exits, and so none where the ray begins. Of a tangent both roots are that.
+    // If rays from inside miss, exits do not count, so neither does an exit at the start. Both roots of a tangent are
+    // touches, which are no exits.
     const bool no_exits = convention.inside == intersect::Inside::miss && !touching;
     const bool counts = convention.at_origin == intersect::AtOrigin::hit ||
                         (convention.at_origin == intersect::AtOrigin::exit && leaving.is_yes());
     if (counts && !(no_exits && leaving.is_yes())) {
-        // Of a root that is not 0 the gradient is asked for too.
+        // A root that is not 0 also needs a gradient.
         if ((begin_of(range) <= zero).is_yes()) return enclosed_begin(s.d2, range, touching, true);
         return enclosed_root(s, leaving.is_yes() ? Crossing::far : Crossing::near, touching, true);
     }
@@ -83,12 +85,12 @@ Enclosed<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leav
     return enclosed_root(s, Crossing::far, false, true);  // and not −2h/a, whose gradient is another
 }
 
-/// The line against the surface of a quadratic, of a ray that has no end. Where it begins, c = P(t) says where that is
-/// (outside, on, inside), h the direction. Outside, a line that leaves (h ≥ 0) misses whatever q; inside or on the
-/// surface it always hits. t = c/(−h + √q) from outside, (−h + √q)/a or −c/(h + √q) from inside, by the sign of h and
-/// with those of t = 0.
-/// From the surface (c = 0) the roots are where the ray begins and another: the former, or, where that does not count,
-/// the other if it lies ahead. From inside (c < 0) t is what the convention says.
+/// First hit of a quadratic surface by a ray without an end. At the start of the ray, the sign of c = P(t) tells if it
+/// is outside, on the surface or inside, and h tells the direction. From outside, a line that leaves (h ≥ 0) misses for
+/// any q; from inside or from the surface it always hits. t = c/(−h + √q) from outside, and (−h + √q)/a or −c/(h + √q)
+/// from inside, chosen by the sign of h, with c and h at t = 0. From the surface (c = 0), one root is the start of the
+/// ray. It is the answer if it counts; otherwise the answer is the other root if that lies ahead. From inside (c < 0),
+/// the convention defines t.
 template <class E>
 Enclosed<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& from, const RangeOfSpan<E>* range,
                           intersect::Convention convention) {
@@ -112,8 +114,8 @@ Enclosed<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& from,
     return enclosed_root(s, outside.is_yes() ? Crossing::near : Crossing::far, through.is_no());
 }
 
-/// The same of a ray with a range (all that lies ahead where `range` is null): the root that a ray which begins at tmin
-/// meets, where it comes no later than tmax.
+/// The same for a ray with a range (null: everything ahead): the root that a ray from tmin meets, if it comes no later
+/// than tmax.
 template <class E>
 Enclosed<E> enclose(const QuadraticSpan<E>& s, const RangeOfSpan<E>* range = nullptr,
                     intersect::Convention convention = {}) {
@@ -128,9 +130,9 @@ Enclosed<E> enclose(const QuadraticSpan<E>& s, const RangeOfSpan<E>* range = nul
     return found;
 }
 
-/// What a convention says of a ray that begins in the closed box (largest entry a ≤ tmin ≤ smallest exit b). With a <
-/// tmin < b it is inside, or, where it touches, it runs along a face that it begins on; a = tmin is an entry where it
-/// begins, and b = tmin an exit there, or both, where it touches in one point. An exit beyond tmax is none.
+/// Answer of a convention for a ray that begins in the closed box (largest entry a ≤ tmin ≤ smallest exit b). If a <
+/// tmin < b, the ray begins inside or, if it touches, on a face along which it runs. If a = tmin, it enters at its
+/// start; if b = tmin, it leaves there; if both, it touches in one point. An exit beyond tmax does not count.
 template <class E>
 Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, intersect::Convention asked,
                                 bool touching) {
@@ -158,10 +160,9 @@ Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* 
     return {Tri::yes, t, t * sqrt(slabs.d2), false, false, Crossing::far};
 }
 
-/// The line against what slabs leave of it. The first t of the range (all that lies ahead where `range` is null) for
-/// which o + t d lies in the closed primitive (`Touching::hit`), or the infimum of those for which it lies in the open
-/// one
-/// (`Touching::miss`). For either, t* = max(tmin, largest entry):
+/// First hit of a box. For `Touching::hit` it is the first t of the range (null: everything ahead) for which o + t d
+/// lies in the closed box, for `Touching::miss` the infimum of those for which it lies in the open box. Either way, t*
+/// = max(tmin, largest entry):
 ///
 ///   - a ray that begins inside gives t = tmin exactly, be that end open or not; so does one that begins on the
 ///   boundary if it goes in (or, closed and not open there, along it or out);
@@ -197,7 +198,7 @@ Enclosed<E> enclose(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, inter
     return {Tri::yes, t, t * sqrt(slabs.d2), touching, false, Crossing::near};
 }
 
-/// A hit where the line crosses a surface.
+/// Hit at a crossing of a surface.
 template <class E>
 Enclosed<E> enclosed_at(const FlatSpan<E>& s, int, bool touching, bool on_surface) {
     const E t = s.at.n / s.at.m;
@@ -208,7 +209,7 @@ Enclosed<E> enclosed_at(const WallSpan<E>& s, int i, bool touching, bool on_surf
     return enclosed_root(s.primitive.side, i == 0 ? Crossing::near : Crossing::far, touching, on_surface);
 }
 
-/// Whether a surface is met from a side that counts.
+/// True if a surface is met from a side that counts.
 template <class E>
 Tri faces(const FlatSpan<E>& s, intersect::Facing asked) {
     if (asked == intersect::Facing::both) return Tri::yes;
@@ -219,9 +220,9 @@ Tri faces(const WallSpan<E>&, intersect::Facing) {
     return Tri::yes;
 }
 
-/// The line against a surface without an inside: the first of its crossings that counts. On a rim, or along the
-/// surface, it touches; a surface where the ray begins is a root there, and counts by the convention: where there are
-/// two crossings the near one is an entry, the far one an exit; a single one is both.
+/// First crossing that counts of a surface without an inside. On a rim or along the surface, the line touches. A
+/// crossing at the start of the ray is a root, and the convention decides if it counts. Of two crossings, the near one
+/// is an entry and the far one an exit; a single crossing is both.
 template <class E, SurfaceSpan<E> S>
 Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Convention asked) {
     using intersect::AtOrigin, intersect::Touching;
@@ -249,7 +250,7 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
     return none;
 }
 
-/// A hit where the line enters (`Crossing::near`) or leaves, by a cap or at a root.
+/// Hit at the entry (`Crossing::near`) or exit of the line, through a cap or at a root.
 template <class E>
 Enclosed<E> enclosed_at(const CappedSpan<E>& s, Crossing at, bool touching, bool on_surface) {
     const bool near = at == Crossing::near;
@@ -265,7 +266,7 @@ Enclosed<E> enclosed_at(const JoinedSpan<E>& s, Crossing at, bool touching, bool
     return enclosed_root(at == Crossing::near ? s.enter : s.leave, at, touching, on_surface);
 }
 
-/// What a convention says of a ray that begins in the closed primitive: inside of it, or on its surface.
+/// Answer of a convention for a ray that begins inside a primitive or on its surface.
 template <class E, ComparableSpan<E> S>
 Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const RangeOfSpan<E>* range,
                                 intersect::Convention asked, bool touching) {
@@ -291,8 +292,8 @@ Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const Rang
     return enclosed_at<E>(s, Crossing::far, touching, on_surface);
 }
 
-/// From outside t* is where the line enters, from inside where it leaves; a line along the surface, or through no more
-/// than a rim, touches, and so does a ray that ends where it enters.
+/// t* is the entry for a ray from outside and the exit for a ray from inside. A line touches if it runs along the
+/// surface or meets only a rim, and so does a ray that ends where it enters.
 template <class E, ComparableSpan<E> S>
 Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
     const Fraction<E> begin{begin_of(range), E(1)};
@@ -312,18 +313,18 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
     return enclosed_at<E>(s, Crossing::near, touching, false);
 }
 
-/// In side.hpp.
+/// Defined in side.hpp.
 template <class E>
 Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention);
 
-/// Of a span that is not met behind a touch whoever asks knows whether that counts.
+/// Convention for a span. If a span cannot be hit behind a touch, the caller decides if touching counts.
 template <class Span>
 intersect::Convention asked_of_span(intersect::Convention convention) {
     if (!Span::may_hit_behind_touch) convention.touching = intersect::Touching::hit;
     return convention;
 }
 
-/// Of a primitive of any shape. `range` (null: all that lies ahead) holds some t.
+/// First hit of a primitive of any shape. `range` (null: everything ahead) is not empty.
 template <class E>
 Enclosed<E> enclose(const Ray<E>& ray, const Primitive<E>& primitive, const RangeOfSpan<E>* range = nullptr,
                     intersect::Convention convention = {}) {
@@ -332,8 +333,8 @@ Enclosed<E> enclose(const Ray<E>& ray, const Primitive<E>& primitive, const Rang
     });
 }
 
-/// A range that holds some t, for spans over E, which is made of an F; nothing where it is all that lies ahead. An end
-/// that is nowhere is not open: along a side of a cone, P(t) is of degree one, and at 1/0 no root comes before the end.
+/// A range that is not empty, for spans over E, which is made from an F; nothing if the range is everything ahead. An
+/// infinite end is not open: along a side of a cone, P(t) has degree one, and at 1/0 no root comes before the end.
 template <class E, class F = E>
 std::optional<RangeOfSpan<E>> range_over(const Range<double>& range) {
     if (range.is_whole()) return std::nullopt;
@@ -342,8 +343,8 @@ std::optional<RangeOfSpan<E>> range_over(const Range<double>& range) {
     return RangeOfSpan<E>{E(F(range.tmin)), {ends ? E(F(range.tmax)) : E(1), E(ends ? 1 : 0)}, open};
 }
 
-/// What a convention says of a ray with a range, which begins at tmin: what it says of t = 0 is said of that point by
-/// the range itself wherever the two are not the same, or the range is open there.
+/// Convention for a ray that begins at tmin. If tmin > 0, or if the range is open there, the range itself decides if a
+/// hit at its start counts, in place of the convention for t = 0.
 inline intersect::Convention convention_in(const Range<double>& range, intersect::Convention convention) {
     using intersect::AtOrigin;
     if (range.open.tmin) convention.at_origin = AtOrigin::miss;

@@ -106,7 +106,7 @@ struct Gathered {
         return *wanted;
     }
 
-    /// Of rays without ranges, and both lengths.
+    /// Gathers rays without ranges and both of their lengths.
     template <class From>
     stages::RawProblems<S> gather(const ProblemColumns<From>& p, std::span<const std::size_t> which,
                                   std::size_t lanes) {

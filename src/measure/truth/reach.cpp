@@ -138,8 +138,8 @@ Slab slab_of(const Vec<Differentiated>& from, const Vec<Differentiated>& to, con
             dot(axis, ray.direction)};
 }
 
-/// Of a primitive between planes along the axes t is where one of them is met, the largest or the smallest: it moves as
-/// far as any that can come to where it is.
+/// Movement of t for a primitive between planes along the axes. t is the largest or smallest parameter of a plane, so
+/// it moves at most as far as any plane that can become that one.
 template <class Shape>
 double moved_between_corners(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray,
                              MovedBy moved_by) {

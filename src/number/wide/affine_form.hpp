@@ -37,7 +37,7 @@ public:
     /// Answers comparisons that the enclosures leave open: one run of a formula for each answer covers all cases.
     struct Open {
         virtual ~Open() = default;
-        /// Whether x < 0, or x ≤ 0.
+        /// Decides x < 0, or x ≤ 0.
         virtual Tri is_below(const AffineForm& x, bool or_equal) = 0;
     };
     /// Asked by comparisons of this thread; null: they stay unknown.
@@ -206,7 +206,7 @@ private:
         return joined(centre_ * centre_ + Centre(TwoWords<double>(second)), *this, 2 * centre_.first(), AffineForm(0),
                       0, rest);
     }
-    /// Whether this is below 0, or at most 0.
+    /// Decides if this is below 0, or at most 0.
     [[nodiscard]] Tri is_below(bool or_equal) const {
         const auto [middle, size] = ends();
         if (or_equal ? middle <= -size : middle < -size) return Tri::yes;

@@ -19,7 +19,7 @@ namespace lostbits::output::map {
 
 using pixel::ExrRows;
 
-/// What to write, and the command behind it.
+/// Values to write, and the command that measured them.
 struct MapExrRequest {
     const measure::evaluate::EvaluationRequest& map;
     std::vector<const measure::metric::Metric*> layers;        ///< a selection of the map's metrics

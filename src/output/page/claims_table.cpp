@@ -96,7 +96,7 @@ std::optional<Place> place_of(const Claim& c, const ClaimResult& r, const Report
     return {};
 }
 
-/// What a claim was measured on: a link to its place on the page, or the command that shows it.
+/// Subject of a claim: a link to its place on the page, or the command that shows it.
 std::string measured_on(const Claim& c, const ClaimResult& r, const Report& report) {
     const claim::SubjectTexts words = claim::words_of(c);
     const std::string text = html(words.where),

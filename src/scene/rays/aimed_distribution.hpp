@@ -30,7 +30,7 @@ inline Vec<double> draw_across(Random& random, const Vec<double>& v) {
     }
 }
 
-/// What a ray is aimed at: a point, and the direction of the ray if it is not to come from anywhere.
+/// Target of a ray: a point, and the direction of the ray if the target fixes it.
 struct AimedPlace {
     AimedPlace(const Vec<double>& at) : point(at) {}
     AimedPlace(const Vec<double>& at, const Vec<double>& way) : point(at), along((1 / length(way)) * way) {}
@@ -41,7 +41,7 @@ struct AimedPlace {
 
 /// Base of the ray distribution of a shape: a struct F with a table's name that is derived from this and has
 ///     static Primitive<double> drawn(Random&, const Vec<double>& middle, double size)
-/// It may also say what rays can be aimed at:
+/// It may also have targets:
 ///     static constexpr std::pair<std::string_view, int> aims[]    by the words of the key `aim`; else the first is 0
 ///     static AimedPlace aimed_at(Random&, const Primitive<double>&, int aim)
 /// Rays come from any direction that the target leaves open, from `distance` sizes away.

@@ -36,7 +36,7 @@ inline std::vector<Primitive<double>> examples_of(std::vector<Primitive<double>>
     return primitives;
 }
 
-/// Whether binary32 holds every number of the triangles.
+/// True if binary32 represents every number of the triangles.
 inline bool fits_binary32(const MeshColumns& triangles) {
     bool fits = true;
     const auto look = [&fits](double x) {

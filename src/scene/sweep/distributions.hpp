@@ -24,7 +24,7 @@ struct DistributionRow {
     Drawer (*read)(toml::TableReader);
     std::span<const rays::RaySet> (*sets)();  ///< the easy one first; seeded: always the same rays
     rays::HitsAndMisses (*timed)();           ///< rays of the easy kind
-    /// What rays can be aimed at, with the name of each; none for spheres and planes.
+    /// Targets of the key `aim` by name; none for spheres and planes.
     std::span<const std::pair<std::string_view, int>> aims = {};
     rays::AimedPlace (*aimed_at)(rays::Random&, const Primitive<double>&, int aim) = nullptr;
 };

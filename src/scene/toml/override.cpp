@@ -46,7 +46,7 @@ std::vector<Step> steps_of(const Override& change) {
     }
 }
 
-/// What to write after an array for a key: the key of its first table, or the index of x, y or z in a vector.
+/// Advice for a key of an array: the text to write after the array, `[0].key` for tables, or the index of x, y or z.
 std::string in_array(const Node& array, const std::string& key) {
     if (array.items.empty() || array.items.front().kind == Node::Kind::table) return "[0]." + key;
     const std::size_t place = key.size() == 1 ? std::string_view("xyz").find(key) : std::string_view::npos;
