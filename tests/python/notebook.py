@@ -20,7 +20,7 @@ def shown(value: Any) -> dict[str, Any]:
         data["image/png"] = base64.b64encode(picture).decode()
     elif (save := getattr(value, "savefig", None)) is not None:  # a figure of matplotlib
         file = io.BytesIO()
-        save(file, format="png")
+        save(file, format="png", bbox_inches="tight")
         data["image/png"] = base64.b64encode(file.getvalue()).decode()
     return data
 
