@@ -261,7 +261,7 @@ std::string standings_text(const TradeRequest& request, const TradeResult& resul
                             form, format, isa, all[k].time_ns, 50 * (t.high_quartile - t.low_quartile) / t.median,
                             std::isnan(kept) ? "-" : fmt::format("{:.1f}", kept), 100 * all[k].wrong_fraction);
     }
-    return text + "  * on the Pareto front; +- half of the distance between the quartiles\n";
+    return text + "  * on the Pareto front; +-: half the distance between the quartiles\n";
 }
 
 /// The cheapest kernel for each number of bits; numbers of bits with the same answer are one line.
