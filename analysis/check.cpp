@@ -308,8 +308,8 @@ void add_check(const shell::Command& program, const Common& common) {
     command.add("--export-json", o->json, "Write JSON, one object per claim");
     command.add("--report", o->report, "Write README.md, claims.csv and pictures into this folder");
     command.add("--save", o->save, "Write what every claim measures into a file, for a later --against");
-    command.add("--against", o->against, "Show how what is measured moved since a --save: a table, and JUnit");
-    command.add("--moves", o->moves, "Of --against: write that table as Markdown too");
+    command.add("--against", o->against, "Show how the measured values moved since a --save: a table, and JUnit");
+    command.add("--moves", o->moves, "With --against: also write its table as Markdown");
     add_shard(command, o->shard);
     command.add("--annotations", o->annotations, "github: also print workflow annotations",
                 shell::one_of({"none", "github"}));

@@ -346,7 +346,8 @@ void add_map(const shell::Command& program, const Common& common) {
     command.add("--against", o->against,
                 "A form to compare the others with, without asking what is true: where their decisions or their t "
                 "differ is drawn and counted");
-    command.add("--envelope", o->envelope, "Draw lost bits paler where half an ulp in each input would cost as many");
+    command.add("--envelope", o->envelope,
+                "Draw lost bits paler where half an ulp in each input would cost as many bits");
     add_shard(command, o->shard);
     selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });

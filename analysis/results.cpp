@@ -83,7 +83,7 @@ std::vector<scene::file::Scene> scenes_of_primitives(const selection::SharedOpti
 
 void add_shard(const shell::Command& command, std::string& word) {
     command.add("--shard", word,
-                "Do part K of N alone, into shard-K-of-N in the folder of results; `lostbits merge` joins all N: K/N",
+                "Do part K of N alone, into shard-K-of-N in the folder of results; `lostbits merge` joins all N",
                 {[](const std::string& option, const std::string& given) {
                      return given.empty() ? option + ": its value is empty; write K/N, as in --shard 3/64" : "";
                  },

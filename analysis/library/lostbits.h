@@ -217,10 +217,10 @@ LOSTBITS_API int lostbits_truth(const lostbits_rays* rays, const lostbits_run* r
 LOSTBITS_API int lostbits_hits(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result,
                                lostbits_error* error);
 /* Position of points (count x 3) relative to the meshes of a scene, which has no other primitives. Table `points`:
- * winding (by how many layers of the surface the point is enclosed), crossings (of the ray that was counted),
- * on_surface, resolved. Table `mesh`, one row: the numbers of edges, of border edges (one face), non_manifold edges
- * (more than two), unbalanced edges (along which more faces run one way than the other), odd edges (an odd number of
- * faces) and duplicates (faces with the vertices of an earlier face). The winding does not depend on the ray if
+ * winding (number of layers of the surface that enclose the point), crossings (of the ray by which they are
+ * counted), on_surface, resolved. Table `mesh`, one row: the numbers of edges, of border edges (one face), non_manifold
+ * edges (more than two), unbalanced edges (along which more faces run one way than the other), odd edges (an odd number
+ * of faces) and duplicates (faces with the vertices of an earlier face). The winding does not depend on the ray if
  * unbalanced is 0, and the parity of the crossings does not if odd is 0. */
 LOSTBITS_API int lostbits_inside(const lostbits_scene* scene, const lostbits_array* points, size_t count,
                                  const lostbits_run* run, lostbits_result** result, lostbits_error* error);

@@ -1,4 +1,4 @@
-// Rays that come as arrays: their judgement, the answers of forms, and their truth.
+// Rays given as arrays: judges answers to them, and returns answers of forms, the truth and all crossings.
 #include "scene/rays/rays.hpp"
 #include "analysis/library/array_dump.hpp"
 #include "analysis/library/handles.hpp"
@@ -31,7 +31,7 @@ struct GivenRays {
     std::unique_ptr<ArrayDump> dump;
     /// Empty without a mesh: each ray has its own primitive.
     std::vector<Primitive<double>> primitives = {};
-    /// Its triangles come after `primitives`; null: no mesh.
+    /// The triangles of the mesh come after `primitives`; null: no mesh.
     std::shared_ptr<const scene::rays::MeshColumns> mesh = {};
     std::shared_ptr<const StoredScene> stored = {};  ///< if they come from a scene
     Shape shape{};                                   ///< of the first primitive
@@ -82,7 +82,7 @@ OpenEnds open_ends_of(const std::string& word) {
     throw InputError("open_ends is \"" + word + "\"; write none, tmin, tmax or both");
 }
 
-/// Throws InputError if an array of that many rows and columns reaches farther than any memory.
+/// Throws InputError if an array with that many rows and columns is larger than any memory.
 void require_reach(const lostbits_array& array, std::size_t rows, std::size_t columns, const char* name) {
     constexpr std::size_t most = PTRDIFF_MAX / 4;
     const auto reach = [](std::size_t count, std::ptrdiff_t step) {
@@ -341,7 +341,7 @@ std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallRun
     GivenRays all = given(rays, running);
     const auto is_triangle = [](const auto& one) { return one.shape == scene::triangle::Mesh::shape; };
     if (rays.paired != 0 || !std::ranges::all_of(all.examples(), is_triangle))
-        throw InputError("rays: crossings are found of triangles that all rays share; give a mesh, or triangles");
+        throw InputError("rays: crossings need triangles that all rays share; give a mesh, or an array of triangles");
     std::vector<measure::crossing::MeshCrossings> found(rays.count);
     by_piece(all, running, rays.count, measure::culling::least_primitives,
              [&](std::size_t first, RayGroup group, auto* culler) {
@@ -358,8 +358,8 @@ std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallRun
             {"ray", "integer", "", "the ray, from 0"},
             {"place", "integer", "", "in the order of t, from 0; crossings at the same t have the same place"},
             {"primitive", "integer", "", "the triangle, from 0"},
-            {"t_hi", "number", "t", "t*, to the nearest number of binary64"},
-            {"t_lo", "number", "t", "what is left of t*, to 2^-72 of t*"},
+            {"t_hi", "number", "t", "t*, rounded to the nearest binary64"},
+            {"t_lo", "number", "t", "t* - t_hi, to 2^-72 of t*"},
             {"front", "boolean", "", "the ray meets the side on which the corners run counter-clockwise"},
             {"at_rim", "boolean", "", "the ray passes through an edge or a vertex"}});
     ResultTable& resolved = result->tables.emplace_back(
@@ -380,23 +380,24 @@ std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallRun
 }
 
 void add_edges(const scene::triangle::MeshEdges& edges, lostbits_result& result) {
-    auto csv = result.tables
-                   .emplace_back("mesh",
-                                 std::vector<output::file::Column>{
-                                     {"edges", "integer", "", "edges of the faces"},
-                                     {"border", "integer", "", "edges of one face"},
-                                     {"non_manifold", "integer", "", "edges of more than two faces"},
-                                     {"unbalanced", "integer", "", "edges along which more faces run one way"},
-                                     {"odd", "integer", "", "edges of an odd number of faces"},
-                                     {"duplicates", "integer", "", "faces with the vertices of an earlier face"}})
-                   .writer();
+    auto csv =
+        result.tables
+            .emplace_back("mesh",
+                          std::vector<output::file::Column>{
+                              {"edges", "integer", "", "edges of the faces"},
+                              {"border", "integer", "", "edges of one face"},
+                              {"non_manifold", "integer", "", "edges of more than two faces"},
+                              {"unbalanced", "integer", "", "edges along which more faces run one way than the other"},
+                              {"odd", "integer", "", "edges of an odd number of faces"},
+                              {"duplicates", "integer", "", "faces with the vertices of an earlier face"}})
+            .writer();
     csv.add(edges.edges).add(edges.border).add(edges.non_manifold).add(edges.unbalanced).add(edges.odd);
     csv.add(edges.duplicates).end_row();
 }
 
 std::unique_ptr<lostbits_result> places_of_points(const lostbits_scene& scene, const lostbits_array& points,
                                                   std::size_t count, CallRun& running) {
-    if (points.data == nullptr) throw InputError("points: there is no array; give three numbers a point");
+    if (points.data == nullptr) throw InputError("points: there is no array; give three numbers per point");
     require_reach(points, count, 3, "points");
     const auto stored = scene.stored->in(scene.scene, binary64);
     if (!stored->mesh || !stored->beside_mesh.empty())
@@ -422,8 +423,8 @@ std::unique_ptr<lostbits_result> places_of_points(const lostbits_scene& scene, c
     auto result = std::make_unique<lostbits_result>();
     ResultTable& table = result->tables.emplace_back(
         "points", std::vector<output::file::Column>{
-                      {"winding", "integer", "", "by how many layers of the surface the point is enclosed"},
-                      {"crossings", "integer", "", "of the ray that was counted"},
+                      {"winding", "integer", "", "number of layers of the surface that enclose the point"},
+                      {"crossings", "integer", "", "crossings of the ray by which the layers are counted"},
                       {"on_surface", "boolean", "", "the point lies on a triangle"},
                       {"resolved", "boolean", "", "the other columns are proved"}});
     for (const measure::crossing::PointInMesh& one : found) {

@@ -39,11 +39,11 @@ std::vector<fs::path> state_files(const fs::path& named) {
     }
     if (!fs::exists(named, ignored))
         throw InputError(named.string() +
-                         ": does not exist; name the folder that was -o of the runs with --shard, or the shard-K-of-N "
+                         ": does not exist; name the folder given by -o to the runs with --shard, or the shard-K-of-N "
                          "folders in it");
     if (found.empty())
         throw InputError(named.string() +
-                         ": has no shard; name the folder that was -o of the runs with --shard, or the shard-K-of-N "
+                         ": has no shard; name the folder given by -o to the runs with --shard, or the shard-K-of-N "
                          "folders in it");
     std::ranges::sort(found);
     return found;

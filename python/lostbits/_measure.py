@@ -202,7 +202,7 @@ def inside(points: Floats, mesh: Any, *, threads: int = 0) -> Inside:
 
     `points`: n x 3 of float32 or float64. `mesh`: (vertices n x 3, faces m x 3), or a scene of meshes alone. The result:
     `.inside`, `.winding` (1 inside a closed mesh whose corners run counter-clockwise seen from outside), `.on_surface`
-    (the winding is 0 there), `.crossings` of the ray that was counted, `.resolved`, and `.mesh`: the number of edges,
+    (the winding is 0 there), `.crossings` of the ray that is counted, `.resolved`, and `.mesh`: the number of edges,
     and of those that keep the mesh from being closed.
     """
     kept, array = array_of(points, "points", 3)

@@ -1,4 +1,4 @@
-// The crossings of a line and a quadric surface that two planes cut off and no cap closes, over any number: tubes.
+// The crossings of a line and a tube, over any number: a quadric surface that is cut off by two planes and has no caps.
 #pragma once
 
 #include <optional>
@@ -36,7 +36,7 @@ struct WallSpan {
     }
 };
 
-/// First and last t at which it crosses; nothing if these are not known.
+/// First and last t at which the line crosses the surface; nothing if these are not known.
 template <Number T>
 std::optional<Ends<T>> ends_of(const WallSpan<T>& s) {
     const auto near_met = s.crossing(0).closed, far_met = s.crossing(1).closed;

@@ -71,7 +71,7 @@ TEST_CASE("a hit of another primitive than the ray meets first is said to be one
     CHECK(has(
         r.out,
         "The wrong primitive: the form hits primitive 58865, but the ray first meets primitive 0 (counted from 0)."));
-    CHECK(has(r.out, "\nOf the primitives 0 to 66430, this is primitive 58865.\n"));
+    CHECK(has(r.out, "\nThe scene has the primitives 0 to 66430; this is primitive 58865.\n"));
     const auto at = r.out.find("lostbits explain --sphere=");
     REQUIRE(at != std::string::npos);
     const auto other = must(r.out.substr(at + 9, r.out.find('\n', at) - at - 9));

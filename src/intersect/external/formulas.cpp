@@ -43,8 +43,8 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     if (ask == nullptr) return {};
     // Formulas also run in arithmetics that prove and record, which need the standard state.
     if (const std::string words = loaded.computes.words(); !words.empty())
-        note_change(who, "changes, when it is loaded, how the processor computes (" + words +
-                             "); its formulas are evaluated as IEEE 754 asks nevertheless");
+        note_change(who, "changes how the processor computes (" + words +
+                             ") when it is loaded; its formulas are still evaluated as IEEE 754 requires");
     const FormulaList* const list = call_of(who, [&] {
         const LoadsForeignCode here(who);
         return ask(&name_of_running);
@@ -84,7 +84,7 @@ std::optional<ForeignForm> first_of(const std::vector<Formula>& formulas, const 
 }
 
 void rename(Formula& formula, const std::string& prefix) {
-    Info* const info = new Info(*formula.row.info);  // kept as long as `lasting_text`, and for the same reason
+    Info* const info = new Info(*formula.row.info);  // never freed, like `lasting_text`: exit handlers may ask for it
     info->name = lasting_text(prefix + std::string(info->name));
     formula.row.info = info;
 }

@@ -35,8 +35,8 @@ Vec<T> along(const Ray<T>& ray, const T& t) {
                   ray.origin.z + t * ray.direction.z);
 }
 
-/// d = field(o + t·dir). It is a hit if `close(d, t)`; otherwise t += d, and a miss if t > max_dist. SDF Sphere
-/// Marching, step 3.
+/// Repeats d = field(o + t·dir). If `close(d, t)`, it is a hit; otherwise t += d, and it is a miss once t > max_dist.
+/// Source: SDF Sphere Marching, step 3.
 template <Number T, class Field, class Watch, class Close>
 Marched<T> march(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch, const Close& close) {
     const T zero(0);

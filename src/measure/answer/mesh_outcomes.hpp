@@ -34,11 +34,11 @@ struct BandAnswers {
 /// - `crack`: the form lets light through the surface. The ray truly meets a triangle first, and the form claims
 /// neither
 ///   that one nor a neighbour. The numbers of claimed and of true crossings differ by an odd number, so that light ends
-///   on another side of the surface than it truly does. The edge that the ray passes nearest to belongs to another face
-///   too. If two claimed triangles share a vertex and the ray does not truly meet both, they may be one crossing or the
-///   two of a fold, and the outcome is no crack. A form that misses both walls of a mesh, because its outline is
-///   shifted or the triangles are not seen at all, has a false miss. So has one that misses at the border of a mesh. A
-///   ray that truly misses and is stopped is a false hit.
+///   on the wrong side of the surface. The edge that the ray passes nearest to belongs to another face too. If two
+///   claimed triangles share a vertex and the ray does not truly meet both, they may be one crossing or the two of a
+///   fold, and the outcome is no crack. A form that misses both walls of a mesh, because its outline is shifted or the
+///   triangles are not seen at all, has a false miss. So has one that misses at the border of a mesh. A ray that truly
+///   misses and is stopped is a false hit.
 /// - `wrong_neighbour`: the first hit of the form is a neighbour of the true triangle, and the ray does not meet it at
 ///   that t.
 /// - `double_hit`: the form claims the triangle that it hits first and a neighbour of it that is the same crossing. At

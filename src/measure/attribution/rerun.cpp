@@ -46,7 +46,7 @@ private:
         [[nodiscard]] bool holds(std::size_t k) const { return run.value(n.operands[k]) != 0; }
     };
 
-    /// Result of node i on the operands here; `as` decides if it rounds and by which values it chooses.
+    /// Result of node i from the operands of this run. `as` decides if it rounds, and by which values it chooses.
     [[nodiscard]] Number result(NodeId i, const Run& as) const {
         const TapeNode& n = tape_[i];
         switch (kind_of(n.op)) {
@@ -72,8 +72,8 @@ private:
         return attribution::without_rounding<DeepExact>(
             n, [&](std::size_t k) -> const Number& { return value(n.operands[k]); });
     }
-    /// Result of a call. On the arguments of the tape it is the value on the tape: a call may be some units in the last
-    /// place off.
+    /// Result of a call. If its arguments are those of the tape, it is the value on the tape, because the function
+    /// itself may be some units in the last place off.
     [[nodiscard]] Number called(NodeId i, const Run& as) const {
         const bool same =
             std::ranges::all_of(tape_.operands_of(i), [&](NodeId k) { return value(k) == Number(tape_[k].value); });

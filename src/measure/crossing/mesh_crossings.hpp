@@ -47,8 +47,8 @@ unsigned nearest_edges(const Ray<double>& ray, const Primitive<double>& triangle
 
 /// Position of a point relative to a mesh.
 struct PointInMesh {
-    int winding = 0;          ///< by how many layers of the surface it is enclosed, see `place_in_mesh`
-    int crossings = 0;        ///< of the ray that was counted
+    int winding = 0;          ///< number of layers of the surface that enclose it, see `place_in_mesh`
+    int crossings = 0;        ///< crossings of the ray by which the layers are counted
     bool on_surface = false;  ///< it lies on a triangle; the two numbers are 0 then
     bool is_resolved = true;  ///< false: the point is not finite, or no ray was found that passes all edges
 };

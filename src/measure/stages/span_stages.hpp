@@ -1,5 +1,4 @@
-// Rays and primitives of any shape: decisions, and t* with its bound, from the first t at which the ray meets the
-// primitive.
+// Decides whether rays meet primitives of any shape, and encloses t*, the first t at which a ray meets its primitive.
 #pragma once
 
 #include <array>
@@ -33,7 +32,7 @@ Enclosure<P> enclosure_of(const Running<TwoWords<P>>& x) {
     return {x.words(), x.radius()};
 }
 
-/// Count of a shape's numbers; and for each number its key and its index within the key.
+/// Count of a shape's numbers. `index_of` returns the key of a number, and the index of the number within its key.
 template <class S>
 inline constexpr std::size_t numbers_of = [] {
     std::size_t count = 0;
@@ -76,8 +75,8 @@ mask_t<typename E::P> keeps_limit(const std::array<E, numbers_of<S>>& primitive)
     }
 }
 
-/// Tests if the numbers of a primitive are valid, by the limits of its keys. Points on one line pass this test, but no
-/// line is proved to cross them. `settle` finds origins and directions that are not finite.
+/// Tests if the numbers of a primitive are valid, by the limits of its keys. A triangle whose corners lie on one line
+/// passes this test, but no ray is proved to cross it. `settle` finds origins and directions that are not finite.
 template <class S, class E, std::size_t... k>
 mask_t<typename E::P> keeps_limits(const std::array<E, numbers_of<S>>& primitive, std::index_sequence<k...>) {
     return (keeps_limit<S, k>(primitive) && ...);
@@ -87,8 +86,8 @@ mask_t<typename E::P> is_proper(const std::array<E, numbers_of<S>>& primitive) {
     return keeps_limits<S>(primitive, std::make_index_sequence<numbers_of<S>>());
 }
 
-/// The range from tmin to tmax, if it contains more than one t. Otherwise `proper` is false there, and nothing is
-/// proved.
+/// Returns the range from tmin to tmax. Where it does not contain more than one t, `proper` becomes false, and nothing
+/// is proved.
 template <class E, class P = typename E::P>
 RangeOfSpan<E> range_of(const P& tmin, const P& tmax, OpenEnds open, mask_t<P>& proper) {
     const auto endless = tmax >= P(HUGE_VAL);
@@ -97,13 +96,13 @@ RangeOfSpan<E> range_of(const P& tmin, const P& tmax, OpenEnds open, mask_t<P>& 
     return {exactly(tmin), {exactly(select(endless, P(1), tmax)), exactly(select(endless, P(0), P(1)))}, open};
 }
 
-/// Questions asked of all problems alike: do the rays have ranges; is t needed, is the distance.
+/// Results requested for all problems alike. `ranged`: the rays have ranges. `t`, `distance`: these are needed.
 struct RequestedResults {
     bool ranged, t, distance;
 };
 
-/// A ray and a primitive as they stand in the space of the primitive, d·d in the world, and whether the primitive is
-/// proved to be one.
+/// A ray and a primitive in the space of the primitive, and d·d in the world. `proper` is true where the numbers of the
+/// primitive are proved to be valid.
 template <class S, class E>
 struct InSpace {
     Ray<E> ray;
@@ -112,9 +111,10 @@ struct InSpace {
     mask_t<typename E::P> proper;
 };
 
-/// `in_object` for rays at one primitive, in each lane; the work that depends on matrix and primitive alone is done
-/// once. If the determinant is not proved to differ from 0, nothing is proved. `proper` is decided by the numbers
-/// before they are scaled, since a zero times a number known within bounds is not an exact zero.
+/// Does the work of `in_object` (shapes/placement.hpp) for rays at one primitive, in each lane. What depends on the
+/// matrix and the primitive alone is computed once. If the determinant is not proved to differ from 0, nothing is
+/// proved. `proper` is decided on the numbers before they are scaled, since zero times a number with an error bound is
+/// not an exact zero.
 template <class S, class E>
 struct Entrance {
     UnderMatrix matrix;
@@ -151,8 +151,9 @@ Enclosure<P> taken(const E& length, const mask_t<P>& at_origin, const mask_t<P>&
     return {select<P>(at_origin, {zero, zero}, x.middle), select(at_origin, zero, x.bound)};
 }
 
-/// S is the shape over `Running` words. It has a copy of the numbers: that nothing points to them keeps them in
-/// registers, and what they are known to be known. `range(proper)` is asked for where there is one.
+/// Settles rays at a shape; S is the shape over `Running` words. The lambda copies the numbers: since nothing points to
+/// them, the compiler keeps them in registers and does not forget what it knows about them. `range(proper)` is called
+/// only if the rays have ranges.
 template <template <class> class S, class E, class Range, class P = typename E::P>
 Finding<P> settle_shape(const InSpace<S<E>, E>& in, const RequestedResults& asked, const Range& range) {
     const Ray<E>& ray = in.ray;

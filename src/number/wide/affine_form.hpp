@@ -34,10 +34,10 @@ public:
     using Vectors = std::span<const std::size_t>;
     /// An ηᵢ for each input.
     using Way = std::array<double, N>;
-    /// Answers comparisons that the enclosures leave open: one run of a formula for each answer covers all cases.
+    /// Answers comparisons that the enclosures leave open. To cover all cases, a formula is run once for each answer.
     struct Open {
         virtual ~Open() = default;
-        /// Decides x < 0, or x ≤ 0.
+        /// Decides x < 0, or x ≤ 0 if `or_equal`.
         virtual Tri is_below(const AffineForm& x, bool or_equal) = 0;
     };
     /// Asked by comparisons of this thread; null: they stay unknown.
@@ -97,7 +97,7 @@ public:
         return x.linear(sqrt(x.centre_), slope, rest);
     }
     friend AffineForm fma(const AffineForm& a, const AffineForm& b, const AffineForm& c) { return a * b + c; }
-    /// Represents exact numbers, which have no neighbours.
+    /// Returns x: the form represents exact numbers, which have no neighbours.
     friend AffineForm next_up(const AffineForm& x) { return x; }
     friend AffineForm next_down(const AffineForm& x) { return x; }
     friend AffineForm abs(const AffineForm& x) { return select(x < AffineForm(0), -x, x); }
@@ -138,7 +138,7 @@ public:
     /// Ends of the enclosure.
     [[nodiscard]] double lowest() const { return ends().middle - ends().size * up; }
     [[nodiscard]] double highest() const { return ends().middle + ends().size * up; }
-    /// The way on which x grows fastest to first order.
+    /// The ηᵢ in whose direction x grows fastest, to first order.
     [[nodiscard]] Way steepest() const {
         Way way{};
         if (vectors_.empty())
@@ -163,8 +163,8 @@ public:
         return is(1) ? 1 : is(-1) ? -1 : 0;
     }
 
-    /// Root searches in enclosures need these: a point of an enclosure, the enclosure of two, the largest magnitude in
-    /// one as a point, and its number of bits.
+    /// Root searches in enclosures need these: a point of an enclosure, an enclosure of two others, the largest
+    /// magnitude in an enclosure, as a point, and the number of bits of a number.
     friend AffineForm middle(const AffineForm& x) {
         AffineForm point;
         point.centre_ = Centre(x.centre_.words());
@@ -184,7 +184,7 @@ public:
 private:
     /// Compensates the roundings of a bound: fewer than 2^10 of them, 2^-53 each.
     static constexpr double up = 1 + 0x1p-42;
-    static constexpr double tiny = 0x1p-500;  ///< more than the root of the loss of squares to underflow
+    static constexpr double tiny = 0x1p-500;  ///< more than the square root of what squares lose to underflow
 
     static AffineForm unknown() {
         AffineForm x(0);
@@ -206,7 +206,7 @@ private:
         return joined(centre_ * centre_ + Centre(TwoWords<double>(second)), *this, 2 * centre_.first(), AffineForm(0),
                       0, rest);
     }
-    /// Decides if this is below 0, or at most 0.
+    /// Decides if this is below 0, or at most 0 if `or_equal`.
     [[nodiscard]] Tri is_below(bool or_equal) const {
         const auto [middle, size] = ends();
         if (or_equal ? middle <= -size : middle < -size) return Tri::yes;
@@ -227,7 +227,7 @@ private:
     /// x lies within `size` of `middle`. An exact 0 has no size.
     [[nodiscard]] Ends ends() const { return {centre_.first(), (deviation() + off()) * up}; }
 
-    /// This number times k, about another centre. A product of terms rounds by 2^-53 of itself.
+    /// This number times k, with another centre. The product of a term is rounded, by at most 2^-53 of itself.
     [[nodiscard]] AffineForm linear(const Centre& centre, double k, double rest) const {
         return joined(centre, *this, k, AffineForm(0), 0, rest);
     }

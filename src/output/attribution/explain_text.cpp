@@ -254,7 +254,8 @@ std::string explain_text(const Explanation& x, bool all, const std::optional<Mar
     if (const std::string line = intersect::function::quoted_line(*x.form->info, x.format, culprit); !line.empty())
         text += line + "\n";
     if (x.primitives > 1 && is_primitive(x.form->shape))
-        text += fmt::format("Of the primitives 0 to {}, this is primitive {}.\n", x.primitives - 1, x.primitive);
+        text +=
+            fmt::format("The scene has the primitives 0 to {}; this is primitive {}.\n", x.primitives - 1, x.primitive);
     if (x.form->is_set())
         text +=
             fmt::format("It is a {}, which the form {} answers.\n", name_of(x.shape), x.form->of(x.shape).info->name);

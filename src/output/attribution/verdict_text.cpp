@@ -248,9 +248,10 @@ std::string better_sentences(const Explanation& x) {
     constexpr std::size_t most = 6;
     std::vector<const intersect::table::Intersector*> told;
     std::size_t left = 0;
-    const std::string around = x.pixels_around > 0 ? fmt::format("{} pixels", x.pixels_around)
-                                                   : fmt::format("{} rays, each number within an ulp of its own",
-                                                                 measure::attribution::neighbours);
+    const std::string around = x.pixels_around > 0
+                                   ? fmt::format("{} pixels around it", x.pixels_around)
+                                   : fmt::format("{} rays around it, with each number within an ulp of its own value",
+                                                 measure::attribution::neighbours);
     for (const measure::attribution::Standing& s : x.better) {
         if (x.standing.is_right() && !(x.standing.around - s.around >= worth_saying)) continue;
         const bool named = std::ranges::find(x.beside, s.form, &measure::attribution::Standing::form) != x.beside.end();
@@ -267,9 +268,8 @@ std::string better_sentences(const Explanation& x) {
                            x.better.empty() ? "" : ", by a bit or more");
     else
         text = fmt::format(
-            "Better on this ray and around it:{}{}.\nAround it are {}: there {} loses {:.1f} bits on average, with a "
-            "wrong "
-            "decision counted as all {}.\n",
+            "Better on this ray and around it:{}{}.\nOn {}, {} loses {:.1f} bits on average; a wrong decision counts "
+            "as all {}.\n",
             text, left > 0 ? fmt::format(" and {} more", left) : "", around, x.form->info->name, x.standing.around,
             x.format.parameters.precision);
     return text + beside_sentences(x, told);

@@ -139,10 +139,11 @@ std::string margin_in_words(const GrowthMargin& margin, const ChoiceResult& chos
     }
     const std::string until = fmt::format("until {} {}", of_the_way(margin.way, rays), so_far(margin, rays));
     return "holds " + until +
-           end_in_words(margin, chosen.request.rays, "; first broken by " + broken_by(margin, requirement, precision));
+           end_in_words(margin, chosen.request.rays,
+                        "; beyond that, it fails by " + broken_by(margin, requirement, precision));
 }
 
-/// The cheapest safe start of the next ray.
+/// The cheapest strategy that starts the next ray safely.
 std::string next_ray(const ChoiceResult& chosen) {
     if (!chosen.offsets || chosen.offsets->points == 0) return "";
     const auto& [outside, both, points, rays] = *chosen.offsets;
@@ -152,8 +153,8 @@ std::string next_ray(const ChoiceResult& chosen) {
                                           scene::toml::counted(safe.front().operations, "operation"));
     };
     return fmt::format(
-        "  Cheapest start of the next ray that is right for all {} from {}: {} for rays away from the primitive, {} "
-        "with rays into it.\n",
+        "  Cheapest strategy for the next ray that is right for all {} from {}: {} if rays only leave the primitive, "
+        "{} if rays go into it too.\n",
         scene::toml::counted(rays, "ray"), scene::toml::counted(points, "point"), cheapest_of(outside),
         cheapest_of(both));
 }

@@ -13,11 +13,11 @@
 
 namespace lostbits::output::offset {
 
-/// `integer` for `offset.integer`.
+/// Name without its prefix: `integer` for `offset.integer`.
 [[nodiscard]] std::string short_name(const measure::offset::Strategy& strategy);
-/// `sphere.half_b.f32.computed`
+/// Name of a row, such as `sphere.half_b.f32.computed`.
 [[nodiscard]] std::string row_name(const measure::offset::OffsetRow& row);
-/// `away from the primitive`, `into the primitive`
+/// Words for a side: `away from the primitive`, `into the primitive`.
 [[nodiscard]] std::string in_words(measure::offset::Side side);
 
 /// A strategy on one side.

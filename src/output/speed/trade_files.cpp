@@ -116,12 +116,12 @@ const measure::metric::Distribution& metric_of(const TradeRequest& request, cons
 /// Conditions under which the times were measured.
 std::string timed_in_words(const TradeRequest& request, const TradeResult& result) {
     if (!request.scene)
-        return "Time per ray of the easy set, working set l1, every other ray a hit. Measured in this run, so it "
-               "varies.\n";
+        return "Time per ray of the set easy, in the working set l1; every other ray hits. The times are of this run, "
+               "and vary from run to run.\n";
     const auto& timed = result.times.front().front();
     return fmt::format(
-        "Time per ray and primitive: {} of the scene against {} of its primitives. Measured in this run, "
-        "so it varies.\n",
+        "Time per ray and primitive: {} of the scene against {} of its primitives. The times are of this run, "
+        "and vary from run to run.\n",
         scene::toml::counted(timed.rays, "ray"), timed.primitives);
 }
 
@@ -261,7 +261,7 @@ std::string standings_text(const TradeRequest& request, const TradeResult& resul
                             form, format, isa, all[k].time_ns, 50 * (t.high_quartile - t.low_quartile) / t.median,
                             std::isnan(kept) ? "-" : fmt::format("{:.1f}", kept), 100 * all[k].wrong_fraction);
     }
-    return text + "  * on the Pareto front; +- half of the distance between the quartiles\n";
+    return text + "  * on the Pareto front; +-: half the distance between the quartiles\n";
 }
 
 /// The cheapest kernel for each number of bits; numbers of bits with the same answer are one line.

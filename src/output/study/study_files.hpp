@@ -7,7 +7,7 @@
 //   pixels(band)                          the number of pixels of a band
 //   columns(study), sheet(study)          pictures of pixels, and the sheet that shows them
 //   notes(study, summaries)               the texts below the cells of the sheet
-//   pixel_title, pixel_table(study)       optional; `has_row(band, i)`: optional too, for pixels without a row
+//   pixel_title, pixel_table(study)       optional. `has_row(band, i)`, also optional: false for a pixel without a row
 //   layers(study), exr_spec(study, row, command)   optional: the EXR of a row
 #pragma once
 
@@ -73,11 +73,11 @@ public:
     StudyFiles(const StudyFiles&) = delete;
     StudyFiles& operator=(const StudyFiles&) = delete;
 
-    /// Takes the bands of the study.
+    /// Returns the function that takes the bands of the study.
     [[nodiscard]] measure::study::ShowBand<Study> show() {
         return [this](std::size_t row, const Band& band) { rows_[row].band(band); };
     }
-    /// Writes the next piece of a row, which another run kept.
+    /// Writes the next piece of a row. Another run kept the piece.
     void put(std::size_t row, pixel::Piece&& piece) { rows_.at(row).put(piece); }
 
     void finish(const std::vector<typename Study::Summary>& summaries) {

@@ -20,7 +20,7 @@ namespace lostbits::output::table {
 
 using file::Cell;
 
-/// Computes the cell of a column from a row, which is an R. A member of R serves too.
+/// Computes the cell of a column from a row of type R. A pointer to a member of R serves too.
 template <class R>
 using CellOf = std::function<Cell(const R&)>;
 

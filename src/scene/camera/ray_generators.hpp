@@ -23,7 +23,7 @@ struct Rows {
 template <class T>
 using MakeIn = void (*)(const CameraNumbers<T>&, Rows, const std::function<void(const Ray<T>&)>& take);
 
-/// A pixel by its whole coordinates.
+/// Column and row of a pixel.
 struct PixelCoordinates {
     int x, y;
 };

@@ -131,10 +131,10 @@ void read_expect(TableReader table, Claim& claim) {
         const char* const usual = every_float && claim.onset == "lost_bits" ? "max" : "count";
         claim.statistic = table.optional_string("statistic").value_or(usual);
         if (every_float && claim.statistic != usual)
-            table.fail_at("statistic", "over every float is " + std::string(usual) + "; leave it out");
+            table.fail_at("statistic", "must be " + std::string(usual) + " for a sweep over every float; leave it out");
         claim.threshold = static_cast<double>(table.optional_number("threshold").value_or(Real(1)));
     } else if (along) {
-        table.fail_at("metric", "along a sweep needs `at` in claim.given, the position on the axis, or `case`");
+        table.fail_at("metric", "along a sweep needs the position on the axis, `at` in claim.given, or a `case`");
     }
     claim.quantity = table.where("metric");
     read_operations(table, claim);

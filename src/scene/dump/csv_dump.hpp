@@ -1,4 +1,4 @@
-// Rays as CSV: a header, then one record on each line. It reads RFC 4180 and its variants from other programs.
+// Rays as CSV: a header, then one record on each line. Accepts RFC 4180 and the variants that other programs write.
 #pragma once
 
 #include "scene/dump/dump.hpp"
@@ -23,7 +23,7 @@ private:
     std::size_t find_end(std::size_t begin);
     void read_header(const DumpOptions& options);
     void decode_line(std::string_view line, std::uint64_t number, ChunkWriter& writer, Chunk& chunk) const;
-    /// Returns why a word is not a number for a slot; empty if it is one.
+    /// Writes a word to a slot as a number. Returns why that is not possible; empty if it is.
     [[nodiscard]] std::string put(std::string_view word, std::size_t slot, ChunkWriter& writer) const;
     [[nodiscard]] std::string place(std::uint64_t line, std::size_t column) const;
 

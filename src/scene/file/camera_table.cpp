@@ -141,7 +141,8 @@ void read_view(TableReader& table, const StoredNumbers& numbers, Camera& camera)
     if (is_zero(view)) table.fail_at("look_at", "equals camera.eye, which gives no direction; move one of them");
     if (is_zero(camera.up)) table.fail_at("up", "is zero, which is not a direction; write [0, 1, 0]");
     if (is_parallel(view, camera.up))
-        table.fail_at("up", "is parallel to the view, look_at - eye; write another, such as [0, 0, 1] or [0, 1, 0]");
+        table.fail_at(
+            "up", "is parallel to the direction of view, look_at - eye; write another, such as [0, 0, 1] or [0, 1, 0]");
 
     if (camera.kind == Camera::Kind::orthographic) {
         camera.width = numbers.positive(table, "width", table.number("width"));

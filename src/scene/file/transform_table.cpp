@@ -74,7 +74,7 @@ Map read_look_at(TableReader table) {
     table.reject_unknown_keys();
     const Vec<Real> view = to - from, across = cross(up, view);
     if (vanishes(view)) table.fail_at("to", "equals from, which gives no direction; move one of them");
-    if (vanishes(across)) table.fail_at("up", "is zero or parallel to the view, to - from; write another");
+    if (vanishes(across)) table.fail_at("up", "is zero or parallel to the direction of view, to - from; write another");
     const Vec<Real> z = view / length(view), x = across / length(across);
     return of_columns(x, cross(z, x), z, from);
 }

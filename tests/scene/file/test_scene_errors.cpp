@@ -55,9 +55,9 @@ TEST_CASE("a camera looks somewhere, the right way up") {
     CHECK(broken("look_at = [0, 0, -1]", "look_at = [0, 0, 0]") ==
           "scene.toml:10:11: camera.look_at equals camera.eye, which gives no direction; move one of them");
     CHECK(broken("up = [0, 1, 0]", "up = [0, 0, 7]") ==
-          "scene.toml:11:6: camera.up is parallel to the view, look_at - eye; write another, such as [0, 0, 1] or [0, "
-          "1, 0]");
-    CHECK(has(broken("up = [0, 1, 0]", "up = [1e-13, 0, 1]"), "is parallel to the view"));
+          "scene.toml:11:6: camera.up is parallel to the direction of view, look_at - eye; write another, such as "
+          "[0, 0, 1] or [0, 1, 0]");
+    CHECK(has(broken("up = [0, 1, 0]", "up = [1e-13, 0, 1]"), "is parallel to the direction of view"));
     CHECK(broken("up = [0, 1, 0]", "up = [1e-11, 0, 1]") == "no error");
     CHECK(broken("up = [0, 1, 0]", "up = [0, 0, 0]") ==
           "scene.toml:11:6: camera.up is zero, which is not a direction; write [0, 1, 0]");
