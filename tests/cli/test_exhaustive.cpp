@@ -120,7 +120,7 @@ TEST_CASE("a stopped sweep over every float resumes with --resume and leaves the
     CHECK_FALSE(fs::exists(first_state));
 }
 
-TEST_CASE("--resume with another file, form or version or a damaged state is refused") {
+TEST_CASE("a sweep resumed with another file, form or version or a damaged state is refused") {
     const Scratch scratch;
     scratch.write("s.toml", small);
     const std::string sweep = "sweep s.toml -i sphere.press", resume = sweep + " --resume -o .";
