@@ -20,7 +20,7 @@ const std::string none_missed = metric_in("false_miss_fraction", "[0, 0.5]");
 
 }  // namespace
 
-TEST_CASE("a claim about random rays must hold of every draw, and check --seeds shows the spread") {
+TEST_CASE("check: a claim about random rays must hold for every draw, and --seeds shows the spread") {
     const Scratch scratch;
     const std::string given = "sweep = \"sphere-distance\"\nat = 4096\n" + tested("sphere.schoolbook");
     const auto text = [&](const std::string& in) {
@@ -59,7 +59,7 @@ TEST_CASE("a claim about random rays must hold of every draw, and check --seeds 
                          {{inside, all_missed + "draws = 32\n", "`draws` belongs to claims about random rays"}});
 }
 
-TEST_CASE("a claim that does not measure as stated fails, by name, with the worst input and the command") {
+TEST_CASE("check: a claim that fails is named with the worst input and the command") {
     const Scratch scratch;
     // Of the last no hit is agreed on: what cannot be measured is an error, never a pass.
     scratch.write("c.toml", claims_of({{"right", inside, all_missed},
@@ -83,7 +83,7 @@ TEST_CASE("a claim that does not measure as stated fails, by name, with the wors
     CHECK(array[1]["measured"] == 1);
 }
 
-TEST_CASE("severity, filter and measure of claims, and what this machine lacks") {
+TEST_CASE("check: claims have a severity, a filter and a measure, and say what this machine lacks") {
     const Scratch scratch;
     scratch.write("c.toml",
                   claims_of({{"soft", inside, none_missed, "severity = \"warn\"\n"}, {"hard", inside, all_missed}}));
@@ -99,7 +99,7 @@ TEST_CASE("severity, filter and measure of claims, and what this machine lacks")
     check_refused_claims(scratch, {{inside + "requires = [\"isa-127\"]\n", all_missed, "isa-127"}});
 }
 
-TEST_CASE("a claim along a sweep, at a place and by its onset, about a case, a place of a plane, a row of a table") {
+TEST_CASE("check: claims can be about a sweep, a step, an onset, a case, a cell of a plane and a row of a table") {
     const std::string form = tested("sphere.schoolbook"), f64 = tested("sphere.schoolbook", "f64"),
                       distance = "sweep = \"sphere-distance\"\n" + f64,
                       table = "table = \"arithmetic\"\nformat = \"f32\"\nat = 16777216\nrow = ";
@@ -118,7 +118,7 @@ TEST_CASE("a claim along a sweep, at a place and by its onset, about a case, a p
     must("check '" + file.path().string() + "'");
 }
 
-TEST_CASE("claims about culprits, cancellation and contributions") {
+TEST_CASE("check: claims can be about culprits, cancellation and contributions") {
     const Scratch scratch;
     const std::string form = tested("sphere.schoolbook"), given = "scene = \"rtg-fig-7-3-4100-oblique\"\n" + form,
                       fd = "operation = \"dot(o - centre, d)\"\n";
@@ -164,7 +164,7 @@ TEST_CASE("claims about culprits, cancellation and contributions") {
          {given, metric_in("culprit_fracton"), "did you mean \"culprit_fraction\"?"}});
 }
 
-TEST_CASE("times are measured when asked for, and fail nothing") {
+TEST_CASE("check: times are measured on request and never fail a check") {
     const Scratch scratch;
     const std::string head = "profile = \"timing\"\n",
                       scalar =
@@ -189,7 +189,7 @@ TEST_CASE("times are measured when asked for, and fail nothing") {
     check_refused_claims(scratch, {{inside, all, "timing"}}, "profile = \"times\"\n");
 }
 
-TEST_CASE("bad claims are refused with their place") {
+TEST_CASE("check: bad claims are refused with their line") {
     const Scratch scratch;
     const auto given = [](const std::string& subject, const std::string& form = "sphere.press",
                           const std::string& format = "f32") { return subject + "\n" + tested(form, format); };
@@ -212,7 +212,7 @@ TEST_CASE("bad claims are refused with their place") {
          {inside, all_missed, "severity", "sverity = \"warn\"\n"}});
 }
 
-TEST_CASE("the command of a claim writes what the claim is about") {
+TEST_CASE("check: the command of a claim computes what the claim is about") {
     const Scratch scratch;
     must(
         "check -q --filter 'sdf3.miss.0.x' --filter shader.unit-half-b-direction --filter "
@@ -230,7 +230,7 @@ TEST_CASE("the command of a claim writes what the claim is about") {
     CHECK(has(contents(scratch / "out/near-benign/summary.csv"), "model_error_max"));
 }
 
-TEST_CASE("a claim is about one ray of a scene, and a file of one's own and its variants are named by their path") {
+TEST_CASE("check: a claim can be about one ray of a scene, and user files and variants are named by path") {
     const Scratch scratch;
     const std::string scene =
         "schema = \"lostbits-scene/1\"\ntitle = \"mine\"\nsize = [8, 8]\n[camera]\nkind = \"orthographic\"\n"

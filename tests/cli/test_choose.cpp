@@ -16,7 +16,7 @@ Outcome choose(const std::string& words, const Scratch& scratch) {
 
 }  // namespace
 
-TEST_CASE("choose says what meets a requirement, and writes every form by price") {
+TEST_CASE("choose reports what meets a requirement and lists every form by cost") {
     const Scratch scratch;
     const auto r = choose("rtg-fig-7-3-4100-oblique --bits 40 -i sphere.schoolbook -i sphere.unified", scratch);
     REQUIRE(r.code == 0);
@@ -37,7 +37,7 @@ TEST_CASE("choose says what meets a requirement, and writes every form by price"
     CHECK(fs::exists(folder / "front.png"));
 }
 
-TEST_CASE("choose takes a length for a requirement") {
+TEST_CASE("choose accepts a length as a requirement") {
     const Scratch scratch;
     const std::string scene = "rtg-fig-7-3-4100-oblique", forms = " -i sphere.unified,sphere.schoolbook -f f32,f64";
     const auto r = choose(scene + " --tolerance 0.5mm --unit m --at max" + forms, scratch);
@@ -57,7 +57,7 @@ TEST_CASE("choose takes a length for a requirement") {
     CHECK(has(both.out, "40 correct bits of 99 of 100 hits and at most 1 off"));
 }
 
-TEST_CASE("choose says what each pixel requires, in emulated formats too, and draws it") {
+TEST_CASE("choose reports and draws what each pixel requires, in emulated formats too") {
     const Scratch scratch;
     const auto r = choose("near-benign --bits 30 -i sphere.unified -f f32,f64,p40", scratch);
     REQUIRE(r.code == 0);
@@ -80,7 +80,7 @@ TEST_CASE("choose says what each pixel requires, in emulated formats too, and dr
     CHECK(read_csv(folder / "choose.csv").size() == 2);
 }
 
-TEST_CASE("choose ends with 1 where nothing meets the requirement, and says what is in the way") {
+TEST_CASE("choose exits with 1 where nothing meets the requirement, and says why") {
     const Scratch scratch;
     const auto bits = choose("near-benign --bits 30 -f f32", scratch);
     CHECK(bits.code == 1);
@@ -91,7 +91,7 @@ TEST_CASE("choose ends with 1 where nothing meets the requirement, and says what
     CHECK(has(decisions.out, "its decisions"));
 }
 
-TEST_CASE("choose says so where nothing is hit, and does not blame the inputs") {
+TEST_CASE("choose reports that nothing is hit and does not blame the inputs") {
     const Scratch scratch;
     const auto away = choose("near-benign --set 'camera.look_at=[0,0,100]' --bits 12 -i sphere.unified", scratch);
     CHECK(away.code == 1);
@@ -117,7 +117,7 @@ const std::string head = "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius\n";
 
 }  // namespace
 
-TEST_CASE("choose takes a file of rays, and says what its own answers are worth") {
+TEST_CASE("choose takes a file of rays and reports the accuracy of its answers") {
     const Scratch scratch;
     const auto r = must("choose " + far_rays + " --bits 16" + into(scratch, ""));
     CHECK(has(r.out, "the rays start"));  // docs/choose.md has its other lines
@@ -153,7 +153,7 @@ TEST_CASE("choose takes raw rays, a pipe and several files") {
     CHECK(has(piped.out, "in 1536 rays"));
 }
 
-TEST_CASE("where rays of a file are more exact than a format, its inputs stand in the way") {
+TEST_CASE("choose blames the inputs where rays of a file are more exact than the format") {
     const Scratch scratch;
     std::string text = head;
     for (int i = 0; i < 20; ++i) text += "0,0,999990.5,0,0,1,0,0,1000000.03,1\n";

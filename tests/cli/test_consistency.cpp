@@ -63,7 +63,7 @@ TEST_CASE("consistency writes a picture for each check, a sheet and a table") {
     }
 }
 
-TEST_CASE("consistency: the two rays of a disagreement, pasted, disagree") {
+TEST_CASE("consistency: the two rays of a disagreement disagree when pasted") {
     const Scratch scratch;
     const auto pasted = [&scratch](const std::string& words, const std::string& scene) {
         must("consistency " + scene + " --size 32x24 " + words + " -q -o .", scratch.path());
@@ -90,7 +90,7 @@ TEST_CASE("consistency: the two rays of a disagreement, pasted, disagree") {
     CHECK(shadow["inputs"]["ray.tmax"]["decimal"].get<double>() < closest["t"]["decimal"].get<double>());
 }
 
-TEST_CASE("consistency: a scene in which nothing is met") {
+TEST_CASE("consistency: a scene without hits is reported") {
     const Scratch scratch;
     must("consistency near-benign --size 8x6 -i sphere.unified --set 'camera.look_at=[9,9,9]' -o .", scratch.path());
     const auto rows = read_csv(scratch / "near-benign/summary.csv");
@@ -99,7 +99,7 @@ TEST_CASE("consistency: a scene in which nothing is met") {
     CHECK(row_of(rows, "packs").at("rays") == "48");
 }
 
-TEST_CASE("claims about consistency are measured, and those that are none are refused") {
+TEST_CASE("claims about consistency are measured, and wrong ones are refused") {
     const Scratch scratch;
     const std::string octree = "consistency = \"box-octree\"\n" + tested("box.max_mult"),
                       before = octree + "check = \"before\"\n";
@@ -172,7 +172,7 @@ TEST_CASE("offsets writes a picture for each side and strategy, a sheet and a ta
     CHECK(none.at("operations") == "0");
 }
 
-TEST_CASE("offsets: what a scene without points says") {
+TEST_CASE("offsets: a scene without hits is reported") {
     const Scratch scratch;
     // `none` is the name of a strategy, so it cannot say that there is none.
     const auto bad =
@@ -188,7 +188,7 @@ TEST_CASE("offsets: what a scene without points says") {
     }
 }
 
-TEST_CASE("a sheet without thickness has no safe offset into it, and that is said in words") {
+TEST_CASE("offsets: a sheet without thickness has no safe offset into it, and the output says so") {
     const Scratch scratch;
     scratch.write("flat.toml",
                   scene_text("[[box]]\nlo = [-1, -1, 0]\nhi = [1, 1, 0]\n", "inputs = \"shared\"\nsize = [8, 8]\n",
@@ -198,7 +198,7 @@ TEST_CASE("a sheet without thickness has no safe offset into it, and that is sai
     CHECK_FALSE(has(r.out, "nan"));
 }
 
-TEST_CASE("claims about offsets are measured, and those that are none are refused") {
+TEST_CASE("claims about offsets are measured, and wrong ones are refused") {
     const Scratch scratch;
     const std::string box = "offsets = \"offset-thin-box\"\n" + tested("box.baseline"),
                       none = box + "strategy = \"offset.none\"\n", bad = metric_in("bad_fraction");

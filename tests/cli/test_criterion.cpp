@@ -63,7 +63,7 @@ TEST_CASE("a verdict follows from its criterion for every number that its interv
          row("\"maybe\"", "[1, 1]", "", "claim[0].verdict is \"maybe\"")});
 }
 
-TEST_CASE("a number that moves out of its interval says whether the verdict stands") {
+TEST_CASE("a number that leaves its interval reports whether the verdict still holds") {
     const Scratch scratch;
     const std::string text =
         claims_of({claim("stands", holds, "[0.8, 0.9]", "\"> 0.5\""), claim("falls", holds, "[0.1, 0.2]", "\"< 0.5\""),
@@ -80,7 +80,7 @@ TEST_CASE("a number that moves out of its interval says whether the verdict stan
     CHECK(has(r.out, "FAILED: expected to hold, but does not: describes"));
 }
 
-TEST_CASE("sentences of a source are counted apart from our own, everywhere") {
+TEST_CASE("claims quoted from a source are counted apart from our own everywhere") {
     const Scratch scratch;
     const std::string file = scratch.write(
         "c.toml",
@@ -122,7 +122,7 @@ TEST_CASE("sentences of a source are counted apart from our own, everywhere") {
     CHECK(has(run("check '" + file + "' --filter c -v").out, "ok       c (qualified, where the eye is outside): 1"));
 }
 
-TEST_CASE("a 99th percentile of random rays has the bounds of its order statistics, and that of a picture has none") {
+TEST_CASE("a 99th percentile of random rays has order-statistic bounds, and that of a picture has none") {
     const Scratch scratch;
     const std::string form = tested("sphere.unified"), sweep = "sweep = \"sphere-distance\"\nat = 4096\n" + form;
     const std::string in = "[0, 24]", p99 = metric_in("lost_bits_p99", in);
@@ -157,7 +157,7 @@ const std::string head = "profile = \"timing\"\n", choice = "choose = \"far.toml
 
 }  // namespace
 
-TEST_CASE("a claim may rest on who meets a requirement, and on times over times") {
+TEST_CASE("a criterion may rest on who meets a requirement, and on ratios of times") {
     const Scratch scratch;
     scratch.write("far.toml", scene);
     const std::vector<std::tuple<std::string, std::string, double>> rows{
@@ -188,7 +188,7 @@ TEST_CASE("a claim may rest on who meets a requirement, and on times over times"
     }
 }
 
-TEST_CASE("a claim about a choice fails nothing, and wrong words are refused with their place") {
+TEST_CASE("a claim about a choice never fails a check, and wrong words are refused with their line") {
     const Scratch scratch;
     scratch.write("far.toml", scene);
     scratch.write("d.toml", claims_of({{"d", unified + "bits = 23\n", metric_in("meets", "[1, 1]")}}, head));

@@ -43,7 +43,7 @@ void write_parts(const fs::path& path, const std::vector<std::pair<std::string, 
 
 }  // namespace
 
-TEST_CASE("diff: the same is said, and exits with 0") {
+TEST_CASE("diff: equal results are reported as equal, with exit code 0") {
     const auto r = diff("name,x\n\"a\",1e3\n", "name,x\r\na,1000");
     CHECK(r.code == 0);
     CHECK(r.out == "same\n");
@@ -53,7 +53,7 @@ TEST_CASE("diff: the same is said, and exits with 0") {
     CHECK(quiet.out.empty());
 }
 
-TEST_CASE("diff: a difference has its line, its column and its size, and exits with 1") {
+TEST_CASE("diff: a difference has its line, column and size, with exit code 1") {
     const auto r = diff("form,ulp\npress,2\nunified,nan\n", "form,ulp\npress,2.5\nunified,1\n");
     CHECK(r.code == 1);
     CHECK(r.out ==
@@ -65,7 +65,7 @@ TEST_CASE("diff: a difference has its line, its column and its size, and exits w
     CHECK(diff("x\n1\n", "x\n2\n", "-q").code == 1);
 }
 
-TEST_CASE("diff: tolerances and ignored columns by name and glob, before and after the files") {
+TEST_CASE("diff: tolerances and ignored columns are given by name or glob, before or after the files") {
     const std::string a = "x_max,y_max,t_hex\n1,10,0x1p+0\n", b = "x_max,y_max,t_hex\n1.5,11,0x1p+1\n";
     CHECK(diff(a, b, "--allow 'x_*=0.5' --allow y_max=0,0.1 --ignore t_hex").code == 0);
     CHECK(diff(a, b, "--allow 'x_*=0.4' --allow y_max=0,0.1 --ignore t_hex").code == 1);
@@ -78,7 +78,7 @@ TEST_CASE("diff: tolerances and ignored columns by name and glob, before and aft
     must("diff --ignore '*' a.csv b.csv", scratch.path());
 }
 
-TEST_CASE("diff: twenty lines a file and the number of the others, all of them with -v") {
+TEST_CASE("diff: at most twenty lines per file are shown with the number of the others, and all with -v") {
     std::string a = "x,y\n", b = a;
     for (int i = 0; i < 33; ++i) a += "1,5\n", b += "2,6\n";
     const auto r = diff(a, b, "--allow y=1");
@@ -90,7 +90,7 @@ TEST_CASE("diff: twenty lines a file and the number of the others, all of them w
     CHECK(has(all.out, "  y: 0 differ, largest abs 1 at line 2, largest rel 0.1667 at line 2\n"));
 }
 
-TEST_CASE("diff: only pictures need the image module, and without it they exit with 3") {
+TEST_CASE("diff: only pictures need the image module, and without it diff exits with 3") {
     const Scratch scratch;
     scratch.write("a.csv", "x\n1\n");
     scratch.write("b.csv", "x\n2\n");
@@ -108,7 +108,7 @@ TEST_CASE("diff: only pictures need the image module, and without it they exit w
     CHECK(run("diff a.csv b.csv >/dev/full", scratch.path()).code == 3);
 }
 
-TEST_CASE("diff: a file that the machine does not let us read exits with 3") {
+TEST_CASE("diff: an unreadable file makes diff exit with 3") {
     // A file whose first byte cannot be read, by root neither.
     const auto r = run("diff /proc/self/mem /proc/self/mem");
     CHECK(r.code == 3);
@@ -116,7 +116,7 @@ TEST_CASE("diff: a file that the machine does not let us read exits with 3") {
     CHECK(r.out.empty());
 }
 
-TEST_CASE("diff: an EXR of several parts, part by part and by name") {
+TEST_CASE("diff: an EXR file of several parts is compared part by part and by name") {
     draw_pictures();
     const Scratch scratch;
     write_parts(scratch / "a.exr", {{"press.f32", 1}, {"press.f64", 2}, {"truth", 3}});
@@ -138,14 +138,14 @@ TEST_CASE("diff: an EXR of several parts, part by part and by name") {
           "a.exr: part unified.f32 is added in the second\n");
 }
 
-TEST_CASE("diff: a pipe is taken for what the other side is") {
+TEST_CASE("diff: a pipe is read as the kind of the other side") {
     const Scratch scratch;
     scratch.write("a.csv", "x\n1e3\n");
     must("diff a.csv /dev/stdin", scratch.path(), "printf 'x\\n1000\\n' |");
     CHECK(run("diff /dev/stdin a.csv", scratch.path(), "printf 'x\\n1001\\n' |").code == 1);
 }
 
-TEST_CASE("diff --strict: folders, file by file, each kind its own way") {
+TEST_CASE("diff --strict: folders are compared file by file, each kind in its own way") {
     const Scratch scratch;
     for (const char* folder : {"one/sub", "two/sub"}) {
         fs::create_directories(scratch.path() / folder);
@@ -199,7 +199,7 @@ TEST_CASE("diff --strict: folders, file by file, each kind its own way") {
     CHECK(compare().code == 2);
 }
 
-TEST_CASE("diff: what map writes is the same as itself, and another form is not") {
+TEST_CASE("diff: two equal runs of map are the same, and another form is not") {
     draw_pictures();
     const Scratch scratch;
     const std::string map = "map near-benign --size 96x72 -f f32 --pixels csv --exr -i ";

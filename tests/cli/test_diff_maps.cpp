@@ -12,7 +12,7 @@ namespace test_diff_maps {
 using namespace lostbits::test;
 namespace output = lostbits::output;
 
-TEST_CASE("diff: two folders of maps open with rows, outcomes and the largest changes, rows paired by what they are") {
+TEST_CASE("diff: folders of maps show rows, outcomes and the largest changes, and rows are paired by identity") {
     const Scratch scratch;
     const std::string head = "form,format,agree_hit,false_miss,lost_bits_p99,ulp_error_max,worst_explain\n";
     for (const char* folder : {"one/map", "two/map"}) fs::create_directories(scratch.path() / folder);
@@ -71,7 +71,7 @@ TEST_CASE("diff: two folders of maps open with rows, outcomes and the largest ch
     CHECK(has(nothing.err, "nothing but pictures"));
 }
 
-TEST_CASE("diff: the verdict is by shares where pictures have other sizes, and of one question alone") {
+TEST_CASE("diff: pictures of different sizes are compared by shares, and only for the same scene") {
     const Scratch scratch;
     const std::string head = "form,format,rays,agree_hit,agree_miss,false_hit,false_miss,lost_bits_p99\n";
     for (const char* folder : {"small/map", "large/map"}) fs::create_directories(scratch.path() / folder);
@@ -103,7 +103,7 @@ TEST_CASE("diff: the verdict is by shares where pictures have other sizes, and o
     CHECK(has(as_many, "\nb.near is better in 1 row, "));
 }
 
-TEST_CASE("diff: two forms of one folder, and the difference as a picture, from tables and from EXR alike") {
+TEST_CASE("diff: two forms of one folder are compared, with a difference picture, from tables and from EXR alike") {
     draw_pictures();
     const Scratch scratch;
     const std::string map = "map rtg-fig-7-3-4100-oblique --size 48x36 -f f32 -i sphere.schoolbook -i sphere.unified ";
@@ -141,7 +141,7 @@ TEST_CASE("diff: two forms of one folder, and the difference as a picture, from 
     CHECK_FALSE(fs::exists(scratch / "no"));
 }
 
-TEST_CASE("diff: folders made with other numbers are said to be, first") {
+TEST_CASE("diff: folders made with other options are reported first") {
     const Scratch scratch;
     const auto map = [&](const std::string& options) {
         must("map near-benign -i sphere.press -f f32 -q " + options, scratch.path());

@@ -227,12 +227,12 @@ std::size_t columns(const std::string& line) {
 
 }  // namespace
 
-TEST_CASE("the commands of the documents do what the documents say: first quarter of the pages") { hold_quarter(0); }
-TEST_CASE("the commands of the documents do what the documents say: second quarter of the pages") { hold_quarter(1); }
-TEST_CASE("the commands of the documents do what the documents say: third quarter of the pages") { hold_quarter(2); }
-TEST_CASE("the commands of the documents do what the documents say: last quarter of the pages") { hold_quarter(3); }
+TEST_CASE("docs: the commands print what the documents show: first quarter of the pages") { hold_quarter(0); }
+TEST_CASE("docs: the commands print what the documents show: second quarter of the pages") { hold_quarter(1); }
+TEST_CASE("docs: the commands print what the documents show: third quarter of the pages") { hold_quarter(2); }
+TEST_CASE("docs: the commands print what the documents show: last quarter of the pages") { hold_quarter(3); }
 
-TEST_CASE("what the documents are held against can fail") {
+TEST_CASE("docs: the comparison with the documents can fail") {
     const std::vector<std::string> printed{"one", "two", "three", "four"};
     const auto says = [&](std::vector<std::string> shown) { return shows(shown, printed); };
     CHECK(says({"one", "two", "three", "four"}));
@@ -251,7 +251,7 @@ TEST_CASE("what the documents are held against can fail") {
     CHECK(affordable({"", "check --filter 'box.*-harm'", {}}, used).find('*') == std::string::npos);
 }
 
-TEST_CASE("the documents have commands and output, and each way to make them cheap is needed") {
+TEST_CASE("docs: documents have commands and output, and every way of shortening them is needed") {
     std::set<std::string_view> used, found;
     std::size_t commands = 0, shown = 0;
     for (const std::string& page : pages()) {
@@ -272,7 +272,7 @@ TEST_CASE("the documents have commands and output, and each way to make them che
     }
 }
 
-TEST_CASE("a command or an option that a sentence of the documents names exists") {
+TEST_CASE("docs: every command and option that a sentence names exists") {
     // `lostbits WORD …` between backquotes.
     static const std::regex named(R"(`lostbits ([a-z]+)([^`]*)`)"), option(R"((^|\s)(--[a-z-]+))");
     std::map<std::string, std::string> help;
@@ -292,7 +292,7 @@ TEST_CASE("a command or an option that a sentence of the documents names exists"
     CHECK(help.size() > 5);
 }
 
-TEST_CASE("the README has at most 150 lines, and lines of documents fit 120 columns") {
+TEST_CASE("docs: the README has at most 150 lines, and lines fit 120 columns") {
     CHECK(lines_of(contents(root / "README.md")).size() <= 150);
     for (const std::string& page : pages()) {
         bool block = false;
@@ -307,7 +307,7 @@ TEST_CASE("the README has at most 150 lines, and lines of documents fit 120 colu
     }
 }
 
-TEST_CASE("links of the documents lead somewhere, and the index has every page") {
+TEST_CASE("docs: every link leads somewhere, and the index lists every page") {
     static const std::regex link(R"(\]\(([^)\s#]+)(#[^)\s]*)?\))");
     std::size_t links = 0;
     for (const std::string& page : pages()) {
@@ -329,7 +329,7 @@ TEST_CASE("links of the documents lead somewhere, and the index has every page")
     }
 }
 
-TEST_CASE("documents cite sources by their titles, not by our numbers for them") {
+TEST_CASE("docs: sources are cited by title, not by our numbers for them") {
     static const std::regex number(R"([Ss]eed[- ]0\d\d|\b0\d\d_[0-9a-f]{16})");
     auto all = pages();
     all.push_back("data/README.md");

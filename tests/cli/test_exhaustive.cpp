@@ -21,7 +21,7 @@ std::string spoil(const std::string& what, const std::string& by) { return repla
 
 }  // namespace
 
-TEST_CASE("every float between two: exact onsets, the worst of each binade, and a sentence that says it") {
+TEST_CASE("a sweep over every float between two gives exact onsets and the worst of each binade") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", small);
     const auto r = must("sweep '" + file + "' -v -i sphere.schoolbook -i sphere.hearn_baker" + into(scratch, ""));
@@ -71,7 +71,7 @@ TEST_CASE("every float between two: exact onsets, the worst of each binade, and 
     CHECK_FALSE(fs::exists(scratch / "s/unfinished.state"));
 }
 
-TEST_CASE("a convention of the file is said, and holds for what explains a float") {
+TEST_CASE("the convention of a sweep file is reported, and applies when a float is explained") {
     const Scratch scratch;
     const std::string touch = replaced(spoil("\"0x1.69p10\"\nto = \"0x1.6bp10\"", "1\nto = \"0x1.00001p0\""),
                                        "0.75, 0.75, 0", "0, 1, 0");  // it touches the sphere
@@ -83,7 +83,7 @@ TEST_CASE("a convention of the file is said, and holds for what explains a float
     CHECK(explained(statements[0].at("fault_explain"))["outcome"] == "false_hit");
 }
 
-TEST_CASE("a sweep over every float that is stopped goes on with --resume and leaves the same files") {
+TEST_CASE("a stopped sweep over every float resumes with --resume and leaves the same files") {
     const Scratch scratch;
     // Long enough to be stopped in the middle: 50 million floats.
     const std::string file = scratch.write("s.toml", spoil("\"0x1.6bp10\"", "\"0x1.6bp16\""));
@@ -120,7 +120,7 @@ TEST_CASE("a sweep over every float that is stopped goes on with --resume and le
     CHECK_FALSE(fs::exists(first_state));
 }
 
-TEST_CASE("a resume with another file, other forms, another version or a damaged state is refused") {
+TEST_CASE("a sweep resumed with another file, form or version or a damaged state is refused") {
     const Scratch scratch;
     scratch.write("s.toml", small);
     const std::string sweep = "sweep s.toml -i sphere.press", resume = sweep + " --resume -o .";
@@ -185,7 +185,7 @@ TEST_CASE("a resume with another file, other forms, another version or a damaged
     CHECK_FALSE(fs::exists(scratch / "s/unfinished.state"));
 }
 
-TEST_CASE("a claim may rest on every float of a range, and its verdict says how many") {
+TEST_CASE("a claim may rest on every float of a range, and its verdict gives the count") {
     const Scratch scratch;
     scratch.write("s.toml", small);
     const std::string given = "sweep = \"s.toml\"\n" + tested("sphere.schoolbook"),

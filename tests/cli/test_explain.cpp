@@ -24,7 +24,7 @@ const std::string far = "explain rtg-fig-7-3-4100-oblique --pixel 128,40 ";
 
 }  // namespace
 
-TEST_CASE("operations that contribute the same are named, with what they come to") {
+TEST_CASE("explain: operations with equal contributions are named with their sum") {
     const std::string oblique = "explain rtg-fig-7-3-4100-oblique -f f32 --pixel ";
     const auto cancel = nlohmann::json::parse(run(oblique + "60,60 -i sphere.schoolbook --json").out);
     CHECK(cancel["culprit"] == "c");
@@ -54,7 +54,7 @@ TEST_CASE("operations that contribute the same are named, with what they come to
               " and 2 more contribute the same, 3 of them with the opposite sign. They undo each "));
 }
 
-TEST_CASE("the unified form beside a huge sphere: what is left is c, and the problem is to blame") {
+TEST_CASE("explain: the unified form beside a huge sphere loses c, and the problem is to blame") {
     const auto r = must("explain rtg-fig-7-4.r1e6 --pixel 100,200 -i sphere.unified -f f32");
     CHECK(has(r.out, "c = (o − centre)·(o − centre) − radius·radius cancels 18 of 24 bits"));
     // The inputs are numbers of f32: nothing is lost by rounding them, and in f64 the same numbers keep everything.
@@ -66,7 +66,7 @@ TEST_CASE("the unified form beside a huge sphere: what is left is c, and the pro
     CHECK(has(wide.out, "input rounding alone explains this loss"));
 }
 
-TEST_CASE("JSON holds every operation, and contributions that sum to the error") {
+TEST_CASE("explain: JSON holds every operation, and the contributions sum to the error") {
     for (const char* form : {"sphere.schoolbook", "sphere.pbrt_interval"}) {
         const auto j = nlohmann::json::parse(run(far + "-i " + form + " --json").out);
         double sum = 0;
@@ -95,7 +95,7 @@ bool says_the_same_twice(const std::string& said) {
 
 }  // namespace
 
-TEST_CASE("C programs compile alone, compute the recorded bits, and say so in the same words") {
+TEST_CASE("explain: C programs compile alone, compute the recorded bits and print the same text") {
     const Scratch scratch;
     int compiled = 0;
     std::map<std::string, std::map<std::string, int>> seen;  // words, by the format
@@ -157,7 +157,7 @@ TEST_CASE("C programs compile alone, compute the recorded bits, and say so in th
     }
 }
 
-TEST_CASE("FPCore reads as s-expressions and evaluates to the recorded bits") {
+TEST_CASE("explain: FPCore parses as s-expressions and evaluates to the recorded bits") {
     int evaluated = 0;
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         for (const std::string format : {"f32", "f64"}) {
@@ -191,7 +191,7 @@ TEST_CASE("FPCore reads as s-expressions and evaluates to the recorded bits") {
     CHECK(evaluated > 70);
 }
 
-TEST_CASE("FPCore says how a neighbour and another precision are had") {
+TEST_CASE("explain: FPCore says how to get a neighbour and another precision") {
     const auto interval = run(far + "-i sphere.pbrt_interval --fpcore");
     CHECK(has(interval.out, "(! :round toPositive (+ s26 (* 1 (pow 2 -149))))"));
     const auto inside = run(far + "-i sphere.double_inside --fpcore");
@@ -199,7 +199,7 @@ TEST_CASE("FPCore says how a neighbour and another precision are had") {
     CHECK(has(inside.out, "(! :precision binary64 (* b b))"));
 }
 
-TEST_CASE("LaTeX closes what it opens") {
+TEST_CASE("explain: LaTeX closes every environment that it opens") {
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         const auto r = must("explain " + setting_of(form.shape) + " -i " + std::string(form.info->name) + " --latex");
         int depth = 0;
@@ -213,7 +213,7 @@ TEST_CASE("LaTeX closes what it opens") {
     }
 }
 
-TEST_CASE("a C program of many bits is refused where what an operation leaves out is no double") {
+TEST_CASE("explain: a C program of many bits is refused where a constant is not a double") {
     const Scratch scratch;
     // radius·radius = 1e-300 < 2^-960
     const std::string text = replaced(spoilt("radius = 1", "radius = \"1e-150\""), "shared", "own");
@@ -225,7 +225,7 @@ TEST_CASE("a C program of many bits is refused where what an operation leaves ou
     must(scene + "p20");
 }
 
-TEST_CASE("an agreed miss has no culprit, whatever form misses") {
+TEST_CASE("explain: an agreed miss has no culprit, whatever the form") {
     for (const char* what :
          {"near-benign --pixel 0,0 -i sphere.schoolbook", "box-one --pixel 0,0 -i box.inclusive",
           "sdf-sphere --pixel 0,0 -i sdf.sphere_trace", "sdf-sphere --pixel 0,0 -i sdf.accumulated"}) {
@@ -241,7 +241,7 @@ TEST_CASE("an agreed miss has no culprit, whatever form misses") {
     }
 }
 
-TEST_CASE("JSON: what there is not is null, a number that is not finite is a word") {
+TEST_CASE("explain: JSON writes null for missing values and words for numbers that are not finite") {
     const auto miss = nlohmann::json::parse(run("explain near-benign --pixel 0,0 -i sphere.schoolbook --json").out);
     for (const char* key :
          {"truth", "ulp_error", "lost_bits", "condition", "inherent_bits", "culprit", "given_direction"}) {
@@ -258,7 +258,7 @@ TEST_CASE("JSON: what there is not is null, a number that is not finite is a wor
     CHECK(hit["ulp_error"].is_number());
 }
 
-TEST_CASE("a constant on the way to t is no place on the tape") {
+TEST_CASE("explain: a constant on the way to t has no operation on the tape") {
     // Its value, 1 and more, was taken for one when the cancellation that a rounding goes through was looked for.
     const auto r = must("explain box-octree --size 24x18 --pixel 17,11 -i box.max_mult -f bf16 --json");
     const auto told = nlohmann::json::parse(r.out);
@@ -267,7 +267,7 @@ TEST_CASE("a constant on the way to t is no place on the tape") {
     CHECK(told["culprit"].is_null() == !has(told["sentence"], "The culprit is"));
 }
 
-TEST_CASE("an overflow behind a turned decision is to blame, and not what rounds beside it") {
+TEST_CASE("explain: an overflow that changed a decision is blamed, not the roundings beside it") {
     const auto r = must(far + "-i sphere.schoolbook -f fp16");
     CHECK(has(r.out, "b·b is infinity. Everything after it follows from that."));
     CHECK(has(r.out, "Rounding changed the decision disc < 0: disc is not a number, without rounding -4.378"));

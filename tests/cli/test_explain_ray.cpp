@@ -23,7 +23,7 @@ Json told(const std::string& arguments, const fs::path& folder = ".") {
 
 }  // namespace
 
-TEST_CASE("a ray is taken as given: what a format cannot hold is input error, and --as rounds first") {
+TEST_CASE("explain: a ray is taken as given, with input error where the format cannot hold it, and --as rounds first") {
     const Scratch folder;
     const std::string ray = "--sphere 0,0,5,1 --ray 0.1,0,0,0,0,1 -i sphere.schoolbook ";
     // Of the decimal's binary64 number, whatever form it is then asked of: t* = 5 - sqrt(1 - 0.1²), by hand in 40
@@ -51,7 +51,7 @@ TEST_CASE("a ray is taken as given: what a format cannot hold is input error, an
     CHECK(has(text.out, "f32 cannot hold all of these numbers and gets them rounded"));
 }
 
-TEST_CASE("a ray with primitives of its own ends where it is told to, and is judged by the convention it is told") {
+TEST_CASE("explain: a ray with its own primitives keeps its end and is judged by the given convention") {
     const Scratch folder;
     const std::string face = "--box 0,0,5,1,1,6 --ray 1,0.5,0,0,0,1 -i box.inclusive ";
     CHECK(hex_in(told(face + "--convention closed", folder.path())["truth"]) == "0x1.4p+2");
@@ -68,7 +68,7 @@ TEST_CASE("a ray with primitives of its own ends where it is told to, and is jud
     CHECK(told(ball + "--tmin 4.5 --tmax 5.5", folder.path())["outcome"] == "agree_miss");
 }
 
-TEST_CASE("a direction that is normalised is said to be") {
+TEST_CASE("explain: normalising a direction is reported") {
     const std::string ray = "explain sdf-sphere --ray 0,0,4,0,0,-2 ";
     const auto march = run(ray + "-i sdf.sphere_trace");
     CHECK(has(march.out,
@@ -79,13 +79,13 @@ TEST_CASE("a direction that is normalised is said to be") {
     CHECK_FALSE(has(run("explain near-benign --ray 0,0,0,0,0,-2 -i sphere.schoolbook").out, "is normalised"));
 }
 
-TEST_CASE("a ray is asked alone, however many spheres there are") {
+TEST_CASE("explain: one ray is evaluated alone, however many spheres there are") {
     // Its row of the picture in p2, where every sphere is a candidate, took minutes.
     const auto r = must("explain sphereflake-near --pixel 100,100 -i sphere.unified -f p2 --json");
     CHECK(nlohmann::json::parse(r.out)["primitives"] == 66431);
 }
 
-TEST_CASE("explain --worst takes the ray that the tables name: a wrong decision, or else the largest error") {
+TEST_CASE("explain --worst takes the ray of the tables: a wrong decision, or else the largest error") {
     const Scratch folder;
     const std::string with = " -i sphere.schoolbook -f f32";
     const auto first = [&folder](const std::string& file) { return read_csv(folder.path() / file).front(); };
@@ -137,7 +137,7 @@ TEST_CASE("explain --worst takes the ray that the tables name: a wrong decision,
     }
 }
 
-TEST_CASE("explain --ranges takes the ranges of a sweep from one step") {
+TEST_CASE("explain --ranges takes the ranges of one step of a sweep") {
     const Scratch folder;
     const std::string with = " --set rays=64 --boxes 16 -i sphere.unified -f f32";
     const auto r = must("explain sphere-distance --ranges --at-step 4 --set views=1" + with, folder.path());
@@ -151,7 +151,7 @@ TEST_CASE("explain --ranges takes the ranges of a sweep from one step") {
     CHECK(has(run(thin, folder.path()).out, "of triangle-thin, in 1 box:"));
 }
 
-TEST_CASE("explain --worst of a sweep says which ray of which step it is, and of how many") {
+TEST_CASE("explain --worst of a sweep reports the ray, its step and the number of rays") {
     const Scratch folder;
     const std::string changes = " --set views=16 --set rays=4 --steps 7", with = " -i sphere.schoolbook -f f32";
     const auto worst = must("explain sphere-distance --worst" + changes + with, folder.path());
@@ -176,7 +176,7 @@ TEST_CASE("explain --worst of a sweep says which ray of which step it is, and of
     CHECK_FALSE(single.out.starts_with("Ray 0 "));
 }
 
-TEST_CASE("a claim about all wrong decisions names the first of them, as explain --worst does") {
+TEST_CASE("a claim about all wrong decisions names the first one, as explain --worst does") {
     const Scratch scratch;
     const std::string form = tested("sphere.press"), none = metric_in("wrong_fraction", "[0, 0]");
     scratch.write("c.toml", claims_of({{"scene", "scene = \"grazing\"\n" + form, none},
@@ -196,7 +196,7 @@ TEST_CASE("a claim about all wrong decisions names the first of them, as explain
     CHECK(has(run(words).out, "false miss"));
 }
 
-TEST_CASE("a form that settles a ray exactly is explained by what ran, and its exact step is a call") {
+TEST_CASE("explain: a form that decides exactly shows what ran, with the exact step as one call") {
     for (const std::string asked : settled_exactly) {
         INFO(asked);
         const auto j = told(asked + " -f f32");

@@ -21,7 +21,7 @@ const std::string far = "explain rtg-fig-7-3-4100-oblique --pixel 128,40 ";
 
 }  // namespace
 
-TEST_CASE("the verdict stands first, and where less than a bit is lost no operation is to blame") {
+TEST_CASE("explain: the verdict comes first, and no operation is blamed for less than one bit") {
     const auto far_away = run(far + "-i sphere.schoolbook -f f32").out;
     const auto at = [](const std::string& text, const std::string& part) { return text.find(part); };
     CHECK(at(far_away, "the formula loses the other") < at(far_away, "The culprit is"));
@@ -40,7 +40,7 @@ TEST_CASE("the verdict stands first, and where less than a bit is lost no operat
     CHECK(has(j["largest_sentence"], "The largest contribution is that of"));
 }
 
-TEST_CASE("better is what keeps a bit more, and no less") {
+TEST_CASE("explain: another form is better only if it keeps at least one bit more") {
     const std::string what = "explain near-benign --pixel 100,128 -i sphere.schoolbook -f f32";
     const auto j = nlohmann::json::parse(run(what + " --json").out);
     const auto text = run(what).out;
@@ -57,7 +57,7 @@ TEST_CASE("better is what keeps a bit more, and no less") {
     CHECK((quality > 0) == has(text, "Better on this ray and around it:"));
 }
 
-TEST_CASE("what the format cannot hold is nobody's rounding") {
+TEST_CASE("explain: error from inputs that the format cannot hold is not blamed on a rounding") {
     // Every number of the scene is rounded to 8 bits first; the form itself does well.
     const auto r = run("explain near-benign --pixel 100,128 -i sphere.unified -f bf16");
     CHECK(has(r.out, "bf16 cannot hold all of these numbers"));
@@ -65,7 +65,7 @@ TEST_CASE("what the format cannot hold is nobody's rounding") {
     CHECK_FALSE(has(r.out, "The culprit is"));
 }
 
-TEST_CASE("a hit of another primitive than the ray meets first is said to be one, with the command for the right one") {
+TEST_CASE("explain: a hit of the wrong primitive is reported, with the command for the right one") {
     const auto r = run("explain sphereflake-far --pixel 102,5 -i sphere.schoolbook -f f32");
     INFO(r.out.substr(0, 2000));
     CHECK(has(
@@ -79,7 +79,7 @@ TEST_CASE("a hit of another primitive than the ray meets first is said to be one
     CHECK_FALSE(has(run("explain sphereflake-near --pixel 100,100 -i sphere.unified").out, "The wrong primitive"));
 }
 
-TEST_CASE("the far side of a sphere in place of the near one is said to be a wrong root, chosen wrongly") {
+TEST_CASE("explain: the far side of a sphere instead of the near one is reported as a wrong root") {
     // The worst ray of sphere-height-r1e6 a thousandth above the sphere: c is off by more than itself.
     const auto text = run("explain --sphere=-0x1.803p+19,-0x1.803p+18,0x1.d03ap+18,0x1.e83dp+19 "
                           "--ray=0x1.9c864cp-11,0x1.9c864cp-12,-0x1.f2779cp-12,-0x1.a1130ep-1,-0x1.50003ep-2,"
@@ -90,7 +90,7 @@ TEST_CASE("the far side of a sphere in place of the near one is said to be a wro
     CHECK(has(text, "its wrong choice"));
 }
 
-TEST_CASE("every operation that a row names has a row") {
+TEST_CASE("explain: every operation that a row names has a row of its own") {
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         const auto out = run("explain " + setting_of(form.shape) + " -i " + std::string(form.info->name)).out;
         std::set<std::string> rows, named;
@@ -122,7 +122,7 @@ TEST_CASE("every operation that a row names has a row") {
     }
 }
 
-TEST_CASE("explain names the last column after what the contributions are to, and writes no NaN there") {
+TEST_CASE("explain names the last column after the sum of its contributions and writes no NaN there") {
     const std::string hit = run("explain near-benign --pixel 100,128 -i sphere.schoolbook -f f32").out,
                       turned = run("explain grazing --worst -i sphere.press -f f32").out;
     CHECK(has(hit, " of t, ulp\n"));
@@ -139,7 +139,7 @@ TEST_CASE("explain names the last column after what the contributions are to, an
     CHECK_FALSE(has(plain.substr(row, plain.find('\n', row) - row), "nan"));
 }
 
-TEST_CASE("what is assigned to the culprit is not what it causes: both runs are told") {
+TEST_CASE("explain: what the culprit is assigned and what it causes are both shown") {
     // By hand, in fractions and with a root of 120 digits: 0.51969… with c exact, 0.44830… with c alone rounded.
     const auto j = nlohmann::json::parse(run(far + "-i sphere.schoolbook -f f32 --json").out);
     CHECK(j["culprit_alone_exact"] == nlohmann::json{{"hit", true}, {"error", 0.5196979229332985}});
@@ -149,7 +149,7 @@ TEST_CASE("what is assigned to the culprit is not what it causes: both runs are 
     CHECK(has(beyond, "With b·b alone exact, the form misses; with b·b alone rounded, t is not finite."));
 }
 
-TEST_CASE("a range that decides is in the verdict: what is compared with it, and which rounding turned that") {
+TEST_CASE("explain: a range that decides is in the verdict, with the operands compared and the rounding to blame") {
     // t is 6.6e-5 without rounding and 1.4e-4 in binary32; tmin, 1e-4, lies in between, and so the ray misses.
     const std::string what =
         "explain --sphere=0,-1001,-30,1000 --ray=-0x1.99f126p-1,-0x1.00b684p+0,-0x1.bccd1p+4,0x1.9a5e32p-2,"
@@ -177,7 +177,7 @@ TEST_CASE("a range that decides is in the verdict: what is compared with it, and
     CHECK(has(run(behind).out, "4.5 (open: a surface there does not count)\n"));
 }
 
-TEST_CASE("where the range alone decides a miss, the verdict says where the exact hit lies") {
+TEST_CASE("explain: where the range alone makes a miss, the verdict says where the exact hit lies") {
     const std::string ball = "explain --sphere 0,0,5,1 --ray 0,0,0,0,0,1 -i sphere.unified -f f64 ";
     const auto says = [&ball](const std::string& range, const std::string& words) {
         const std::string text = run(ball + range).out;
@@ -197,7 +197,7 @@ TEST_CASE("where the range alone decides a miss, the verdict says where the exac
     CHECK(has(unit, "The exact hit at t = 4 lies beyond tmax = 3."));
 }
 
-TEST_CASE("a ray that begins inside of a box answers where it begins, and no input moves that") {
+TEST_CASE("explain: a ray that begins inside a box hits at its start, which no input changes") {
     const std::string box = "explain --box=-1,-1,-1,1,1,1 --ray 0,0,-5,0,0,1 -i box.signs ";
     // The far face is at t = 6, too.
     for (const std::string range : {"--tmin 6", "--tmin 5"}) {
@@ -209,7 +209,7 @@ TEST_CASE("a ray that begins inside of a box answers where it begins, and no inp
     CHECK_FALSE(has(run(box + "--tmin 4").out, "would cost 0.0 bits"));
 }
 
-TEST_CASE("where the form does so even without rounding no operation is to blame, of a NaN too") {
+TEST_CASE("explain: no operation is blamed where the form is wrong without rounding, not even for a NaN") {
     const std::string what = "explain --sphere 0,0,5,1 --ray 0,0,0,0,0,0 -i sphere.unified ";
     const std::string text = run(what).out;
     INFO(text);
@@ -220,14 +220,14 @@ TEST_CASE("where the form does so even without rounding no operation is to blame
     CHECK(nlohmann::json::parse(run(what + "--json").out)["culprit"].is_null());
 }
 
-TEST_CASE("a camera's ray that is not a number is laid to the camera's operation") {
+TEST_CASE("explain: a camera ray that is NaN is blamed on the camera's operation") {
     const std::string text = run("explain camera-far.endless --pixel 96,96 -i sphere.unified@ray-glm").out;
     INFO(text);
     CHECK_FALSE(has(text, "is normalised"));
     CHECK_FALSE(has(text, "The input d.x"));
 }
 
-TEST_CASE("an operand that an operation takes twice is told once") {
+TEST_CASE("explain: an operand that an operation takes twice is listed once") {
     const std::string text = run("explain rtg-fig-7-3-4100-oblique --pixel 128,40 -i sphere.schoolbook+fma -f f32").out;
     INFO(text);
     const auto line = text.substr(0, text.find("Better on"));
@@ -235,7 +235,7 @@ TEST_CASE("an operand that an operation takes twice is told once") {
     CHECK((first == std::string::npos || line.find("b was already off", first + 1) == std::string::npos));
 }
 
-TEST_CASE("where rounding turned which of two primitives comes first, that is said, and which is off by more") {
+TEST_CASE("explain: a wrong order of two primitives is reported, with the one whose t is further off") {
     // Without rounding the large sphere is met at 6.6e-5 and the small one at 1e-4; in binary32 at 1.4e-4 and 1e-4.
     const std::string what =
         "explain "
@@ -256,7 +256,7 @@ TEST_CASE("where rounding turned which of two primitives comes first, that is sa
     CHECK_FALSE(has(text, "The decision is the same without rounding"));
 }
 
-TEST_CASE("a step to the next number that a form takes on purpose is not blamed as a rounding") {
+TEST_CASE("explain: a deliberate step to the next number is not blamed as a rounding") {
     const std::string what = "explain instance-far.sphere --pixel 96,96 -i sphere.unified@pbrt";
     const std::string text = run(what).out;
     CHECK(has(text,
@@ -266,7 +266,7 @@ TEST_CASE("a step to the next number that a form takes on purpose is not blamed 
     CHECK(has(text, "  on purpose\n"));
 }
 
-TEST_CASE("what only chose a branch is on the way to the answer") {
+TEST_CASE("explain: operations that only choose a branch are on the way to the answer") {
     // The box is entered through y: the entries through x and z were compared with it.
     const std::string text = run("explain box-one --pixel 128,100 -i box.signs --verbose").out;
     for (const char* const name : {"dmin ", "dmin2 ", "dmin3 "}) {
@@ -276,7 +276,7 @@ TEST_CASE("what only chose a branch is on the way to the answer") {
     CHECK_FALSE(has(text, "\n- dmin"));
 }
 
-TEST_CASE("explain asks the other ways to make a camera's ray, and says of which problem the envelope is") {
+TEST_CASE("explain compares the other ray generators and says which problem the envelope belongs to") {
     const std::string what = "explain camera-far.gl --pixel 14,20 --size 48x48 -i sphere.unified@ray-three";
     const std::string text = run(what).out;
     CHECK(has(text, "half an ulp in each number of the ideal ray and of the primitive would cost"));

@@ -47,7 +47,7 @@ const std::vector<std::string> slow{"map",    "mine.toml", "-i",       "sphere.*
 
 }  // namespace
 
-TEST_CASE("the process of another container keeps its half-written file, and both runs get theirs") {
+TEST_CASE("two containers with equal process ids keep their half-written files, and both runs finish") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     const std::string claims = scratch.write("claims.toml", one_claim);
@@ -62,7 +62,7 @@ TEST_CASE("the process of another container keeps its half-written file, and bot
     CHECK(read_csv(scratch / "claims.csv").size() == 1);
 }
 
-TEST_CASE("two containers that write one folder at a time do not mix") {
+TEST_CASE("two containers that write one folder at a time do not mix their results") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     const std::string container = in_container();
@@ -84,7 +84,7 @@ TEST_CASE("two containers that write one folder at a time do not mix") {
     }
 }
 
-TEST_CASE("what a dead run left of a single file goes when it is written again") {
+TEST_CASE("the remains of a dead run's file are removed when the file is written again") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     const std::string claims = scratch.write("claims.toml", one_claim);
@@ -95,7 +95,7 @@ TEST_CASE("what a dead run left of a single file goes when it is written again")
           std::vector<std::string>{".other.csv.partial-1", "claims.csv", "claims.toml", "mine.toml"});
 }
 
-TEST_CASE("signals that were ignored at the start stay ignored") {
+TEST_CASE("signals ignored at the start stay ignored") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGQUIT}) {
@@ -107,7 +107,7 @@ TEST_CASE("signals that were ignored at the start stay ignored") {
     }
 }
 
-TEST_CASE("whatever signal ends a run, it leaves no half-written file") {
+TEST_CASE("a run ended by any signal leaves no half-written file") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     for (const int signal : {SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGPIPE, SIGABRT, SIGSEGV, SIGTERM,
@@ -123,7 +123,7 @@ TEST_CASE("whatever signal ends a run, it leaves no half-written file") {
     }
 }
 
-TEST_CASE("a run over scenes that is asked to end says how many are finished") {
+TEST_CASE("a run over scenes that is interrupted reports how many are finished") {
     const Scratch scratch;
     for (const char* name : {"mine.toml", "other.toml"}) scratch.write(name, good_scene);
     auto words = slow;
@@ -139,7 +139,7 @@ TEST_CASE("a run over scenes that is asked to end says how many are finished") {
     CHECK(fs::exists(scratch / "out/mine/summary.csv"));
 }
 
-TEST_CASE("closed standard streams end up in no file") {
+TEST_CASE("closed standard streams do not end up in a file") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     const std::string words = "map mine.toml -i sphere.press -f f32 --pixels csv --progress bar -v -o ";
@@ -157,7 +157,7 @@ TEST_CASE("closed standard streams end up in no file") {
     }
 }
 
-TEST_CASE("a run that is killed while it replaces results says that they are not finished") {
+TEST_CASE("a run killed while it replaces results leaves a note that they are not finished") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     const fs::path folder = scratch / "out/mine";
@@ -202,7 +202,7 @@ std::string with_mount(const std::string& mount, const Scratch& scratch) {
 
 }  // namespace
 
-TEST_CASE("results are whole, and say so, although nobody reads what is printed about them") {
+TEST_CASE("results are complete and marked so, even if nobody reads standard output") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n");
@@ -232,7 +232,7 @@ TEST_CASE("results are whole, and say so, although nobody reads what is printed 
     }
 }
 
-TEST_CASE("a result of an earlier run that stays among those of this one is an error") {
+TEST_CASE("an earlier result that cannot be removed is an error") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     const std::string words = "map mine.toml -i sphere.press -f f32 -o out", old = "out/mine/sphere.press.f32.csv";
@@ -254,7 +254,7 @@ TEST_CASE("a result of an earlier run that stays among those of this one is an e
     CHECK(r.code == 3);
 }
 
-TEST_CASE("where no program may be run from the temporary folder, the answer stands without a price") {
+TEST_CASE("choose answers without times where the temporary folder forbids running programs") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     fs::create_directories(scratch / "noexec");
@@ -275,7 +275,7 @@ TEST_CASE("where no program may be run from the temporary folder, the answer sta
     CHECK(fs::exists(scratch / "out/mine/mend.csv"));
 }
 
-TEST_CASE("a path that leads in a circle is bad input, whichever word names it") {
+TEST_CASE("a path with a symbolic-link loop is bad input for every option") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     scratch.write("mesh.toml", replaced(good_scene, "[[sphere]]", "[[mesh]]\nfile = \"loop/a.gltf\"\n[[sphere]]"));
@@ -296,7 +296,7 @@ TEST_CASE("a path that leads in a circle is bad input, whichever word names it")
     }
 }
 
-TEST_CASE("a mesh whose buffer is a folder is bad input") {
+TEST_CASE("a mesh whose buffer is a folder is refused as bad input") {
     const Scratch scratch;
     fs::create_directories(scratch / "folder");
     scratch.write("a.gltf",
@@ -311,7 +311,7 @@ TEST_CASE("a mesh whose buffer is a folder is bad input") {
     CHECK(has(r.err, "is a folder"));
 }
 
-TEST_CASE("a mesh that does not fit into memory is told with its place, and fewer triangles are advised") {
+TEST_CASE("a mesh too large for memory is refused with its line, and fewer triangles are advised") {
     if (under_sanitizer) return;
     const Scratch scratch;
     scratch.write("mesh.toml", scene_text("[[mesh]]\nmake = \"grid\"\nparts = [4096, 4096]\n"));
@@ -321,7 +321,7 @@ TEST_CASE("a mesh that does not fit into memory is told with its place, and fewe
     CHECK(has(r.err, "fewer triangles"));
 }
 
-TEST_CASE("shards of a path with a line break are joined") {
+TEST_CASE("shards in a path with a line break are merged") {
     const Scratch scratch;
     scratch.write("a\nb\\c/mine.toml", good_scene);
     for (const char* k : {"1/2", "2/2"})

@@ -68,8 +68,7 @@ std::size_t singles_in(const std::vector<std::string>& files) {
 
 }  // namespace
 
-TEST_CASE(
-    "a second run into a folder leaves nothing of the first, and -o - leaves its table on standard output alone") {
+TEST_CASE("a second run replaces all results of the first, and -o - writes its table to standard output only") {
     const Scratch scratch, temporary;
     scratch.write("mine.toml", good_scene);
     scratch.write("rays.csv", rays());
@@ -103,7 +102,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a list can name nothing outside its folder") {
+TEST_CASE("a list of results cannot name files outside its folder") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     const std::string words = "map mine.toml -i sphere.press -f f32 -o out";
@@ -123,7 +122,7 @@ TEST_CASE("a list can name nothing outside its folder") {
     CHECK(run(words, scratch.path()).code == 2);
 }
 
-TEST_CASE("two runs do not write into one folder at a time") {
+TEST_CASE("two runs cannot write to one folder at the same time") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     const fs::path folder = scratch / "out/mine";
@@ -137,7 +136,7 @@ TEST_CASE("two runs do not write into one folder at a time") {
     must("map mine.toml -i sphere.press -f f32 -o out", scratch.path());
 }
 
-TEST_CASE("every file that can hold it says the command, what was set, and the version") {
+TEST_CASE("every result file that can hold it has the command, the settings and the version") {
     draw_pictures();
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
@@ -169,7 +168,7 @@ TEST_CASE("every file that can hold it says the command, what was set, and the v
     CHECK(contents(scratch / "again/mine/manifest.json") == contents(folder / "manifest.json"));
 }
 
-TEST_CASE("a page names its command as well") {
+TEST_CASE("an HTML page names its command") {
     const Scratch scratch;
     must("report near-benign --size 8x8 -i sphere.press -f f32 --no-claims -o page", scratch.path());
     std::string version = run("--version").out;
@@ -180,7 +179,7 @@ TEST_CASE("a page names its command as well") {
     CHECK(page.at("files") == Json::array({"index.html"}));
 }
 
-TEST_CASE("a folder that a report and checked claims share keeps both, and its list says which made what") {
+TEST_CASE("a folder shared by a report and checked claims keeps both, and its list says which made what") {
     const Scratch scratch;
     const fs::path folder = scratch / "page";
     const std::string check = "check --filter 'float.*' --report page",

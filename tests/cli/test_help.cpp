@@ -69,7 +69,7 @@ constexpr const char* rays = "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n0,0.5,-
 
 }  // namespace
 
-TEST_CASE("the help of every command has two examples, the options of every command, and one line below") {
+TEST_CASE("the help of every command has two examples, its own options and one footer line") {
     for (const std::string& command : commands()) {
         INFO(command);
         const std::string help = must(command + " --help").out;
@@ -108,7 +108,7 @@ TEST_CASE("the examples in the help run") {
     }
 }
 
-TEST_CASE("commands that the program starts by itself are in no list") {
+TEST_CASE("internal commands are not listed") {
     CHECK_FALSE(commands().contains("shader"));
     CHECK_FALSE(has(must("plugin --help").out, "serve"));
     CHECK_FALSE(has(must("manual").out, "plugin serve"));
@@ -167,7 +167,7 @@ TEST_CASE("old names of options are read, with one line that gives the new name"
         has(run("-j 1 --progress none judge rays.csv --format=f23", scratch.path()).err, "--file-format f23: unknown"));
 }
 
-TEST_CASE("without -o results go to a folder of the command") {
+TEST_CASE("without -o results go to a folder named after the command") {
     const Scratch scratch;
     scratch.write("rays.csv", rays);
     must("map near-benign --size 4x4 -i sphere.press -f f32", scratch.path());
@@ -182,7 +182,7 @@ TEST_CASE("without -o results go to a folder of the command") {
     }
 }
 
-TEST_CASE("a file of another kind is called by its kind, with the command that takes it") {
+TEST_CASE("a file of another kind is refused with its kind and the command that takes it") {
     const Scratch scratch;
     const fs::path data = LOSTBITS_DATA_DIR;
     const auto copy = [&](const char* from, const char* to) { fs::copy_file(data / from, scratch / to); };

@@ -10,7 +10,7 @@ namespace test_history {
 
 using namespace lostbits::test;
 
-TEST_CASE("what claims measure is kept, and what moved since is shown to the last bit") {
+TEST_CASE("history: measured claims are kept, and changes are shown to the last bit") {
     const Scratch scratch;
     const auto in = [&scratch](const char* name) { return "'" + (scratch.path() / name).string() + "'"; };
     const std::string check = "check --filter 'float.*' ";
@@ -52,7 +52,7 @@ TEST_CASE("what claims measure is kept, and what moved since is shown to the las
     CHECK(has(junit, "new, not in the earlier run"));
 }
 
-TEST_CASE("a baseline that is none, and options that need one, are refused") {
+TEST_CASE("a wrong baseline and options that need one are refused") {
     const Scratch scratch;
     must("check --filter 'float.*' --save good.json", scratch.path());
     const auto good = nlohmann::json::parse(contents(scratch / "good.json"));
@@ -86,7 +86,7 @@ TEST_CASE("a baseline that is none, and options that need one, are refused") {
     check_refused(scratch, "check --filter 'float.*'", rows);
 }
 
-TEST_CASE("a baseline of other claims, or of another quantity, is said to be one") {
+TEST_CASE("a baseline of other claims or of another quantity is reported") {
     const Scratch scratch;
     const std::string place = (scratch / "b.json").string(), check = "check --filter 'float.*' --against '";
     must("check --filter 'float.*' --save '" + place + "'");

@@ -33,7 +33,7 @@ bool has_forged_command(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("a claim that a stranger wrote is text wherever it is shown") {
+TEST_CASE("a claim from an untrusted file is shown as plain text everywhere") {
     const Scratch scratch;
     scratch.write("mine.toml", spoilt("\"A test\"", "\"" + hostile + "\""));
     scratch.write("claims.toml", claim(hostile));
@@ -64,7 +64,7 @@ TEST_CASE("a claim that a stranger wrote is text wherever it is shown") {
     CHECK(has(json.at(0).at("statement"), "\n::error::forged"));
 }
 
-TEST_CASE("titles and names of files are text on a terminal") {
+TEST_CASE("titles and file names are plain text on a terminal") {
     const Scratch scratch;
     fs::create_directories(scratch / "data/scenes");
     scratch.write("data/scenes/mine.toml", spoilt("\"A test\"", "\"" + hostile + "\""));
@@ -85,7 +85,7 @@ TEST_CASE("titles and names of files are text on a terminal") {
     }
 }
 
-TEST_CASE("a column that is named like a formula is text in the table of rays") {
+TEST_CASE("a column named like a formula is text in the table of rays") {
     const Scratch scratch;
     scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,=cmd()\n0,0,5,0,0,-1,=cmd()\n");
     must("judge rays.csv --sphere 0,0,0,1 -i sphere.unified --rows -o out", scratch.path());
@@ -100,7 +100,7 @@ TEST_CASE("a column that is named like a formula is text in the table of rays") 
     CHECK(tables == 1);
 }
 
-TEST_CASE("a file that would have a terminal obey is refused") {
+TEST_CASE("a file with terminal control codes is refused") {
     const Scratch scratch;
     scratch.write("mine.toml", spoilt("\"A test\"", R"("A \u001b[31mtest")"));
     const auto r = run("map mine.toml -o out", scratch.path());
@@ -109,7 +109,7 @@ TEST_CASE("a file that would have a terminal obey is refused") {
     CHECK_FALSE(fs::exists(scratch / "out"));
 }
 
-TEST_CASE("a name of a file moves no cursor where two folders differ") {
+TEST_CASE("diff escapes control characters in file names") {
     const Scratch scratch;
     const std::string name = "x\x1b[31m\n::error::forged\xE2\x80\xAE.csv";
     for (const char* folder : {"a", "b"}) fs::create_directories(scratch.path() / folder);
@@ -142,7 +142,7 @@ std::string words_in_shell(const std::string& command, const Scratch& scratch) {
 
 }  // namespace
 
-TEST_CASE("the name of a file becomes code nowhere, whatever language is written") {
+TEST_CASE("a file name never becomes code in any exported language") {
     const Scratch scratch;
     const std::string flags = fs::path(LOSTBITS_PROGRAM).parent_path() / "form.flags";
     // A name holds no slash, but a path does.
@@ -191,7 +191,7 @@ TEST_CASE("the name of a file becomes code nowhere, whatever language is written
     }
 }
 
-TEST_CASE("completing a word runs nothing that a folder's files are called") {
+TEST_CASE("shell completion never runs text from file names") {
     const Scratch scratch;
     fs::create_directories(scratch / "data/scenes");
     for (const char* name : {"$(touch${IFS}PWNED)", "`touch${IFS}PWNED`", "';touch${IFS}PWNED;'", "good-one"})
@@ -216,7 +216,7 @@ TEST_CASE("completing a word runs nothing that a folder's files are called") {
     CHECK_FALSE(fs::exists(scratch / "PWNED"));
 }
 
-TEST_CASE("a compiler is a program, by whatever path, and a shell reads none of its words") {
+TEST_CASE("a compiler is run directly by any path, without a shell") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     fs::create_directories(scratch / "a b");

@@ -51,7 +51,7 @@ const std::string taken = "is read by this run, and its results would overwrite 
 
 }  // namespace
 
-TEST_CASE("no output of checked claims is one of their inputs") {
+TEST_CASE("check never writes over one of its inputs") {
     const Inputs inputs;
     for (const char* option : {"--junit", "--export-csv", "--export-json", "--save"}) {
         for (const char* file : {"claims.toml", "mine.toml", "./claims.toml"})
@@ -72,7 +72,7 @@ TEST_CASE("no output of checked claims is one of their inputs") {
     must("check claims.toml --against base.json --save base.json", inputs / "");
 }
 
-TEST_CASE("a folder of results that holds an input stays as it is") {
+TEST_CASE("a folder of results that holds an input is not replaced") {
     const Inputs inputs;
     must("map mine.toml -i sphere.press,sphere.unified -f f32 --pixels csv -o a", inputs / "");
     const std::string before = contents(inputs / "a/mine/summary.csv");
@@ -93,7 +93,7 @@ TEST_CASE("a folder of results that holds an input stays as it is") {
     CHECK(contents(place / table.filename()) == rows);
 }
 
-TEST_CASE("what is somebody's own stays under --force, links and what they lead to among it") {
+TEST_CASE("files that the program did not write stay under --force, links and their targets included") {
     const Inputs inputs;
     const std::string words = "map mine.toml -i sphere.press -f f32 -o out --force";
     const fs::path folder = inputs / "out/mine";
@@ -133,7 +133,7 @@ TEST_CASE("what is somebody's own stays under --force, links and what they lead 
     CHECK(contents(folder / "older.png") == "precious");
 }
 
-TEST_CASE("a report does not take the place of somebody's README or page") {
+TEST_CASE("a report does not replace an existing README or page") {
     const Inputs inputs;
     std::ofstream(inputs / "README.md") << "precious";
     std::ofstream(inputs / "index.html") << "precious";
@@ -154,7 +154,7 @@ TEST_CASE("a missing TMPDIR is named") {
     }
 }
 
-TEST_CASE("a line break that was typed is shown as one") {
+TEST_CASE("a line break in an argument is shown on one line") {
     const Inputs inputs;
     inputs.refused("list forms --isa '5\nx'", "--isa 5\\nx: is not one of scalar, 128, 256, 512");
     inputs.refused("map 'near\nx' -o out", "no scene \"near\\nx\" in ");
@@ -162,7 +162,7 @@ TEST_CASE("a line break that was typed is shown as one") {
     inputs.refused("map mine.toml --set 'a\nb=1' -o out", "--set a\\nb=1: unknown key a\\nb");
 }
 
-TEST_CASE("what an axis cannot be set to is said with its place in the file") {
+TEST_CASE("a wrong input for an axis is refused with its place in the file") {
     const Inputs inputs;
     const auto refused_by = [&](const std::string& what, const std::string& by, const std::string& says) {
         std::ofstream(inputs / "s.toml") << replaced(small_sweep, what, by);
@@ -175,7 +175,7 @@ TEST_CASE("what an axis cannot be set to is said with its place in the file") {
                "s.toml:16:7: sphere_rays.radius must lie between 1.1754943508222875e-38 and 8.507059173023462e+37");
 }
 
-TEST_CASE("an image module without memory says so") {
+TEST_CASE("an image module that runs out of memory reports it") {
     if (under_sanitizer) return;  // which takes terabytes of addresses
     draw_pictures();
     const Inputs inputs;

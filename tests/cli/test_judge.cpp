@@ -21,7 +21,7 @@ const std::string head = "ox,oy,oz,dx,dy,dz,hit,t\n";
 
 }  // namespace
 
-TEST_CASE("the program of the page on judging writes the file that it judges") {
+TEST_CASE("judge: the program in docs/judge.md writes the file that it judges") {
     const Scratch scratch;
     const std::string page = contents(fs::path(LOSTBITS_DATA_DIR).parent_path() / "docs" / "judge.md");
     const auto begin = page.find("```c\n") + 5;
@@ -33,7 +33,7 @@ TEST_CASE("the program of the page on judging writes the file that it judges") {
     CHECK(contents(scratch / "made.csv") == contents(dumps / "far-sphere.csv"));
 }
 
-TEST_CASE("a file judged as text, as raw numbers and from a pipe gives the same numbers") {
+TEST_CASE("judge: a file gives the same numbers as text, as raw numbers and from a pipe") {
     const Scratch scratch;
     must("judge " + far_csv + into(scratch, "a"));
     must("judge " + far_raw + into(scratch, "b"));
@@ -50,7 +50,7 @@ TEST_CASE("a file judged as text, as raw numbers and from a pipe gives the same 
     CHECK(a.front().at("worst_explain").empty());  // a file has no formula to explain
 }
 
-TEST_CASE("rays at a mesh of thousands of triangles are judged, and no ray takes the tree from the others") {
+TEST_CASE("judge: rays at a mesh of thousands of triangles use the tree, and every ray is judged") {
     const Scratch scratch;
     scratch.write("ball.toml",
                   "schema = \"lostbits-scene/1\"\ntitle = \"A ball\"\nsource = \"-\"\n"
@@ -71,7 +71,7 @@ TEST_CASE("rays at a mesh of thousands of triangles are judged, and no ray takes
     CHECK(rows[1].at("false_miss") == "0");
 }
 
-TEST_CASE("judged rays are grouped by a column of the file") {
+TEST_CASE("judge: rays are grouped by a column of the file") {
     const Scratch scratch;
     const auto r = must("judge " + far_csv + " -i sphere.unified --by y --tolerance 0.05 --bits 14" + into(scratch));
     CHECK(has(r.out, "    y 31 "));
@@ -95,7 +95,7 @@ TEST_CASE("judged rays are grouped by a column of the file") {
     CHECK(std::stod(rows[0].at("distance_error_max")) > std::stod(rows[33].at("distance_error_max")) * 100);
 }
 
-TEST_CASE("a length has a unit where one is declared, and a group is a column of the file's own") {
+TEST_CASE("judge: a length has the declared unit, and a group is a column of the file") {
     const Scratch scratch;
     const auto beyond = [&](const std::string& words, const std::string& folder) {
         must("judge " + far_csv + " " + words + into(scratch, folder));
@@ -115,7 +115,7 @@ TEST_CASE("a length has a unit where one is declared, and a group is a column of
     CHECK(has(r.err, "id has more than 4096 values"));
 }
 
-TEST_CASE("the rows of judged rays keep the columns of the file") {
+TEST_CASE("judge: rows of rays keep the columns of the file") {
     const Scratch scratch;
     must("judge " + far_csv + " --rows" + into(scratch));
     const auto rows = read_csv(scratch / "out/far-sphere/file.far-sphere.f32.csv");
@@ -134,7 +134,7 @@ TEST_CASE("the rows of judged rays keep the columns of the file") {
     CHECK(false_hits == 177);
 }
 
-TEST_CASE("the worst rays of a file are cases that the formula of its answers gets as wrong") {
+TEST_CASE("judge: the worst rays of a file become cases that its formula gets as wrong") {
     const Scratch scratch;
     must("judge " + far_csv + " --worst-rays 3" + into(scratch));
     const std::string cases = (scratch / "out/far-sphere/worst.toml").string();
@@ -151,7 +151,7 @@ TEST_CASE("the worst rays of a file are cases that the formula of its answers ge
     CHECK(false_hits == 3);
 }
 
-TEST_CASE("rays without answers are answered by forms") {
+TEST_CASE("judge: rays without answers are answered by forms") {
     const Scratch scratch;
     const std::string file = scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius\n0,0,-5,0,0,2,0,0,0,1\n");
     must("judge '" + file + "' -i sphere.press -f f32 -f bf16 --metric culprit" + into(scratch));
@@ -161,7 +161,7 @@ TEST_CASE("rays without answers are answered by forms") {
     CHECK(has(rows[0].at("worst_explain"), "lostbits explain --sphere=0x0p+0,0x0p+0,0x0p+0,0x1p+0 --ray="));
 }
 
-TEST_CASE("metrics of a formula are measured of forms, and left out of the file's answers") {
+TEST_CASE("judge: metrics of a formula are measured for forms and left out for the file's answers") {
     const Scratch scratch;
     const auto r = must("judge " + far_csv + " --metric culprit --metric model_error -i sphere.press" + into(scratch));
     CHECK(has(r.err, "file.far-sphere"));
@@ -174,7 +174,7 @@ TEST_CASE("metrics of a formula are measured of forms, and left out of the file'
     CHECK_FALSE(rows[1].at("model_error_max").empty());
 }
 
-TEST_CASE("a file is held against a form, and a wrong contract speaks up") {
+TEST_CASE("judge: a file is compared with a form, and a wrong contract is reported") {
     const Scratch scratch;
     must("judge " + far_csv + " --against sphere.schoolbook" + into(scratch));
     const auto rows = read_csv(scratch / "out/far-sphere/summary.csv");
@@ -193,7 +193,7 @@ TEST_CASE("a file is held against a form, and a wrong contract speaks up") {
     CHECK(read_csv(scratch / "out/rays/summary.csv")[0].at("lost_bits_max") == "0");
 }
 
-TEST_CASE("notes say that numbers were rounded, and that answers look like floats") {
+TEST_CASE("judge: notes report rounded numbers, and answers that look like floats") {
     const Scratch scratch;
     std::string text = head;
     for (int i = 0; i < 20; ++i) text += "0,0,-5,0,0,1.00000000001,1,4\n";
@@ -205,7 +205,7 @@ TEST_CASE("notes say that numbers were rounded, and that answers look like float
     CHECK(run("judge '" + file + "' --sphere 0,0,0,1 -q" + into(scratch)).err.empty());
 }
 
-TEST_CASE("what judge suspects is said in words of files") {
+TEST_CASE("judge: suspicions are reported in terms of files") {
     const Scratch scratch;
     const auto judged = [&](const std::string& rows, const std::string& options) {
         const std::string file = scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n" + rows);
@@ -243,7 +243,7 @@ TEST_CASE("what judge suspects is said in words of files") {
     CHECK(has(judged(overflows, "--sphere 0,0,0x1p100,0x1p90"), "40 have a t that is not a finite number"));
 }
 
-TEST_CASE("primitives have the numbers in which they are written, whatever their kinds") {
+TEST_CASE("judge: primitives of all kinds keep the numbers as written") {
     const Scratch scratch;
     // The sphere is met at 3, the box at 7: only the number of the former is right.
     const std::string file =
@@ -273,7 +273,7 @@ TEST_CASE("primitives have the numbers in which they are written, whatever their
     }
 }
 
-TEST_CASE("one form has one set of outcomes at a mesh, judged and mapped") {
+TEST_CASE("judge: a form has the same outcomes at a mesh in judge and map") {
     const Scratch scratch;
     scratch.write("quad.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
     const std::string scene = scratch.write(

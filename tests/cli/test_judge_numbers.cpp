@@ -31,7 +31,7 @@ std::string reversed_bytes(N x) {
 
 }  // namespace
 
-TEST_CASE("raw numbers in the other order of bytes are refused before anything else is asked") {
+TEST_CASE("judge: raw numbers in the other byte order are refused first") {
     const Scratch scratch;
     std::string bytes;
     for (int i = 0; i < 8; ++i) {
@@ -54,7 +54,7 @@ TEST_CASE("raw numbers in the other order of bytes are refused before anything e
     CHECK(has(with("ox:f32be,oy,oz,dx,dy,dz,t --skip 1").err, "bytes"));
 }
 
-TEST_CASE("floats of any digits show the order of their bytes, and so does a hit") {
+TEST_CASE("judge: the byte order is recognised from any floats, and from the hit column") {
     const Scratch scratch;
     std::string as_float, as_whole, in_order;
     for (int i = 0; i < 40; ++i) {  // rays from (x, y, 0.4) along z at a sphere around (0, 0, 5), that miss at times
@@ -86,7 +86,7 @@ TEST_CASE("floats of any digits show the order of their bytes, and so does a hit
               "the least significant byte comes first; write --columns " + ray + ",hit:i32\n"));
 }
 
-TEST_CASE("decimals too short for a format are told from the bits that an answer has lost") {
+TEST_CASE("judge: decimals too short for a format are told apart from lost bits") {
     const Scratch scratch;
     const auto said = [&](const char* pattern, const std::string& options, bool wide = false, double step = 0.37 / 3) {
         std::string text = head;
@@ -124,7 +124,7 @@ TEST_CASE("decimals too short for a format are told from the bits that an answer
     CHECK(said("0,0,%.7g,0,0,1,1,%.7g\n", f32, false, 1 / 64.0).empty());
 }
 
-TEST_CASE("an answer of the near root behind the ray can be said, and is a miss then") {
+TEST_CASE("judge: a contract can say that the near root behind the ray is a miss") {
     const Scratch scratch;
     std::string text = head;
     for (int i = 0; i < 20; ++i) {
@@ -157,7 +157,7 @@ std::vector<std::map<std::string, std::string>> judged(const std::string& text, 
 
 }  // namespace
 
-TEST_CASE("a bound whose products underflow is not below the error, and proves no wrong decision") {
+TEST_CASE("judge: a bound with underflowing products still holds and proves no wrong decision") {
     const auto rows = judged(
         "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius\n0,0,-0x1p-99,0,0,16,0,0,0,0x1p-100\n"
         "0x57p-140,-0x5fp-140,0x5p-136,-0x18p+0,-0x28p+0,0x16p+0,-0x9p-140,-0x5p-140,0x1p-137,0x4bp-139\n",
@@ -181,7 +181,7 @@ TEST_CASE("a bound whose products underflow is not below the error, and proves n
     CHECK(false_hit[0].at("decision") == "undecided");
 }
 
-TEST_CASE("rays that part the slabs of a box far stay within what docs/bounds.md says of all floats") {
+TEST_CASE("judge: rays that separate the slabs of a box stay within the bound of docs/bounds.md") {
     // Before a search looked, the page said 3 u, the largest that random rays of short numbers had shown.
     static const std::regex said(R"(\*\*no ray in float needs more than\s+([0-9.]+) u)");
     const std::string page = contents(fs::path(LOSTBITS_REPORTS_DIR).parent_path() / "docs/bounds.md");
@@ -203,7 +203,7 @@ TEST_CASE("rays that part the slabs of a box far stay within what docs/bounds.md
     CHECK(more <= number_in(bound[1].str()));
 }
 
-TEST_CASE("the steps between numbers of either sign fill 64 bits, and herbie_bits counts them") {
+TEST_CASE("judge: steps between numbers of both signs need 64 bits, and herbie_bits counts them") {
     // From −3 to 3 there are 2·ord(3) steps, ord(3) = 2^52 (1 + 1023) + 2^51 of binary64: log2(1 + 2·ord(3)).
     const auto rows = judged(
         "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,hit,t\n0,0,-4,0,0,1,0,0,0,1,1,-3\n"

@@ -103,7 +103,7 @@ void kill_often(const Scratch& scratch, const fs::path& folder, Command a, Comma
 
 }  // namespace
 
-TEST_CASE("maps that are killed while they replace each other damage nothing, and the next leaves nothing") {
+TEST_CASE("maps killed while they replace each other damage nothing, and the next run cleans up") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     kill_often(
@@ -112,7 +112,7 @@ TEST_CASE("maps that are killed while they replace each other damage nothing, an
         {{"map", "mine.toml", "-i", "sphere.p*", "-f", "f32,f64", "--metric", "lost_bits,ulp_error", "-o", "out"}});
 }
 
-TEST_CASE("sweeps that are killed while they replace each other damage nothing, and the next leaves nothing") {
+TEST_CASE("sweeps killed while they replace each other damage nothing, and the next run cleans up") {
     const Scratch scratch;
     scratch.write("small.toml", small_sweep);
     const std::vector<std::string> words{"sweep", "small.toml", "-i", "sphere.p*", "--seeds", "0", "-o", "out"};

@@ -20,7 +20,7 @@ std::string watched(const std::string& exceptions) {
 
 }  // namespace
 
-TEST_CASE("no command loses memory but where the list says why") {
+TEST_CASE("no command leaks memory except for the listed reasons") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n");

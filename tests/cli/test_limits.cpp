@@ -51,7 +51,7 @@ std::string at_most(int seconds) { return "ulimit -t " + std::to_string(seconds)
 
 }  // namespace
 
-TEST_CASE("a picture that claims more than its file can hold is refused before memory is taken") {
+TEST_CASE("a picture that declares more than its file can hold is refused before memory is taken") {
     draw_pictures();
     const Scratch scratch;
     scratch.write("a.exr", exr_head(16384));
@@ -62,7 +62,7 @@ TEST_CASE("a picture that claims more than its file can hold is refused before m
     CHECK(has(r.err, "give one that is complete"));
 }
 
-TEST_CASE("numbers of any size are compared in no time") {
+TEST_CASE("numbers of any size are compared quickly") {
     const Scratch scratch;
     std::string huge = "x\n", tiny = "x\n", hex = "x\n", other = "x\n";
     for (int i = 0; i < 4000; ++i)
@@ -79,7 +79,7 @@ TEST_CASE("numbers of any size are compared in no time") {
     }
 }
 
-TEST_CASE("any number of columns may have moved") {
+TEST_CASE("diff handles any number of moved columns") {
     const Scratch scratch;
     std::vector<int> order(60000);
     std::iota(order.begin(), order.end(), 0);
@@ -99,7 +99,7 @@ TEST_CASE("any number of columns may have moved") {
     CHECK(has(r.out, "moved from place"));
 }
 
-TEST_CASE("no name of a file leads out of the folder of results") {
+TEST_CASE("no file name leads out of the folder of results") {
     const Scratch scratch;
     fs::create_directories(scratch / "in/of-a-map");
     scratch.write("in/of-a-map/...toml", good_scene);
@@ -118,7 +118,7 @@ TEST_CASE("no name of a file leads out of the folder of results") {
     }
 }
 
-TEST_CASE("what a machine cannot hold open is said before the work, and nothing is written") {
+TEST_CASE("a run that needs too many open files stops before the work, and nothing is written") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     const auto few =
@@ -136,7 +136,7 @@ TEST_CASE("what a machine cannot hold open is said before the work, and nothing 
     CHECK(scratch.files() == std::vector<std::string>{"mine.toml"});
 }
 
-TEST_CASE("what the machine cannot do ends the run with 3, and leaves no half-written file") {
+TEST_CASE("a failure of the machine ends the run with 3 and leaves no half-written file") {
     const Scratch scratch;
     scratch.write("scene.toml", good_scene);
     const std::string map = "map scene.toml -i sphere.press -f f32 ", itself = (scratch / "scene.toml").string();

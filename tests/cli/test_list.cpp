@@ -19,7 +19,7 @@ namespace test_list {
 using namespace lostbits;
 using namespace lostbits::test;
 
-TEST_CASE("list forms says how each takes rays from inside and from behind") {
+TEST_CASE("list forms says how each form handles rays from inside and from behind") {
     const std::string text = must("list forms").out;
     for (const char* other : {"list", "list intersectors"}) CHECK(run(other).out == text);
     for (const auto& row : nlohmann::json::parse(run("list forms --json").out)) {
@@ -34,7 +34,7 @@ TEST_CASE("list forms says how each takes rays from inside and from behind") {
     }
 }
 
-TEST_CASE("the metrics of labels are listed, and every form has labels to map") {
+TEST_CASE("list shows the metrics of labels, and every form has labels to map") {
     const auto text = run("list metrics").out;
     for (const char* name : {"contribution:LABEL", "cancellation:LABEL", "tolerance:LENGTH", "enough_bits:BITS"})
         CHECK(has(text, name));
@@ -64,7 +64,7 @@ TEST_CASE("the metrics of labels are listed, and every form has labels to map") 
     }
 }
 
-TEST_CASE("list formats and scenes name what map takes") {
+TEST_CASE("list formats and list scenes show names that map accepts") {
     const auto formats = nlohmann::json::parse(run("list formats --json").out);
     CHECK(formats.size() == std::size(format_help));
     std::set<std::string> listed, there;
@@ -96,7 +96,7 @@ void check_columns(const std::string& text, const nlohmann::json& array, const s
 
 }  // namespace
 
-TEST_CASE("list sweeps says what each runs over") {
+TEST_CASE("list sweeps says what each sweep runs over") {
     const auto array = nlohmann::json::parse(run("list sweeps --json").out);
     const auto axis_of = [&](const std::string& name) -> std::string {
         for (const auto& row : array) {
@@ -112,7 +112,7 @@ TEST_CASE("list sweeps says what each runs over") {
     check_columns(run("list sweeps").out, array, {"name", "axis", "title"});
 }
 
-TEST_CASE("list claims has every claim that check would measure, with its verdict") {
+TEST_CASE("list claims shows every claim that check would measure, with its verdict") {
     const auto array = nlohmann::json::parse(run("list claims --json").out);
     std::size_t refuted = 0, results = 0;
     for (const auto& row : array) {
@@ -135,7 +135,7 @@ TEST_CASE("list claims has every claim that check would measure, with its verdic
     check_columns(run("list claims").out, array, {"id", "verdict", "profile", "subject", "statement"});
 }
 
-TEST_CASE("help and version go to stdout and end with 0") {
+TEST_CASE("help and version are written to stdout and exit with 0") {
     for (const char* arguments : {"--help", "map --help", "list --help"}) {
         const auto r = must(arguments);
         CHECK(has(r.out, "Usage"));
@@ -143,7 +143,7 @@ TEST_CASE("help and version go to stdout and end with 0") {
     CHECK(run("--version").out.find("lostbits ") == 0);
 }
 
-TEST_CASE("every sentence of a claim can be read alone") {
+TEST_CASE("every sentence of a claim can be read by itself") {
     for (const auto& row : nlohmann::json::parse(run("list claims --json").out)) {
         const std::string statement = row.at("statement");
         INFO(row.at("id").get<std::string>() << ": " << statement);
@@ -155,7 +155,7 @@ TEST_CASE("every sentence of a claim can be read alone") {
     }
 }
 
-TEST_CASE("list has every form, metric, transform, bounding-box method, ray generator, strategy and check") {
+TEST_CASE("list shows every form, metric, transform, bounding-box method, ray generator, strategy and check") {
     // More of the list than of the table: what takes a label, a length or bits.
     const auto check = [](const std::string& what, const auto& rows, std::size_t more = 0) {
         CAPTURE(what);

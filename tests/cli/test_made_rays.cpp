@@ -23,7 +23,7 @@ const std::set<std::string_view> stay_apart{"bevy_view", "nvpro",         "godot
 using namespace lostbits;
 using namespace lostbits::test;
 
-TEST_CASE("twelve kilometres out the ways that subtract points of the world lose the direction, and no other does") {
+TEST_CASE("12 km from the origin only generators that subtract world points lose the direction") {
     const Scratch folder;
     must(
         "map camera-far.zero_to_one -i 'sphere.unified@ray-*' -f f32 --size 24x24 --metric pixel_error --metric "
@@ -45,7 +45,7 @@ TEST_CASE("twelve kilometres out the ways that subtract points of the world lose
     }
 }
 
-TEST_CASE("a way behind the form and the same way in the scene are one map") {
+TEST_CASE("a ray generator in the form's name and the same one in the scene give one map") {
     const Scratch folder;
     const auto mapped = [&folder](const std::string& words, const std::string& name) {
         must("map camera-far.endless " + words +
@@ -63,7 +63,7 @@ TEST_CASE("a way behind the form and the same way in the scene are one map") {
     }
 }
 
-TEST_CASE("explain looks at the ray that the way makes") {
+TEST_CASE("explain uses the ray that the ray generator makes") {
     const auto x = nlohmann::json::parse(
         run("explain camera-far.endless --pixel 90,100 -i sphere.unified@ray-bevy -f f32 --json").out);
     const auto y = nlohmann::json::parse(

@@ -13,7 +13,7 @@ constexpr const char* fresh = "unset LOSTBITS_DATA;";
 
 }  // namespace
 
-TEST_CASE("an option takes one value, and the scene may stand behind it") {
+TEST_CASE("an option takes one value, and the scene may follow it") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     for (const char* words :
@@ -25,7 +25,7 @@ TEST_CASE("an option takes one value, and the scene may stand behind it") {
         must(std::string(words) + " -o out --force", scratch.path());
 }
 
-TEST_CASE("several values stand between commas, and options may be repeated") {
+TEST_CASE("several values are separated by commas, and options may be repeated") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     const auto rows = [&](const std::string& options) {
@@ -50,7 +50,7 @@ TEST_CASE("several values stand between commas, and options may be repeated") {
     must("check --measure --filter 'float.*,box.no-such-*' -q");
 }
 
-TEST_CASE("a file that is not there is named, without a line that nobody read") {
+TEST_CASE("a missing file is named once, without a needless extra line") {
     const Scratch scratch;
     for (const char* words :
          {"map nofile.toml -o o", "map sub/nofile.toml -o o", "sweep nofile.toml -o o", "sweep sub/nofile.toml -o o",
@@ -73,7 +73,7 @@ TEST_CASE("a file that is not there is named, without a line that nobody read") 
     }
 }
 
-TEST_CASE("a sweep and a claim find a scene beside themselves") {
+TEST_CASE("a sweep and a claim find a scene in their own folder") {
     const Scratch scratch;
     scratch.write("own/ball.toml", good_scene);
     scratch.write("own/grow.toml", sweep_of("scene = \"ball.toml\"\n" +
@@ -87,7 +87,7 @@ TEST_CASE("a sweep and a claim find a scene beside themselves") {
     }
 }
 
-TEST_CASE("an option that would do nothing is said, where it is not refused") {
+TEST_CASE("an option that would do nothing is reported or refused") {
     const Scratch scratch;
     scratch.write("m.toml", good_scene + "\n[march]\nhit_eps = 1e-4\n");
     const auto mapped =
@@ -95,7 +95,7 @@ TEST_CASE("an option that would do nothing is said, where it is not refused") {
     CHECK(has(mapped.err, "--set march.hit_eps=1e-3: changes nothing in m"));
 }
 
-TEST_CASE("a path stands on a line of its own, beside a bar on the same terminal") {
+TEST_CASE("a path is printed on a line of its own beside a progress bar") {
     const Scratch scratch;
     scratch.write("a.toml", good_scene);
     scratch.write("b.toml", good_scene);

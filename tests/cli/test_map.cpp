@@ -63,7 +63,7 @@ TEST_CASE("map writes every file of every form and format") {
     CHECK(package["resources"][0]["schema"]["fields"].size() == summary.front().size());
 }
 
-TEST_CASE("the EXR of a scene has a part a row and its truth once, by each way to ask") {
+TEST_CASE("the EXR of a scene has one part per row and its truth once, however it is requested") {
     const Scratch scratch;
     const std::string what =
         "map near-benign --size 32x24 -i sphere.schoolbook -i sphere.unit_half_b -i "
@@ -99,7 +99,7 @@ TEST_CASE("the EXR of a scene has a part a row and its truth once, by each way t
     CHECK(scratch.files().size() == 5);  // no picture but the sheet, unless it is asked for
 }
 
-TEST_CASE("EXR, pixel CSV and summary tell the same story") {
+TEST_CASE("EXR, pixel CSV and summary agree") {
     const Scratch scratch;
     must(
         "map rtg-fig-7-3-2000-oblique --size 48x48 -i sphere.schoolbook -i sphere.unit_half_b -f f64 -f f32 --metric "
@@ -196,7 +196,7 @@ TEST_CASE("variants, --variant, --set and --size choose what is mapped") {
     CHECK_FALSE(has(title("rtg-fig-7-4.r1e3"), "with"));
 }
 
-TEST_CASE("own inputs and narrow formats show input error, shared ones in f32 and f64 do not") {
+TEST_CASE("own inputs and narrow formats show input error, and shared inputs in f32 and f64 do not") {
     const Scratch scratch;
     must(
         "map world-offset world-offset-own --size 48x48 -i sphere.unified -f f32 -f f64 -f bf16 --metric "
@@ -214,7 +214,7 @@ TEST_CASE("own inputs and narrow formats show input error, shared ones in f32 an
     CHECK(worst("world-offset-own", "f64") > 0);
 }
 
-TEST_CASE("a run that is asked to stop does so within a band, however many spheres there are") {
+TEST_CASE("an interrupted run stops within a band, however many spheres there are") {
     // bf16 makes nearly all of the 66,431 spheres candidates: one band of rows takes minutes. Where it goes
     // on, the limit of its processor time ends it.
     const Scratch scratch;

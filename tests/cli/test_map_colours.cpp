@@ -17,7 +17,7 @@ namespace test_map_colours {
 using namespace lostbits::test;
 using lostbits::output::image::outcome_colours;
 
-TEST_CASE("the wrong primitive has a colour, a column, a place in the table, and a ray that explains it") {
+TEST_CASE("a hit of the wrong primitive has a colour, a column, a table entry and a ray that explains it") {
     draw_pictures();
     const Scratch scratch;
     const auto r = must("map rtg-fig-7-6-far --size 96x96 -i sphere.schoolbook -f f32 --pixels csv --pictures all -v" +
@@ -82,7 +82,7 @@ TEST_CASE("rays through the seam of a square are double hits in every file") {
     CHECK(has(told.out, "In the mesh this is a double hit: the form also claims a neighbouring triangle"));
 }
 
-TEST_CASE("explain calls a ray at a mesh what a map calls it") {
+TEST_CASE("explain gives a ray at a mesh the same outcome as map") {
     const Scratch folder;
     const std::string form = " -i triangle.undivided -f f32";
     const auto check = [&](const std::string& scene, const std::vector<std::string>& outcomes) {

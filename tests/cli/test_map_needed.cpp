@@ -29,7 +29,7 @@ Rgb8 preview(const ExrImage& exr, std::size_t i) {
 
 }  // namespace
 
-TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story") {
+TEST_CASE("picture, EXR, pixels and table of bits needed agree") {
     draw_pictures();
     const Scratch scratch;
     const auto r = must(
@@ -99,7 +99,7 @@ TEST_CASE("picture, EXR, pixels and table of the bits needed tell the same story
         CHECK(std::ranges::count(described, name) == 1);
 }
 
-TEST_CASE("bits needed: the map beside them is as without") {
+TEST_CASE("bits needed: the map made with them is the same as without") {
     draw_pictures();
     const Scratch scratch;
     // More pixels than a band has, so that rows come in two instalments.
@@ -128,7 +128,7 @@ TEST_CASE("bits needed: the map beside them is as without") {
     CHECK(others == 2 + 2);
 }
 
-TEST_CASE("bits needed: forms of one format are left out with a note") {
+TEST_CASE("bits needed: forms that exist in one format only are left out with a note") {
     const Scratch scratch;
     const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'";
     const std::string out = " --bits 12 --exr" + into(scratch);
@@ -145,7 +145,7 @@ TEST_CASE("bits needed: forms of one format are left out with a note") {
         must("map " + scene + " -i sphere.unified -f f32 --bits " + bits + into(scratch));
 }
 
-TEST_CASE("the envelope draws lost bits paler exactly where the problem explains them") {
+TEST_CASE("the envelope makes lost bits paler exactly where the problem explains them") {
     draw_pictures();
     const Scratch scratch;
     const std::string what =
@@ -186,7 +186,7 @@ TEST_CASE("the envelope draws lost bits paler exactly where the problem explains
     CHECK(contents(scratch / "with/grazing/summary.csv") == contents(scratch / "without/grazing/summary.csv"));
 }
 
-TEST_CASE("a long map with --bits says how long it will take") {
+TEST_CASE("a long map with --bits reports how long it will take") {
     const Scratch scratch;
     // Interrupted as soon as it has said so.
     const auto r =

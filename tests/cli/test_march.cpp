@@ -30,7 +30,7 @@ TEST_CASE("explain prints a march sample by sample") {
             "no step: t + d = t"));
 }
 
-TEST_CASE("maps of marches: iterations, why they ended, model and rounding error on one sheet") {
+TEST_CASE("maps of marches show iterations, why they ended, and model and rounding error on one sheet") {
     const Scratch scratch;
     const std::string out = scratch.path().string();
     must(
@@ -62,7 +62,7 @@ TEST_CASE("maps of marches: iterations, why they ended, model and rounding error
     }
 }
 
-TEST_CASE("explain and map say stagnated where the step after the last sample leads nowhere") {
+TEST_CASE("explain and map report stagnation where the next step leads nowhere") {
     const Scratch scratch;
     const auto scene = [&](int cap) {
         return "'" +
@@ -88,7 +88,7 @@ TEST_CASE("explain and map say stagnated where the step after the last sample le
     }
 }
 
-TEST_CASE("a sweep over the constants of a march: onsets of standing still, the split of the error") {
+TEST_CASE("a sweep over the constants of a march gives onsets of stagnation and the parts of the error") {
     const Scratch scratch;
     const std::string sweep = scratch.write("s.toml", march_sweep);
     must("sweep '" + sweep + "' -i 'sdf.*' -f f32 -o one", scratch.path());

@@ -60,7 +60,7 @@ const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsou
 
 }  // namespace
 
-TEST_CASE("maps: the worst ray of each row of summary.csv, and any row of a pixel CSV") {
+TEST_CASE("paste: the worst ray of each row of summary.csv and any row of a pixel CSV of a map") {
     const Scratch folder;
     // A file of one's own: a space in its name, variants, and numbers that each format rounds itself.
     const std::string own =
@@ -107,7 +107,7 @@ TEST_CASE("maps: the worst ray of each row of summary.csv, and any row of a pixe
     CHECK(all.faults > 5);
 }
 
-TEST_CASE("sweeps: the worst ray of each step, with the primitive of its view and the constants of its march") {
+TEST_CASE("paste: the worst ray of each sweep step, with the primitive of its view and the constants of its march") {
     const Scratch folder;
     folder.write("one.toml", sweep_of("[sphere_rays]\nviews = 3\nrays = 16\n" +
                                       axis_of({"distance", "\"distance\"", "100", "1e6"})));
@@ -135,7 +135,7 @@ TEST_CASE("sweeps: the worst ray of each step, with the primitive of its view an
     CHECK(all.faults > 5);
 }
 
-TEST_CASE("searches along edges: the nearest ray of each outcome") {
+TEST_CASE("paste: the nearest ray of each outcome of an edge search") {
     const Scratch folder;
     must(
         "sweep mesh-edges --worst -i triangle.undivided -i triangle.baldwin_weber -f f32 -f p16 "
@@ -155,7 +155,7 @@ TEST_CASE("searches along edges: the nearest ray of each outcome") {
     CHECK(pasted >= 6);
 }
 
-TEST_CASE("cases: numbers of the format, symmetries, ends of rays, conventions, and rays that are none") {
+TEST_CASE("paste: cases in numbers of the format, with symmetries, ranges, conventions and invalid rays") {
     const Scratch folder;
     folder.write("my cases.toml", head + R"(conventions = ["open", "closed", "own"]
 [[case]]
@@ -202,7 +202,7 @@ rays = [{ origin = [0, 0, -9], direction = [0, 0.3, 1] },
     }
 }
 
-TEST_CASE("a search: the rays of worst.csv, and of the cases that hard.toml makes of them") {
+TEST_CASE("paste: the rays in worst.csv of a search, and of the cases that hard.toml makes of them") {
     const Scratch folder;
     for (const auto& [name, primitive] : std::vector<std::pair<std::string, std::string>>{
              {"s", "centre = [-1, 1]\nradius = [0.5, 2]\n"}, {"b", "lo = [-2, -1]\nhi = [1, 2]\n"}})
@@ -226,7 +226,7 @@ TEST_CASE("a search: the rays of worst.csv, and of the cases that hard.toml make
     }
 }
 
-TEST_CASE("claims: the witness in the message, in CSV, in JSON and in JUnit XML is one that can be pasted") {
+TEST_CASE("paste: the witness of a claim in the message, CSV, JSON and JUnit XML") {
     const Scratch folder;
     const std::string ulps = metric_in("ulp_error_max", "[-2, -1]"), unified = tested("sphere.unified"),
                       press = tested("sphere.press", "bf16"), all = "case = \"*\"\n";

@@ -188,11 +188,13 @@ void hold(const std::set<std::string>& commands_of_rows, bool these) {
 
 }  // namespace
 
-TEST_CASE("what map refuses, and how it says so") { hold({"map"}, true); }
-TEST_CASE("what explain and sweep refuse, and how they say so") { hold({"explain", "sweep"}, true); }
-TEST_CASE("what every other command refuses, and how it says so") { hold({"map", "explain", "sweep"}, false); }
+TEST_CASE("map refuses wrong input with the expected messages") { hold({"map"}, true); }
+TEST_CASE("explain and sweep refuse wrong input with the expected messages") { hold({"explain", "sweep"}, true); }
+TEST_CASE("every other command refuses wrong input with the expected messages") {
+    hold({"map", "explain", "sweep"}, false);
+}
 
-TEST_CASE("every command refuses something, or it is said why not") {
+TEST_CASE("every command has a refused input in the tests or a reason why not") {
     std::set<std::string> known{"manual"}, refusing;  // takes no words
     std::size_t rows = 0;
     for (const Section& section : sections())

@@ -28,7 +28,7 @@ std::string with(const std::string& what) { return good_scene + what; }
 
 }  // namespace
 
-TEST_CASE("render writes what it says: pictures, references, difference maps, layers, a sheet and a table") {
+TEST_CASE("render writes pictures, references, difference maps, layers, a sheet and a table") {
     const Scratch scratch;
     const auto r = must(
         "render raycast-course.small --size 40x30 --stage visible,phong -i sphere.expanded -i sphere.unit_half_b "
@@ -61,7 +61,7 @@ TEST_CASE("render writes what it says: pictures, references, difference maps, la
     CHECK(table.back().at("own_shadow") == "0");
 }
 
-TEST_CASE("the layers, the pictures and the table say the same") {
+TEST_CASE("the layers, the pictures and the table of render agree") {
     draw_pictures();
     const Scratch scratch;
     must(
@@ -109,7 +109,7 @@ TEST_CASE("the layers, the pictures and the table say the same") {
     CHECK(static_cast<float>(number_in(row.at("colour_error_max"))) == worst);
 }
 
-TEST_CASE("render -v names both shares of wrong pixels, and they are those of the summary") {
+TEST_CASE("render -v prints both shares of wrong pixels, and they agree with the summary") {
     const Scratch scratch;
     const auto r =
         must("render raycast-course.small --size 64x48 -i sphere.expanded -f fp16 -v -o out", scratch.path());
@@ -128,7 +128,7 @@ TEST_CASE("render -v names both shares of wrong pixels, and they are those of th
     CHECK(sphere == wrong);
 }
 
-TEST_CASE("a scene without paint is drawn as what it asks for, and a stage beyond that is said to be") {
+TEST_CASE("a scene without paint is rendered up to the stage it asks for, and the output says so") {
     const Scratch scratch;
     const std::string scene = "'" + scratch.write("scene.toml", good_scene) + "'", out = into(scratch, "");
     const auto r = must("render " + scene + " --stage phong --pictures all" + out);
@@ -143,7 +143,7 @@ TEST_CASE("a scene without paint is drawn as what it asks for, and a stage beyon
     CHECK(read_csv(scratch / "lit/summary.csv").front().at("stage") == "diffuse");
 }
 
-TEST_CASE("a claim about a rendered picture: its number, and what it cannot be about") {
+TEST_CASE("a claim about a rendered picture has its number, and impossible ones are refused") {
     const Scratch scratch;
     const auto given = [](const std::string& words) { return words + "\n" + tested("sphere.expanded"); };
     const auto check = [&](const std::string& metric) {

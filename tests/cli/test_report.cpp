@@ -53,7 +53,7 @@ std::string report_of(const std::string& arguments, const Scratch& scratch) {
 
 }  // namespace
 
-TEST_CASE("a report is one file that asks for no other") {
+TEST_CASE("a report is one file that loads no other") {
     const Scratch scratch;
     const std::string page =
         without_blobs(report_of("near-benign sphere-tilt extremes/contact -i sphere.schoolbook -i box.signs -f f32 "
@@ -114,7 +114,7 @@ TEST_CASE("the tables of a report are the CSVs' numbers") {
     CHECK(rows == all_of(page, "<tr data-row=\"([^\"]*)\"").size());
 }
 
-TEST_CASE("a report counts and lists the claims that it is asked for") {
+TEST_CASE("a report counts and lists the requested claims") {
     const Scratch scratch;
     const std::string page = report_of("rtg-fig-7-3-4100 -i sphere.schoolbook -f f32", scratch);
     const auto json = scratch / "claims.csv";
@@ -135,7 +135,7 @@ TEST_CASE("a report counts and lists the claims that it is asked for") {
     for (const auto& link : links) CHECK(has(link, "form=sphere.schoolbook&amp;format=f32"));
 }
 
-TEST_CASE("the offsets of a report are the CSV's numbers, and there when they are asked for") {
+TEST_CASE("the offsets of a report are the CSV's numbers, and are there on request") {
     const Scratch scratch, table;
     const std::string what = "near-benign -i sphere.unified -f f32 --no-claims --size 24x18 ";
     CHECK(report_of(what, scratch).find("id=\"offsets\"") == std::string::npos);
@@ -164,7 +164,7 @@ TEST_CASE("the offsets of a report are the CSV's numbers, and there when they ar
     CHECK(all_of(overview, R"re(<data value="([^"]*)")re").size() == summary.size());
 }
 
-TEST_CASE("a report says what is chosen for a scene and a requirement, when it is asked to") {
+TEST_CASE("a report shows the choice for a scene and a requirement on request") {
     const Scratch scratch;
     const std::string what = "near-benign -i sphere.unified -i sphere.schoolbook -f f32 --no-claims --size 32x32 ";
     CHECK(report_of(what, scratch).find("id=\"choose\"") == std::string::npos);
@@ -186,7 +186,7 @@ TEST_CASE("a report says what is chosen for a scene and a requirement, when it i
     CHECK(has(none, "What limits it: "));
 }
 
-TEST_CASE("a report says what to change in a form, as mend does, when it is asked to") {
+TEST_CASE("a report shows what to change in a form on request, as mend does") {
     const Scratch scratch, mended;
     const std::string what = "near-benign -i sphere.unified -f f32 --no-claims --size 32x32 ";
     CHECK(report_of(what, scratch).find("id=\"mend\"") == std::string::npos);
@@ -204,7 +204,7 @@ TEST_CASE("a report says what to change in a form, as mend does, when it is aske
               "Even with all of its "));
 }
 
-TEST_CASE("data/report.toml names what exists") {
+TEST_CASE("data/report.toml names existing scenes, forms and sweeps") {
     const auto data = fs::path(LOSTBITS_DATA_DIR);
     const auto report = lostbits::scene::claim::read_report_file(data / "report.toml");
     REQUIRE(report.scenes.size() >= 5);
@@ -231,7 +231,7 @@ TEST_CASE("data/report.toml names what exists") {
                       Catch::Contains("report.toml:6:1") && Catch::Contains("did you mean \"scenes\"?"));
 }
 
-TEST_CASE("what is packed for a page") {
+TEST_CASE("data packed for a page keeps its numbers") {
     using namespace lostbits::output::page;
     for (const auto& [bytes, text] : {std::pair{"", ""},
                                       {"f", "Zg=="},

@@ -115,8 +115,7 @@ std::string one_of_each_kind() {
 
 }  // namespace
 
-TEST_CASE(
-    "every claim measures as stated, in the long tests the dear ones and further draws too, as the table has it") {
+TEST_CASE("every claim measures as stated, with the slow ones and more draws in long tests") {
     if (under_sanitizer) {  // which looks for faults: a further draw runs the code of the first
         must("check");
         return;
@@ -149,7 +148,7 @@ TEST_CASE(
 }
 
 // Its pictures measure their subjects once more: in the short tests there is one subject of each kind.
-TEST_CASE("the report is the committed one, in the long tests all of it, else a section of each kind of subject") {
+TEST_CASE("the committed report is current: all of it in long tests, else one section of each kind") {
     draw_pictures();
     const Scratch scratch;
     const std::string made = (scratch / "reports").string();
@@ -178,7 +177,7 @@ TEST_CASE("the report is the committed one, in the long tests all of it, else a 
     must("diff --strict '" + made + "/pictures' '" LOSTBITS_REPORTS_DIR "/pictures'");
 }
 
-TEST_CASE("the picture and the table of the README are what the program makes") {
+TEST_CASE("the picture and the table of the README are current output") {
     draw_pictures();
     const Scratch scratch;
     must("map rtg-fig-7-3-4100-oblique" + into(scratch, ""));
@@ -199,7 +198,7 @@ TEST_CASE("the picture and the table of the README are what the program makes") 
     CHECK((plot.pixels == kept_plot.pixels));
 }
 
-TEST_CASE("the scene of the tutorial can be mapped as it stands there") {
+TEST_CASE("the scene in the tutorial can be mapped as printed") {
     const std::string page = contents(LOSTBITS_REPORTS_DIR "/../docs/first-hour.md");
     const auto begin = page.find("```toml\n") + 8;
     REQUIRE(begin != std::string::npos + 8);

@@ -96,7 +96,7 @@ std::size_t lines_with(const std::string& text, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("./run builds the program alone, maps one scene first and all of them small, and ends with their folder") {
+TEST_CASE("./run builds the program only, maps one scene first, then all at small size, and prints their folder") {
     const Tree tree;
     const auto said = tree.run("");
     INFO(said.calls);
@@ -142,7 +142,7 @@ TEST_CASE("./run builds the program alone, maps one scene first and all of them 
     CHECK(tried == 3);
 }
 
-TEST_CASE("./run tells how far the build is, shows errors whole, and ends as the build does") {
+TEST_CASE("./run shows the progress of the build and full errors, and exits as the build does") {
     const Tree tree;
     tree.stand_in("bin/cmake", "case $1 in --build) ninja || exit 7 ;; esac");
     const std::string words = "x.cpp: In function:\n\nx.cpp:1:2: error: no\n    1 | int  y\n";
@@ -171,7 +171,7 @@ TEST_CASE("./run tells how far the build is, shows errors whole, and ends as the
     CHECK_FALSE(has(tree.run("").err, "ninja"));
 }
 
-TEST_CASE("./run tells how far packages are, and keeps what is noise to itself") {
+TEST_CASE("./run shows the progress of package installation and hides its noise") {
     const Tree tree;
     tree.stand_in("bin/dpkg-query", "exit 1");
     const std::string status = R"sh(case $* in *install*)
@@ -195,7 +195,7 @@ TEST_CASE("./run tells how far packages are, and keeps what is noise to itself")
     CHECK(lines_with(bad.calls, "cmake --build") == 1);  // of the run before
 }
 
-TEST_CASE("./run all makes everything and ends with the page, another word is refused") {
+TEST_CASE("./run all makes everything and ends with the page, and an unknown word is refused") {
     const Tree tree;
     const auto said = tree.run("all");
     INFO(said.calls);
@@ -209,7 +209,7 @@ TEST_CASE("./run all makes everything and ends with the page, another word is re
               "usage: ./run [all | test [--long | --sanitize] | package | fuzz [SECONDS]]"));
 }
 
-TEST_CASE("./run package puts both packages and their check-sums into dist") {
+TEST_CASE("./run package puts both packages and their checksums into dist") {
     const Tree tree;
     tree.write("python/setup.py", "");
     tree.write("CMakeLists.txt", "");
@@ -234,7 +234,7 @@ TEST_CASE("./run package puts both packages and their check-sums into dist") {
     CHECK(fs::exists(tree.at("dist/SHA256SUMS")));
 }
 
-TEST_CASE("./run test says how many tests passed, and with --sanitize of both sanitizers' builds") {
+TEST_CASE("./run test reports how many tests passed, and with --sanitize for both sanitizer builds") {
     const Tree tree;
     tree.stand_in("bin/ctest", ctest_says("run run run run run run run"));
     const auto plain = tree.run("test");
@@ -277,7 +277,7 @@ TEST_CASE("./run test says how many tests passed, and with --sanitize of both sa
     CHECK_FALSE(has(ended.out, "passed"));
 }
 
-TEST_CASE("./run test --long compiles each source by itself as well, and counts an error as a failure") {
+TEST_CASE("./run test --long also compiles each source by itself and counts an error as a failure") {
     const Tree tree;
     tree.stand_in("bin/ctest", ctest_says("run run"));
     const auto said = tree.run("test --long");

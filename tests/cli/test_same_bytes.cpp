@@ -158,26 +158,26 @@ void check_rows(Chosen chosen) {
 
 }  // namespace
 
-TEST_CASE("a map is the same bytes for any number of threads, at every register width, and again") {
+TEST_CASE("a map has the same bytes for any number of threads, at every register width and when repeated") {
     check_rows([](const std::string& command) { return command == "map"; });
 }
 
-TEST_CASE("a sweep is the same bytes for any number of threads, at every register width, and again") {
+TEST_CASE("a sweep has the same bytes for any number of threads, at every register width and when repeated") {
     check_rows([](const std::string& command) { return command == "sweep"; });
 }
 
-TEST_CASE("every other command makes the same bytes for any number of threads, at every register width, and again") {
+TEST_CASE("every other command writes the same bytes for any number of threads and at every register width") {
     check_rows([](const std::string& command) { return command != "map" && command != "sweep"; });
 }
 
-TEST_CASE("every command is run at every register width, or it is said why not") {
+TEST_CASE("every command is tested at every register width or has a reason why not") {
     std::set<std::string> named;
     for (const Row& row : rows) named.insert(command_of(row));
     for (const auto& [name, why] : others) CHECK(named.insert(name).second);
     CHECK(named == commands());
 }
 
-TEST_CASE("an unknown register width is refused, one that the processor lacks is its fault") {
+TEST_CASE("an unknown register width is refused as bad input, and a missing one as a fault of the machine") {
     const auto unknown = run("list intersectors --isa 1024");
     CHECK(unknown.code == 2);
     CHECK(has(unknown.err, "--isa"));

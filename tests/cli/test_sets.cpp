@@ -13,7 +13,7 @@ const std::string floor_map = "map spheres-on-floor --size 16x8 -f f32";
 
 }  // namespace
 
-TEST_CASE("every combination of one form a shape is a set, and two hundred are the most") {
+TEST_CASE("every combination of one form per shape is a set, and 200 sets are the limit") {
     const Scratch scratch;
     must(floor_map + " -i 'sphere.p*' -i 'box.e*' -i box.signs" + into(scratch));
     const auto rows = read_csv(scratch / "out/spheres-on-floor/summary.csv");
@@ -23,7 +23,7 @@ TEST_CASE("every combination of one form a shape is a set, and two hundred are t
     CHECK(read_csv(scratch / "word/spheres-on-floor/summary.csv") == rows);
 }
 
-TEST_CASE("shapes that share names of numbers share their columns") {
+TEST_CASE("shapes with the same number names share their columns") {
     const Scratch scratch;
     const std::string scene = scratch.write(
         "both.toml", scene_text("[[sphere]]\ncentre = [-2, 0.1, 0]\nradius = 1.25\n[[cylinder]]\nbase = [2, -1, "
@@ -38,7 +38,7 @@ TEST_CASE("shapes that share names of numbers share their columns") {
     CHECK(row.at("worst_base_x_hex").empty() == of_sphere);
 }
 
-TEST_CASE("without -i a scene of several shapes is measured by the plain set, which is said") {
+TEST_CASE("without -i a scene of several shapes is measured by the plain set, and the output says so") {
     const Scratch scratch;
     const auto r = must(floor_map + into(scratch));
     CHECK(has(r.err,
@@ -47,7 +47,7 @@ TEST_CASE("without -i a scene of several shapes is measured by the plain set, wh
     CHECK(read_csv(scratch / "out/spheres-on-floor/summary.csv").size() == 1);
 }
 
-TEST_CASE("a hit of the wrong primitive says which shape that has") {
+TEST_CASE("a hit of the wrong primitive reports the shape of that primitive") {
     const Scratch scratch;
     const std::string ray = "explain --sphere=0,0,0,1 --box=-2,-2,1,2,0.25,2 ";
     const std::string grazing = "--ray=0,0.9999999,-900,0,0,1 -f f32 ";
@@ -61,7 +61,7 @@ TEST_CASE("a hit of the wrong primitive says which shape that has") {
     CHECK(std::stoi(row.at("wrong_primitive")) > 0);
 }
 
-TEST_CASE("answers to spheres and boxes together are judged against the nearest of all") {
+TEST_CASE("answers for spheres and boxes together are judged against the nearest of all") {
     const Scratch scratch;
     // Along the axes of both every t is exact: 9 to the sphere, 12 to the box behind it, 2 past the sphere.
     const std::string file = scratch.write("rays.csv",

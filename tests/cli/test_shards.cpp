@@ -136,12 +136,11 @@ void check_rows(const std::string& command) {
 
 }  // namespace
 
-TEST_CASE("shards of a map give its pictures, tables of pixels, EXR and bits needed") { check_rows("map"); }
-
-TEST_CASE(
-    "shards of a sweep over every float, along axes, of named cases and of a search give the files of the whole") {
-    check_rows("sweep");
+TEST_CASE("shards of a map give the pictures, pixel tables, EXR and bits needed of the whole map") {
+    check_rows("map");
 }
+
+TEST_CASE("shards of every kind of sweep give the files of the whole") { check_rows("sweep"); }
 
 TEST_CASE("shards of a file of rays give the files of the whole, as a list and as a picture") { check_rows("judge"); }
 
@@ -151,7 +150,7 @@ TEST_CASE("shards of a study give its pictures, tables and EXR") {
 
 TEST_CASE("shards of claims give the report of the whole") { check_rows("check"); }
 
-TEST_CASE("every command that can be divided is") {
+TEST_CASE("every command that can be split into shards is tested so") {
     for (const std::string& command : commands()) {
         INFO(command);
         const bool has_row =
@@ -160,7 +159,7 @@ TEST_CASE("every command that can be divided is") {
     }
 }
 
-TEST_CASE("a file of rays that does not fill its picture is refused when its shards are joined") {
+TEST_CASE("a file of rays that does not fill its picture is refused when its shards are merged") {
     const Scratch scratch;
     scratch.write("rays.csv", rays_csv());
     must("judge rays.csv --sphere 0,0,0,1 --file-format f32 --size 200x331 --shard 1/1 -o p", scratch.path());
@@ -170,7 +169,7 @@ TEST_CASE("a file of rays that does not fill its picture is refused when its sha
     CHECK_FALSE(fs::exists(scratch / "j/rays/summary.csv"));
 }
 
-TEST_CASE("shards of claims judge nothing by themselves") {
+TEST_CASE("shards of claims give no verdicts themselves") {
     const Scratch scratch;
     const auto says = [&](const std::string& options, const std::string& what) {
         const auto r = run("check --filter 'float.*' " + options);
@@ -186,7 +185,7 @@ TEST_CASE("shards of claims judge nothing by themselves") {
     CHECK(has(contents(junit), "<testsuite name=\"lostbits claims\""));
 }
 
-TEST_CASE("what is no shard of a run is refused, and nothing is written") {
+TEST_CASE("a file that is not a shard of the run is refused, and nothing is written") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", every_float);
     const std::string command = "sweep " + shell_word(file) + " -i sphere.press";
@@ -246,7 +245,7 @@ TEST_CASE("what is no shard of a run is refused, and nothing is written") {
             "was measured with other files");
 }
 
-TEST_CASE("a forged shard is refused before the first result") {
+TEST_CASE("a forged shard is refused before any result is written") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     must("-q map mine.toml -i sphere.press -f f32 --shard 1/1 -o parts", scratch.path());
@@ -269,7 +268,7 @@ TEST_CASE("a forged shard is refused before the first result") {
     must("merge parts -o out", scratch.path());
 }
 
-TEST_CASE("a shard that was killed leaves nothing half written, goes on with --resume, or is run again alone") {
+TEST_CASE("a killed shard leaves nothing half-written, and resumes with --resume or reruns") {
     const Scratch scratch;
     const std::string text = every_float_to("0x1.6bp18");  // some seconds of work
     const std::string file = scratch.write("s.toml", text);

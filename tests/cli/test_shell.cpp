@@ -93,7 +93,7 @@ TEST_CASE("bash completes every option of every command") {
     }
 }
 
-TEST_CASE("the scripts for zsh and fish are what those shells read") {
+TEST_CASE("the completion scripts work in zsh and fish") {
     const Scratch scratch;
     for (const std::string name : {"bash", "zsh", "fish"}) {
         const auto r = must("completion " + name);
@@ -114,7 +114,7 @@ TEST_CASE("the scripts for zsh and fish are what those shells read") {
     }
 }
 
-TEST_CASE("the manual page names every command and every option, and man reads it") {
+TEST_CASE("the manual page has every command and option, and man can read it") {
     const Scratch scratch;
     const auto page = must("manual");
     CHECK(page.out.starts_with(".TH LOSTBITS 1"));
@@ -136,7 +136,7 @@ TEST_CASE("the manual page names every command and every option, and man reads i
     }
 }
 
-TEST_CASE("standard output takes the table of a choice, of a mended form and of claims, and nothing is left anywhere") {
+TEST_CASE("choose, mend and check write their table to standard output with -o - and leave no file") {
     const Scratch scratch, temporary;
     scratch.write("mine.toml", good_scene);
     const std::string before = "export TMPDIR='" + temporary.path().string() + "';";
@@ -162,7 +162,7 @@ TEST_CASE("standard output takes the table of a choice, of a mended form and of 
               "1 verdict confirmed, 0 failed\nfrom a source: 1 is refuted\n"));
 }
 
-TEST_CASE("JUnit says how long each claim took") {
+TEST_CASE("JUnit output has the time of each claim") {
     const auto r = must("check --filter 'float.*' --junit -");
     const std::regex time("<testcase [^>]*time=\"([0-9.]+)\"");
     double sum = 0;
@@ -176,7 +176,7 @@ TEST_CASE("JUnit says how long each claim took") {
     CHECK(std::abs(std::stod(suite[1]) - sum) < 1e-4);
 }
 
-TEST_CASE("what the documents call data/… is found from any folder, and what lies here under that name comes first") {
+TEST_CASE("data/... of the documents is found from any folder, and a local file of that name comes first") {
     const Scratch elsewhere;
     const std::string judge = "judge data/dumps/far-sphere.csv --file-format f32 --sphere 0,0,0,1 -o out";
     const auto found = must(judge, elsewhere.path());

@@ -15,7 +15,7 @@ namespace test_cli_spaces {
 using namespace lostbits;
 using namespace lostbits::test;
 
-TEST_CASE("twelve kilometres out a map tells what each space loses, and which step loses it") {
+TEST_CASE("12 km from the origin a map shows what each transform method loses and at which step") {
     const Scratch folder;
     must(
         "map instance-far.sphere -i 'sphere.unified@*' -f f32 --size 24x24 --metric worst_step --metric "
@@ -36,7 +36,7 @@ TEST_CASE("twelve kilometres out a map tells what each space loses, and which st
     }
 }
 
-TEST_CASE("a form without a space is asked through the plain one, and a scene of several shapes by sets") {
+TEST_CASE("a form without a transform uses the plain one, and a scene of several shapes uses sets") {
     const Scratch folder;
     must("map instance-far.box -i box.signs -f f32 --size 8x8" + into(folder, "out/one"));
     CHECK(read_csv(folder / "out/one/instance-far.box/summary.csv")[0].at("form") == "box.signs@plain");
@@ -48,7 +48,7 @@ TEST_CASE("a form without a space is asked through the plain one, and a scene of
           "sphere.unified@relative+box.signs@pbrt+capsule.half_b@plain+cone.moment@embree");
 }
 
-TEST_CASE("explain goes through the transform, and a matrix can be given with the numbers of a primitive") {
+TEST_CASE("explain follows the transform, and a matrix can be given with the numbers of a primitive") {
     const auto pixel = must("explain instance-far.sphere --pixel 96,96 -i sphere.unified -f f32 --json");
     const auto x = nlohmann::ordered_json::parse(pixel.out);
     CHECK(x["form"] == "sphere.unified@plain");
@@ -66,7 +66,7 @@ TEST_CASE("explain goes through the transform, and a matrix can be given with th
     CHECK(has(run("explain instance-far.sphere --pixel 96,96 -i sphere.unified -f f32").out, "@relative"));
 }
 
-TEST_CASE("a glob of steps is every step, and a glob of forms through a space leaves out those that march") {
+TEST_CASE("a glob of steps covers every step, and a glob of forms with a transform leaves out marches") {
     const Scratch folder;
     must("map instance-far.sphere -i '*@relative' -f f32 --size 6x6 --metric 'step:*'" + into(folder));
     const auto rows = read_csv(folder / "out/instance-far.sphere/summary.csv");
@@ -78,7 +78,7 @@ TEST_CASE("a glob of steps is every step, and a glob of forms through a space le
     }
 }
 
-TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene that they are of") {
+TEST_CASE("a file of rays with a matrix per ray is judged as the scene it comes from") {
     const Scratch folder;
     const std::string scene = "instance-far.sphere --size 7x7 -i sphere.unified@pbrt -f f32";
     must("map " + scene + into(folder));
@@ -138,7 +138,7 @@ TEST_CASE("a file of rays has a matrix for each ray, and is judged as the scene 
             "give one primitive for all rays"));
 }
 
-TEST_CASE("trade has the price of a transform on a scene, and says why it has none at a primitive under no matrix") {
+TEST_CASE("trade reports the cost of a transform, and why there is none for a primitive without a matrix") {
     const Scratch folder;
     const std::string out = into(folder);
     must("trade instance-far.sphere --size 8x8 -i 'sphere.unified@*' -f f32 --quick" + out);
@@ -147,7 +147,7 @@ TEST_CASE("trade has the price of a transform on a scene, and says why it has no
     CHECK(has(run("trade --shape sphere -i sphere.unified@plain -f f32 --quick" + out).err, "not placed by a matrix"));
 }
 
-TEST_CASE("a map behind boxes tells the level that loses a hit") {
+TEST_CASE("a map of a form behind boxes shows the level that loses a hit") {
     const Scratch folder;
     must(
         "map behind-boxes.sphere -i 'sphere.filtered^box.pbrt_padded~*' -f f32 --size 24x24 --metric lost_to "
@@ -165,7 +165,7 @@ TEST_CASE("a map behind boxes tells the level that loses a hit") {
     CHECK(culled.at("sphere.filtered^box.pbrt_padded~nearest") > 10);
 }
 
-TEST_CASE("two levels of boxes are named from the inside out, and explained") {
+TEST_CASE("two levels of boxes are named from inside to outside, and can be explained") {
     const Scratch folder;
     const std::string name = "box.filtered^box.signs@relative^box.embree_padded~pbrt";
     must("map behind-boxes.instance -i '" + name + "' -f f32 --size 12x12 --metric lost_to" + into(folder));
@@ -180,8 +180,7 @@ TEST_CASE("two levels of boxes are named from the inside out, and explained") {
           "box.filtered^box.signs@plain");
 }
 
-TEST_CASE(
-    "steps and offsets of a form behind a box in the world are those of its way into the space of the primitive") {
+TEST_CASE("steps and offsets of a form behind a world-space box are those of its transform") {
     const Scratch folder;
     const std::string form = "box.signs@plain";
     const auto step = [&](const std::string& name, const std::string& where) {

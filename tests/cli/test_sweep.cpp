@@ -8,7 +8,7 @@ namespace test_sweep {
 
 using namespace lostbits::test;
 
-TEST_CASE("a sweep writes a row per form, format and step, and the onsets between them") {
+TEST_CASE("a sweep writes one row per form, format and step, and the onsets between steps") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", small_sweep);
     must("sweep '" + file + "' -i sphere.schoolbook -i sphere.hearn_baker -f f32 -f p16" + into(scratch, ""));
@@ -49,7 +49,7 @@ TEST_CASE("a sweep writes a row per form, format and step, and the onsets betwee
     CHECK(backwards > 0);
 }
 
-TEST_CASE("a sweep takes culprits, cancellation and contributions: columns, a long table, a plot a row") {
+TEST_CASE("a sweep of culprits, cancellation and contributions gives columns, a long table and a plot per row") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", small_sweep);
     const std::string what = "sweep '" + file +
@@ -79,7 +79,7 @@ TEST_CASE("a sweep takes culprits, cancellation and contributions: columns, a lo
     }
 }
 
-TEST_CASE("a sweep over a scene turns its numbers through the same overrides as --set") {
+TEST_CASE("a sweep over a scene changes its numbers by the same overrides as --set") {
     const Scratch scratch;
     const std::string file = scratch.write(
         "s.toml", sweep_of("scene = \"near-benign\"\n" +
@@ -95,7 +95,7 @@ TEST_CASE("a sweep over a scene turns its numbers through the same overrides as 
     CHECK(read_csv(scratch / "near-benign/summary.csv").front().at("agree_hit") == samples[3].at("agree_hit"));
 }
 
-TEST_CASE("two axes give the product of their steps, every_float every float") {
+TEST_CASE("two axes give the product of their steps, and every_float gives every float") {
     const Scratch scratch;
     const std::string second =
         "\n[[axis]]\nname = \"impact\"\nspacing = \"every_float\"\nfrom = \"0x1.fffff0p-1\"\nto = "
@@ -117,7 +117,7 @@ rays = [{ origin = [0, 0, 0], direction = [0, 0, 1] }]
 
 }  // namespace
 
-TEST_CASE("a length that a format makes 0 or infinity of is said on stderr") {
+TEST_CASE("a length that becomes 0 or infinite in a format is reported on stderr") {
     const Scratch scratch;
     const std::string out = " -q" + into(scratch), loud = out.substr(3);
     const auto said = [&](const std::string& command) { return run(command + loud).err; };

@@ -14,7 +14,7 @@ std::string with_steps(int n) { return replaced(small_sweep, "steps = 20", "step
 
 }  // namespace
 
-TEST_CASE("a sweep says where a form is good again after its first trouble, as its own steps do") {
+TEST_CASE("a sweep reports where a form becomes good again after its first failure, as its steps show") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", with_steps(60));
     must("sweep '" + file + "' -i sphere.schoolbook -f f32 -q" + into(scratch, ""));
@@ -58,7 +58,7 @@ TEST_CASE("a sweep says where a form is good again after its first trouble, as i
     CHECK(for_good > 2);
 }
 
-TEST_CASE("an onset that is read from the last step is that of the sweep whose steps are in the other order") {
+TEST_CASE("an onset read from the last step equals that of the reversed sweep") {
     const Scratch scratch;
     scratch.write("s.toml", small_sweep);
     // A step of the axis is an octave, so that both orders have the same values.
@@ -85,7 +85,7 @@ TEST_CASE("an onset that is read from the last step is that of the sweep whose s
     CHECK(inside > 3);  // of those some are good again at 2^20 radii, where they are seen to end
 }
 
-TEST_CASE("a sweep says where a form first hits the wrong primitive, as its own steps do") {
+TEST_CASE("a sweep reports where a form first hits the wrong primitive, as its steps show") {
     const Scratch scratch;
     scratch.write("two.toml", good_scene + "[[sphere]]\ncentre = [0, 0, 0.0078125]\nradius = 1\n");
     scratch.write("s.toml",
@@ -113,7 +113,7 @@ TEST_CASE("a sweep says where a form first hits the wrong primitive, as its own 
     CHECK(rows == 2);
 }
 
-TEST_CASE("a sweep: --steps, --set and --size change what they name, and the title says so") {
+TEST_CASE("a sweep: --steps, --set and --size change the part they name, and the title says so") {
     const Scratch scratch;
     scratch.write("s.toml", small_sweep);
     const auto sweep = [&](const std::string& options) {
@@ -143,7 +143,7 @@ TEST_CASE("a sweep: --steps, --set and --size change what they name, and the tit
     CHECK(read_csv(scratch / "d/near/worst.csv").front().at("evaluations") == "64");
 }
 
-TEST_CASE("an interrupted sweep says what it was amid, and what is kept") {
+TEST_CASE("an interrupted sweep reports where it was and what is kept") {
     const Scratch scratch;
     scratch.write("s.toml", with_steps(4000));
     const auto r = run("sweep s.toml --set views=64 -i sphere.unified -f f32 -j 1 -o out" + ended_after(1.5, "TERM"),

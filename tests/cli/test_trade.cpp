@@ -16,7 +16,7 @@ const char* const quick = "trade --quick --repetitions 2 ";
 
 }  // namespace
 
-TEST_CASE("trade times every kernel on every load and judges it on every set") {
+TEST_CASE("trade times every kernel on every load and measures its accuracy on every set") {
     const Scratch scratch;
     const auto r = must(quick + std::string("-i sphere.schoolbook -i sphere.unified -i sphere.double_inside -o '") +
                         scratch.path().string() + "'");
@@ -55,7 +55,7 @@ TEST_CASE("trade times every kernel on every load and judges it on every set") {
     CHECK(package["resources"][1]["schema"]["fields"].size() == standings.front().size());
 }
 
-TEST_CASE("boxes have a trade of their own") {
+TEST_CASE("trade has a table of its own for boxes") {
     const Scratch scratch;
     const auto r = must(quick + std::string("--shape box -f f32 -i box.signs -i box.pbrt_padded -q -o '") +
                         scratch.path().string() + "'");
@@ -73,7 +73,7 @@ TEST_CASE("boxes have a trade of their own") {
     CHECK(fs::exists(scratch / "box/edge-grazing.png"));
 }
 
-TEST_CASE("a trade on a scene times its own rays, and its accuracy is that of the map") {
+TEST_CASE("trade on a scene times the scene's rays and has the accuracy of its map") {
     const Scratch scratch, maps;
     const std::string what = "near-benign --size 40x30 -i sphere.schoolbook -i sphere.filtered ";
     const auto r = must(quick + std::string("--scene ") + what + "-o '" + scratch.path().string() + "'");

@@ -74,7 +74,7 @@ void hold(std::size_t half) {
 
 }  // namespace
 
-TEST_CASE("every defect of a library has a file for its authors, and every file belongs to a defect") {
+TEST_CASE("every defect of a library has a report file, and every report file belongs to a defect") {
     const std::string report = contents(specimens / "README.md");
     const auto from = report.find("\n## Defects\n");
     REQUIRE(from != std::string::npos);
@@ -97,7 +97,7 @@ TEST_CASE("every defect of a library has a file for its authors, and every file 
     CHECK(linked == found);
 }
 
-TEST_CASE("a file for authors has a place, a program of under 30 lines, its output, a change and its cost") {
+TEST_CASE("a report file for authors has a place, a program under 30 lines, its output, a fix and its cost") {
     static const std::regex place(R"(\nWhere: [^\n]*[A-Za-z0-9]:\d+[^\n]* \d+[.\d]+)"),
         ours("lost ?bits|culprit|specimen");
     for (const fs::path& letter : letters()) {
@@ -122,7 +122,7 @@ TEST_CASE("a file for authors has a place, a program of under 30 lines, its outp
     }
 }
 
-TEST_CASE("the programs for authors print what the files quote: one half") { hold(0); }
-TEST_CASE("the programs for authors print what the files quote: the other half") { hold(1); }
+TEST_CASE("the programs in report files print the quoted output: first half") { hold(0); }
+TEST_CASE("the programs in report files print the quoted output: second half") { hold(1); }
 
 }  // namespace test_upstream

@@ -46,7 +46,7 @@ bool is_ray(const Scene<S>& scene, std::size_t i) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("a row and its rounded numbers of the same format are the same bits", "[intersect][bits]", float,
+TEMPLATE_TEST_CASE("a row and its emulation in the same format give the same bits", "[intersect][bits]", float,
                    double) {
     using S = TestType;
     for (const ShapeRow& shape : shape_rows) {
@@ -84,8 +84,8 @@ TEMPLATE_TEST_CASE("a row and its rounded numbers of the same format are the sam
 using SomeForms = intersect::FormList<intersect::sphere::Schoolbook, intersect::sphere::KahanDiscriminant,
                                       intersect::sphere::PbrtInterval, intersect::sphere::TwoStep>;
 
-TEMPLATE_TEST_CASE("forms of spheres over a fixed format are the bits of their rows", "[intersect][bits]", float,
-                   double) {
+TEMPLATE_TEST_CASE("forms of spheres over a fixed emulated format give the bits of their rows", "[intersect][bits]",
+                   float, double) {
     using S = TestType;
     using T = std::conditional_t<std::same_as<S, float>, Rounded<24, -126, 127>, Rounded<53>>;
     const std::vector<Scene<S>> all = draw_scenes<S>(Shape::sphere, 24);
@@ -109,7 +109,7 @@ TEMPLATE_TEST_CASE("forms of spheres over a fixed format are the bits of their r
     });
 }
 
-TEST_CASE("a narrower row rounds its inputs on the way in", "[intersect][bits]") {
+TEST_CASE("a row in a narrower format rounds its inputs first", "[intersect][bits]") {
     const Intersector& row = intersect::table::intersectors(Shape::sphere)[0];
     Scene<double> scene{Sphere<double>{Vec<double>(0, 0, 0), 1.0}, {}, {}};
     scene.add({0.1, 0, -5, 0, 0, 1});

@@ -127,16 +127,16 @@ void check_bounds(std::uint64_t rays, std::uint64_t seed, bool any_scale = false
 
 }  // namespace
 
-TEST_CASE("a form's own bound is never below its error, and a decision that it proves is right",
+TEST_CASE("a running error bound of a form covers its error, and its proved decisions are right",
           "[intersect][bounded]") {
     check_bounds(draws(std::uint64_t{1} << 20, 20), 1);
 }
 
-TEST_CASE("the same over all exponents of the format", "[intersect][bounded]") {
+TEST_CASE("running error bounds hold over all exponents of the format", "[intersect][bounded]") {
     check_bounds(draws(std::uint64_t{1} << 19, 20), 3, true);
 }
 
-TEST_CASE("the bounds over as many rays as asked for", "[.][long-bounds]") {
+TEST_CASE("running error bounds hold over a chosen number of rays", "[.][long-bounds]") {
     const char* const asked = std::getenv("LOSTBITS_RAYS");
     const char* const seed = std::getenv("LOSTBITS_SEED");
     check_bounds(asked ? std::strtoull(asked, nullptr, 10) : 10000000, seed ? std::strtoull(seed, nullptr, 10) : 2);
@@ -144,7 +144,7 @@ TEST_CASE("the bounds over as many rays as asked for", "[.][long-bounds]") {
                  true);
 }
 
-TEST_CASE("bounds say what is known, and no more", "[number][bounded]") {
+TEST_CASE("a bound proves only what its error allows", "[number][bounded]") {
     using B = Bounded<float>;
     const B third = B(1) / B(3);
     CHECK(third.error() > 0);

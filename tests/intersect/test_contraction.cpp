@@ -7,7 +7,7 @@
 
 namespace lostbits::test {
 
-TEST_CASE("the build does not fuse a·b − c", "[intersect][bits]") {
+TEST_CASE("the compiler does not fuse a·b − c", "[intersect][bits]") {
     const double a = 1 + 0x1p-30;  // a² = 1 + 2^-29 + 2^-60, whose last bit a product alone rounds away
     const double rounded = 1 + 0x1p-29;
     CHECK(product_minus(a, a, rounded) == 0);
@@ -17,7 +17,7 @@ TEST_CASE("the build does not fuse a·b − c", "[intersect][bits]") {
     else WARN("no FMA on this machine: the control has nothing to fuse");
 }
 
-TEST_CASE("doubles that become floats and doubles again are rounded", "[intersect][bits]") {
+TEST_CASE("a double converted to float and back is rounded", "[intersect][bits]") {
     const auto [first, second] = rounded_pair(1.0 / 3, 1.0 / 7);
     CHECK(first == 0x1.555556p-2);
     CHECK(second == 0x1.24924ap-3);

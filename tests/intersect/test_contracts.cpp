@@ -12,7 +12,7 @@ namespace lostbits::test {
 
 using intersect::Info;
 
-TEST_CASE("forms have names, titles and sources, and the table shows them in the catalogue's order",
+TEST_CASE("every form has a name, a title and a source, and the table keeps the catalogue's order",
           "[intersect][info]") {
     std::set<std::string> names, titles;
     std::size_t i = 0;
@@ -52,7 +52,7 @@ TEST_CASE("forms have names, titles and sources, and the table shows them in the
     CHECK(i == intersect::table::catalogue().size());
 }
 
-TEST_CASE("the seeds' forms come first and have the contracts of their words", "[intersect][info]") {
+TEST_CASE("the seed's forms come first, and every form has the contract it documents", "[intersect][info]") {
     const char* first[] = {"sphere.schoolbook",  "sphere.schoolbook_strict", "sphere.expanded",
                            "sphere.unit_half_b", "sphere.hearn_baker",       "sphere.press",
                            "sphere.unified",     "sphere.unified_unit",      "sphere.early_exit"};

@@ -115,7 +115,7 @@ void check_form(const Intersector& form, const Format& format, std::uint64_t ray
 
 }  // namespace
 
-TEST_CASE("the tape of a form that filters is of what ran, its exact step one operation", "[attribution]") {
+TEST_CASE("the tape of a filtered form records what ran, with its exact step as one operation", "[attribution]") {
     std::size_t forms = 0;
     for (const Intersector& form : intersect::table::catalogue()) {
         if (!form.way) continue;

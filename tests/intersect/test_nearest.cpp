@@ -100,7 +100,7 @@ double largest_share_of_bound(const ShapeRow& row, Seeded& rng) {
 
 }  // namespace
 
-TEST_CASE("a shape's distance, normal, nearest point and bounded point belong together", "[shapes]") {
+TEST_CASE("distance, normal, nearest point and bounded point of a shape agree with each other", "[shapes]") {
     Seeded rng(0x7a7);
     Primitives::each([&]<template <class> class S>() {
         const ShapeRow& row = row_of(shape_as<S>);
@@ -130,7 +130,7 @@ TEST_CASE("a shape's distance, normal, nearest point and bounded point belong to
 }
 
 /// Sampled on the surface: some point is hardly farther than `distance` says, so that the bound is one.
-TEST_CASE("the field of an ellipsoid is near to how far its surface is", "[shapes]") {
+TEST_CASE("the distance field of an ellipsoid is close to the true distance", "[shapes]") {
     Seeded rng(0x7a4);
     double closest = HUGE_VAL;
     for (int i = 0; i < 300; ++i) {

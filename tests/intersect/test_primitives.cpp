@@ -39,7 +39,7 @@ constexpr bool is_holed = std::same_as<decltype(std::declval<Of>().span(Ray<doub
 
 }  // namespace
 
-TEST_CASE("a shape is the numbers of its keys, in their order, there and back") {
+TEST_CASE("a shape is written to its keys and read back with the same numbers in the same order") {
     for (const ShapeRow& row : shape_rows) {
         CAPTURE(row.name);
         const Primitive<double> primitive = counted_up(row);
@@ -62,7 +62,7 @@ TEST_CASE("a shape is the numbers of its keys, in their order, there and back") 
     CHECK_FALSE(shape_named("spheroid"));
 }
 
-TEST_CASE("no name of a column belongs to two numbers, and its columns and keys tell a shape from every other") {
+TEST_CASE("column names are unique in a shape, and columns and keys identify the shape") {
     using Names = std::set<std::string>;
     std::vector<Names> columns, keys;
     for (const ShapeRow& row : shape_rows) {
@@ -82,7 +82,7 @@ TEST_CASE("no name of a column belongs to two numbers, and its columns and keys 
                 if (a != b) CHECK_FALSE(std::ranges::includes(sets[b], sets[a]));
 }
 
-TEST_CASE("a limit that is broken is told with its key and its number, and so is NaN") {
+TEST_CASE("a number outside its limits is reported with its key and value, and so is NaN") {
     for (const ShapeRow& row : shape_rows) {
         CAPTURE(row.name);
         const Primitive<double> good = counted_up(row);
@@ -116,7 +116,7 @@ TEST_CASE("a limit that is broken is told with its key and its number, and so is
     CHECK(order_words(*broken_limit(flat)->key) == "lo <= hi");
 }
 
-TEST_CASE("the names that files and options have of spheres and boxes") {
+TEST_CASE("spheres and boxes have the documented names in files and options") {
     CHECK(option_words(Shape::sphere) == "CX,CY,CZ,R");
     CHECK(option_words(Shape::box) == "LOX,LOY,LOZ,HIX,HIY,HIZ");
     CHECK(number_paths(Shape::sphere).back() == "sphere.radius");
@@ -137,7 +137,7 @@ Vec<double> coarse(std::mt19937& random) {
 
 }  // namespace
 
-TEST_CASE("what a shape says of lines, points and normals fits together") {
+TEST_CASE("lines, points and normals of a shape are consistent") {
     std::mt19937 random(11);
     int surfaces = 0;
     for (const ShapeRow& row : shape_rows) {
@@ -194,7 +194,7 @@ TEST_CASE("what a shape says of lines, points and normals fits together") {
     CHECK(surfaces > 3);
 }
 
-TEST_CASE("a row says what its shape does") {
+TEST_CASE("the words and flags of the shape table are true of each shape") {
     for (const ShapeRow& row : shape_rows) {
         CAPTURE(row.name);
         for (const std::string_view words :
@@ -222,7 +222,7 @@ TEST_CASE("a row says what its shape does") {
     CHECK(length_key(Shape::sphere)->number == 3);
 }
 
-TEST_CASE("the span of a shape holds the span in every wider number") {
+TEST_CASE("the span of a shape over balls contains its span over intervals") {
     std::mt19937 random(12);
     for (const ShapeRow& row : shape_rows) {
         CAPTURE(row.name);

@@ -39,7 +39,7 @@ void check_open_sign() {
 
 }  // namespace
 
-TEST_CASE("every form of the catalogue answers over counted numbers and balls, recorded or compiled", "[intersect]") {
+TEST_CASE("every form works over operation counters and balls, recorded or compiled", "[intersect]") {
     for (const Intersector& row : intersect::table::catalogue()) {
         if (row.log) continue;  // marches: their target is a field
         INFO(row.info->name);
@@ -55,7 +55,7 @@ TEST_CASE("every form of the catalogue answers over counted numbers and balls, r
     }
 }
 
-TEST_CASE("a recorded form follows both sides of a sign that an enclosure leaves open", "[intersect][enclosures]") {
+TEST_CASE("a recorded form follows both branches where an enclosure leaves a sign open", "[intersect][enclosures]") {
     check_open_sign<intersect::sphere::Press>();
 }
 

@@ -103,7 +103,7 @@ void try_pair(const Known& a, const Known& b, std::array<long, count>& broken) {
 
 }  // namespace
 
-TEST_CASE("four bits: no bound of any pair is below the error, no proved comparison is wrong", "[number][bounded]") {
+TEST_CASE("four bits: every bound of a pair holds and every proved comparison is right", "[number][bounded]") {
     const std::vector<Known> first = operands(false), second = operands(true);
     std::array<long, count> broken{};
     for (const Known& a : first) {
@@ -115,7 +115,7 @@ TEST_CASE("four bits: no bound of any pair is below the error, no proved compari
     }
 }
 
-TEST_CASE("four bits: no bound of one number is below the error", "[number][bounded]") {
+TEST_CASE("four bits: every bound of an operation on one number holds", "[number][bounded]") {
     long roots = 0, sizes = 0, neighbours = 0, copies = 0;
     for (const Known& a : operands(true)) {
         for (const double x : a.points) {
@@ -132,7 +132,7 @@ TEST_CASE("four bits: no bound of one number is below the error", "[number][boun
     CHECK(copies == 0);
 }
 
-TEST_CASE("four bits: no bound of a fused product is below the error", "[number][bounded]") {
+TEST_CASE("four bits: every bound of a fused product holds", "[number][bounded]") {
     const std::vector<Known> all = operands(true);
     Random random(34);
     const auto one = [&]() -> const Known& {
@@ -149,7 +149,7 @@ TEST_CASE("four bits: no bound of a fused product is below the error", "[number]
     CHECK(broken == 0);
 }
 
-TEST_CASE("a product of errors that underflows is no exact zero", "[number][bounded]") {
+TEST_CASE("a product of errors that underflows is not taken for an exact zero", "[number][bounded]") {
     using F = Bounded<float>;
     const float tiny = 0x1p-149F;
     // 0 ± 2^-149 times 2^-1: at most 2^-150 off, of which nothing is left in float.

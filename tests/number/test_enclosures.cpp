@@ -59,7 +59,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("Kleene's strong tables", "[number][tri]") {
+TEST_CASE("three-valued logic follows Kleene's strong tables", "[number][tri]") {
     const Tri no = Tri::no, unknown = Tri::unknown, yes = Tri::yes;
     const Tri value[] = {no, unknown, yes};
     const Tri both[3][3] = {{no, no, no}, {no, unknown, unknown}, {no, unknown, yes}};
@@ -106,7 +106,7 @@ TEST_CASE("an interval's ends are the exact result rounded down and up", "[numbe
 }
 
 /// The ends that MPFI has, of all that an interval of two words may keep to itself.
-TEST_CASE("an interval that is a point has the ends that MPFI gives it", "[number][interval]") {
+TEST_CASE("a point interval has the same ends as in MPFI", "[number][interval]") {
     Random random(9);
     int wrong = 0, zeros = 0, wide = 0;
     for (int i = 0; i < 20000; ++i) {
@@ -165,7 +165,7 @@ TEST_CASE("more precision never widens an interval", "[number][interval]") {
     CHECK(narrower > 10000);
 }
 
-TEST_CASE("the working precision belongs to its scope and to results only", "[number][interval]") {
+TEST_CASE("the working precision applies to results within its scope only", "[number][interval]") {
     const Interval::Precision outer(100);
     const Interval third = Interval(1) / Interval(3);
     CHECK(mpfr_get_prec(third.lower()) == 100);
@@ -191,7 +191,7 @@ TEST_CASE("the working precision belongs to its scope and to results only", "[nu
     CHECK(mpfr_cmp_d(Interval(Real(-0.375)).lower(), -0.375) == 0);
 }
 
-TEST_CASE("a square knows that it is one, a product does not", "[number][interval]") {
+TEST_CASE("the square of an interval is never negative, its product with itself can be", "[number][interval]") {
     const Interval x = Interval::between(-1, 2), product = x * x, squared = square(x);
     CHECK(mpfr_cmp_si(product.lower(), -2) == 0);
     CHECK(mpfr_cmp_si(product.upper(), 4) == 0);
@@ -217,7 +217,7 @@ TEST_CASE("an undecided selection covers both sides", "[number][interval]") {
     CHECK(select(Ball(0, 0, 1) < Ball(0), Ball(2), Ball(2)).hi() == 2);
 }
 
-TEST_CASE("a root of what may be negative is half known", "[number][interval]") {
+TEST_CASE("the root of an interval that may be negative may be undefined", "[number][interval]") {
     const Interval r = sqrt(Interval::between(-1, 4));
     CHECK(r.undefined() == Undefined::maybe);
     CHECK(mpfr_cmp_si(r.lower(), 0) == 0);
@@ -248,7 +248,7 @@ TEST_CASE("a ball of exact operands is as narrow as double-double allows", "[num
     CHECK(seen > 40000);
 }
 
-TEST_CASE("a ball out of its range knows nothing", "[number][ball]") {
+TEST_CASE("a ball outside its exponent range is unbounded and decides nothing", "[number][ball]") {
     const Ball huge(0x1p+600), tiny(0x1p-600);
     CHECK_FALSE((huge * huge).is_bounded());
     CHECK_FALSE((tiny * tiny).is_bounded());

@@ -19,7 +19,7 @@ TEST_CASE("formats are found by name", "[number][format]") {
     }
 }
 
-TEST_CASE("any other name is no format", "[number][format]") {
+TEST_CASE("any other name is refused as a format", "[number][format]") {
     for (const char* name :
          {"",    "p",  "p0",      "p1", "p02",          "p54", "p100", "p-3",  "p+5", "p5x",  "p5 ",
           " p5", "P5", "p5..p12", "pN", "p99999999999", "f16", "F32",  "f32 ", "f",   "half", "double"})
@@ -35,7 +35,7 @@ TEST_CASE("the unit in the last place stops shrinking at the subnormals", "[numb
     CHECK(ulp_exponent(binary16, 10) == 0);
 }
 
-TEST_CASE("the unit roundoff is that of the format, and none in exact arithmetic", "[number]") {
+TEST_CASE("the unit roundoff belongs to the format and does not exist in exact arithmetic", "[number]") {
     CHECK(unit_roundoff<float>() == 0x1p-24f);
     CHECK(unit_roundoff<double>() == 0x1p-53);
     CHECK(unit_roundoff<Half>().value() == 0x1p-11);

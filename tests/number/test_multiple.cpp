@@ -89,7 +89,7 @@ Tried try_volumes(const Bits& bits, std::size_t draws) {
 
 }  // namespace
 
-TEST_CASE("multiples of a unit are what they say, and zeros are proved", "[number][multiple]") {
+TEST_CASE("multiples of a unit have the stated values, and zeros are proved", "[number][multiple]") {
     const std::size_t all = draws<std::size_t>(20'000);
     for (const Bits& bits : {Bits{24, 0, 31},
                              {24, 7, 31},
@@ -111,7 +111,7 @@ TEST_CASE("multiples of a unit are what they say, and zeros are proved", "[numbe
     }
 }
 
-TEST_CASE("of numbers that no grid holds nothing is said", "[number][multiple]") {
+TEST_CASE("numbers that are not on a grid prove nothing", "[number][multiple]") {
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
     const auto silent = [](const Number& x) {
         const auto less = x < Number(0), at_most = x <= Number(0);

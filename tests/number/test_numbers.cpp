@@ -21,7 +21,8 @@ struct OneSetting {
 
 }  // namespace
 
-TEMPLATE_LIST_TEST_CASE("a number obeys the laws on values that every format holds", "[number]", RunnableNumbers) {
+TEMPLATE_LIST_TEST_CASE("every number type obeys the laws of arithmetic on values that every format holds", "[number]",
+                        RunnableNumbers) {
     using T = TestType;
     const OneSetting<T> setting;
     const auto is = [](const T& x, int v) { return Kind<T>::is(x, v); };
@@ -62,7 +63,7 @@ TEMPLATE_LIST_TEST_CASE("a number obeys the laws on values that every format hol
     CHECK(is(Wider<T>::narrow(Wider<T>::widen(three)), 3));
 }
 
-TEMPLATE_LIST_TEST_CASE("comparisons and masks of a number", "[number]", RunnableNumbers) {
+TEMPLATE_LIST_TEST_CASE("comparisons and masks of every number type agree", "[number]", RunnableNumbers) {
     using T = TestType;
     const OneSetting<T> setting;
     const T one(1), two(2), also_two(2);
@@ -95,7 +96,7 @@ TEMPLATE_LIST_TEST_CASE("comparisons and masks of a number", "[number]", Runnabl
     CHECK_FALSE(any_of(no));
 }
 
-TEMPLATE_LIST_TEST_CASE("the undefined spreads and never decides", "[number]", RunnableNumbers) {
+TEMPLATE_LIST_TEST_CASE("an undefined value stays undefined and decides no comparison", "[number]", RunnableNumbers) {
     using T = TestType;
     const OneSetting<T> setting;
     const T one(1), zero(0), bad = sqrt(T(-1));
@@ -139,7 +140,7 @@ TEMPLATE_LIST_TEST_CASE("the undefined spreads and never decides", "[number]", R
     }
 }
 
-TEMPLATE_LIST_TEST_CASE("neighbours of a number", "[number]", RunnableNumbers) {
+TEMPLATE_LIST_TEST_CASE("every number type finds the neighbours of a value", "[number]", RunnableNumbers) {
     using T = TestType;
     if constexpr (is_exact<T>) {
         CHECK(Kind<T>::is(next_up(T(3)), 3));
@@ -176,7 +177,7 @@ TEMPLATE_LIST_TEST_CASE("neighbours of a number", "[number]", RunnableNumbers) {
     }
 }
 
-TEMPLATE_LIST_TEST_CASE("every operation keeps the number's promise", "[number][promise]", RunnableNumbers) {
+TEMPLATE_LIST_TEST_CASE("every operation keeps the promise of its number type", "[number][promise]", RunnableNumbers) {
     using T = TestType;
     Random random(20190305);
     for (const Op op : every_op) {

@@ -129,7 +129,7 @@ void compare(Isa isa, const Numbers<F>& x) {
 
 }  // namespace
 
-TEST_CASE("every lane of a pack holds the bits of the scalar operation", "[number][pack]") {
+TEST_CASE("every lane of a pack has the bits of the scalar operation", "[number][pack]") {
     Random random(256);
     const Numbers<float> floats(random);
     const Numbers<double> doubles(random);
@@ -142,7 +142,7 @@ TEST_CASE("every lane of a pack holds the bits of the scalar operation", "[numbe
     }
 }
 
-TEST_CASE("the comparison of lanes sees a wrong sign of zero, a wrong last bit and a NaN", "[number][pack]") {
+TEST_CASE("comparing lanes detects a wrong sign of zero, a wrong last bit and a NaN", "[number][pack]") {
     Random random(1);
     const Numbers<float> x(random);
     Wrong wrong;

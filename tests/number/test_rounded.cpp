@@ -126,7 +126,7 @@ TEST_CASE("every pair of a tiny format rounds as exact fractions do", "[number][
     }
 }
 
-TEST_CASE("every fused product and sum of a tiny format", "[number][rounded]") {
+TEST_CASE("every fused product and sum of a tiny format rounds correctly", "[number][rounded]") {
     const FloatFormat f{3, -2, 2};
     const TinyFractions tiny(f);
     const std::vector<double> all = tiny.operands();
@@ -142,7 +142,7 @@ TEST_CASE("every fused product and sum of a tiny format", "[number][rounded]") {
     CHECK(wrong == 0);
 }
 
-TEST_CASE("a fixed tiny format is the same arithmetic", "[number][rounded]") {
+TEST_CASE("a tiny format fixed at compile time gives the same results as one set at run time", "[number][rounded]") {
     using T = Rounded<3, -4, 4>;
     const TinyFractions tiny(T::format());
     long wrong = 0;
@@ -153,7 +153,7 @@ TEST_CASE("a fixed tiny format is the same arithmetic", "[number][rounded]") {
     CHECK(wrong == 0);
 }
 
-TEST_CASE("every square root of binary16", "[number][rounded]") {
+TEST_CASE("every square root in binary16 rounds correctly", "[number][rounded]") {
     long wrong = 0, seen = 0;
     for (int exponent = -24; exponent <= 15; ++exponent)
         for (int k = 1; k < 2048; ++k) {
@@ -190,7 +190,7 @@ TEST_CASE("every precision from 2 to 53 rounds correctly at run time", "[number]
     CHECK(wrong == 0);
 }
 
-TEST_CASE("entering a format rounds once", "[number][rounded]") {
+TEST_CASE("converting a double to a format rounds once", "[number][rounded]") {
     Random random(11);
     long wrong = 0;
     for (int i = 0; i < 300000; ++i) {
@@ -210,7 +210,7 @@ TEST_CASE("entering a format rounds once", "[number][rounded]") {
     CHECK(Half(2049).value() == 2048);  // an int rounds too
 }
 
-TEST_CASE("the fast paths and their plain twins agree bit for bit", "[number][rounded]") {
+TEST_CASE("the fast paths agree with their plain versions bit for bit", "[number][rounded]") {
     Random random(1971);
     long wrong = 0;
     for (const FloatFormat& f :
@@ -226,7 +226,7 @@ TEST_CASE("the fast paths and their plain twins agree bit for bit", "[number][ro
     CHECK(wrong == 0);
 }
 
-TEST_CASE("rounding twice is caught where it would differ from rounding once", "[number][rounded]") {
+TEST_CASE("the test of rounding detects a number that is rounded twice", "[number][rounded]") {
     // Traps that a plain "compute in double, then round" falls into: the double lands on a midpoint of the format.
     using T = Rounded<52>;
     Random random(52);
@@ -242,7 +242,7 @@ TEST_CASE("rounding twice is caught where it would differ from rounding once", "
     CHECK(trapped > 10000);
 }
 
-TEST_CASE("the current format belongs to its scope", "[number][rounded]") {
+TEST_CASE("the current format applies within its scope only", "[number][rounded]") {
     REQUIRE_THROWS_AS(CurrentFormat::get(), Error);
     {
         const CurrentFormat::Scope outer(binary16);

@@ -258,26 +258,27 @@ void nothing_is_said_without_a_bound() {
 
 }  // namespace
 
-TEST_CASE("running bounds of one word hold what is exact", "[number][running]") {
+TEST_CASE("running bounds of one word hold the exact value", "[number][running]") {
     operations_hold<Running<double>>(0.5);
     sums_hold<Running<double>>(0.5);
     comparisons_hold<Running<double>>();
     nothing_is_said_without_a_bound<double>();
 }
 
-TEST_CASE("running bounds of two words hold what is exact", "[number][running]") {
+TEST_CASE("running bounds of two words hold the exact value", "[number][running]") {
     operations_hold<Running<TwoWords<double>>>(0.1);
     sums_hold<Running<TwoWords<double>>>(0.1);
     comparisons_hold<Running<TwoWords<double>>>();
     nothing_is_said_without_a_bound<TwoWords<double>>();
 }
 
-TEMPLATE_TEST_CASE("a bound of the format's own holds every exact result", "[number][proving]", float, double) {
+TEMPLATE_TEST_CASE("a bound computed in the format itself holds every exact result", "[number][proving]", float,
+                   double) {
     operations_hold<Proving<TestType>>(0.9);
     comparisons_hold<Proving<TestType>>();
 }
 
-TEST_CASE("a bound is no operation on a tape, and a choice has both of its sides there", "[number][proving]") {
+TEST_CASE("bounds add no operation to a tape, and a selection records both of its sides", "[number][proving]") {
     using E = Proving<Recorded>;
     const auto recorded = [](float x, float y) {
         Tape tape;

@@ -36,7 +36,7 @@ bool is_close(const TwoWords<double>& x, const Mpfr& want) {
 
 }  // namespace
 
-TEST_CASE("operations on two words are good to 2^-102 of the result", "[number][wide]") {
+TEST_CASE("operations on two words are accurate to 2^-102 of the result", "[number][wide]") {
     Random random(0x2d);
     int off = 0;
     for (int i = 0; i < 100000; ++i) {

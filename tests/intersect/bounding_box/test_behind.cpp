@@ -43,7 +43,7 @@ Point point(const Primitive<double>& s, std::size_t k) {
 
 }  // namespace
 
-TEST_CASE("a row behind a box is called by all its parts, and refuses what has no box", "[hull]") {
+TEST_CASE("a row behind a box is named after form, box and method, and shapes without a box are refused", "[hull]") {
     const Intersector &sphere = form("sphere.unified"), &box = form("box.signs");
     const Intersector& row = behind(intersect::bounding_box::usual_box_method(), box, sphere);
     CHECK(row.info->name == "sphere.unified^box.signs");
@@ -159,7 +159,7 @@ Culls culls_in(const std::vector<std::string_view>& distributions, const std::ve
 
 }  // namespace
 
-TEST_CASE("aimed at edges of the box of a triangle, paddings of 6u lose nothing, of 4u and none they do", "[hull]") {
+TEST_CASE("rays at box edges of triangles are lost without padding and with 4u, never with 6u", "[hull]") {
     const std::vector<const char*> boxes{"box.signs",         "box.max_mult",      "box.bvh_robust", "box.tinybvh",
                                          "box.embree_robust", "box.embree_padded", "box.pbrt_padded"};
     const Culls found =
@@ -178,7 +178,7 @@ TEST_CASE("aimed at edges of the box of a triangle, paddings of 6u lose nothing,
     CHECK(found.lost.at("box.tinybvh") > found.hits / 100);
 }
 
-TEST_CASE("one ray loses a triangle behind the padding that Ize has, another behind that of bvh", "[hull]") {
+TEST_CASE("the paddings of Ize and of bvh each lose a triangle on one ray", "[hull]") {
     // The first parts the slabs further than any other. The second leaves where 1/d has a significand near 2, and two
     // last places of it are 2u.
     const Vec<double> origin(0x1.fffffep-25, -0x1.fffffep-25, 0);
@@ -206,7 +206,7 @@ TEST_CASE("one ray loses a triangle behind the padding that Ize has, another beh
     }
 }
 
-TEST_CASE("parallel to an axis only reciprocals that are not made up lose nothing", "[hull]") {
+TEST_CASE("rays parallel to an axis lose nothing only where reciprocals are not replaced", "[hull]") {
     const std::vector<const char*> boxes{"box.signs",   "box.inclusive",     "box.pbrt_padded", "box.bvh_robust",
                                          "box.tinybvh", "box.embree_padded", "box.embree_fma",  "box.embree_robust"};
     const Culls found = culls_in({"axis parallel", "along face"}, boxes, test::draws(20000), is_any);
@@ -224,7 +224,7 @@ TEST_CASE("parallel to an axis only reciprocals that are not made up lose nothin
     for (const char* unpadded : {"box.signs", "box.inclusive"}) CHECK(along.lost.at(unpadded) == 0);
 }
 
-TEST_CASE("each level that can lose a hit is told from the others", "[hull]") {
+TEST_CASE("each level that can lose a hit is reported apart", "[hull]") {
     const auto& plain = test::transform_method_named("plain");
     const auto row = [&](std::string_view inner, const char* object_box, const char* world_box,
                          const char* box_method) {
@@ -295,7 +295,7 @@ TEST_CASE("each level that can lose a hit is told from the others", "[hull]") {
           Level::world_box);
 }
 
-TEST_CASE("one primitive for all rays and one for each are asked alike, in every format", "[hull]") {
+TEST_CASE("one primitive for all rays and one for each ray give the same answers in every format", "[hull]") {
     Seeded r(9);
     const Intersector& row = behind(box_method_named("nearest"), form("box.pbrt_padded"), form("sphere.unified"));
     std::vector<Primitive<float>> each;

@@ -90,7 +90,7 @@ constexpr std::array<std::string_view, 5> with_least_box{"sphere", "ellipsoid", 
 
 }  // namespace
 
-TEST_CASE("the box rounded outward is the least of its format, the others are off by a rounding", "[hull]") {
+TEST_CASE("the box rounded outward is the smallest one, and other boxes differ by one rounding", "[hull]") {
     for (const Format& format : {f32, f64, p9}) {
         for (const std::string_view name : with_least_box) {
             Seeded r(17);
@@ -126,10 +126,7 @@ TEST_CASE("the box rounded outward is the least of its format, the others are of
     }
 }
 
-TEST_CASE(
-    "corners that are taken to the world in the format leave some of the primitive outside, by one place and "
-    "more",
-    "[hull]") {
+TEST_CASE("corners transformed to world space in the format leave part of the primitive outside its box", "[hull]") {
     // A box moved 12 km: x + 7401 rounds by up to 2^-12. And, of products that cancel, by many places.
     Seeded r(5);
     std::map<std::string_view, double> worst;
@@ -152,7 +149,7 @@ TEST_CASE(
     for (const char* name : {"nearest", "next", "pbrt", "embree"}) CHECK(worst.at(name) > 2);
 }
 
-TEST_CASE("rays that truly hit a primitive truly hit its box, no later", "[hull]") {
+TEST_CASE("rays that truly hit a primitive truly hit its bounding box, at the same t or earlier", "[hull]") {
     std::set<Shape> asked;
     for (const ShapeRow& row : shape_rows) {
         if (!has_bounding_box(row.shape)) continue;

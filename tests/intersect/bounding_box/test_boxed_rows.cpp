@@ -30,7 +30,7 @@ const Intersector& form(std::string_view name) { return test::row_named(intersec
 
 }  // namespace
 
-TEST_CASE("a hit is found from its margin on and not before, and only padded ends have none", "[hull]") {
+TEST_CASE("a hit is found from its margin on and not below it, and only padded ends have no margin", "[hull]") {
     Seeded r(77);
     std::map<std::string_view, double> most;
     for (int n = 0; n < test::draws(4000); ++n) {
@@ -59,7 +59,7 @@ TEST_CASE("a hit is found from its margin on and not before, and only padded end
     CHECK(most.at("box.signs") < 16);
 }
 
-TEST_CASE("the tape behind a box answers as its kernel, and its inputs have names", "[hull]") {
+TEST_CASE("the tape of a row behind a box answers as its kernel, and its inputs have names", "[hull]") {
     Seeded r(78);
     const auto& plain = test::transform_method_named("plain");
     int hits = 0, culled = 0;

@@ -20,7 +20,7 @@ bool hits(const intersect::table::Intersector& form, const BoxSample& s) {
 
 }  // namespace
 
-TEST_CASE("aimed at an edge, forms without padding miss what they should hit", "[intersect][box][formula]") {
+TEST_CASE("forms without padding miss true hits of rays aimed at an edge", "[intersect][box][formula]") {
     std::map<std::string_view, long> misses;
     long met = 0;
     test::Seeded rng(0xed9e);
@@ -44,7 +44,7 @@ TEST_CASE("aimed at an edge, forms without padding miss what they should hit", "
     CHECK(misses.at("box.exclusive") == misses.at("box.baseline"));  // no NaN on these rays
 }
 
-TEST_CASE("two last places are not quite enough for max_mult", "[intersect][box][formula]") {
+TEST_CASE("a padding of two last places is not quite enough for box.max_mult", "[intersect][box][formula]") {
     // Three roundings on either side can part near and far by 6u = 1.5·2^-22. Found by 5·10^7 random rays across an
     // edge, of which it is the only one; pbrt_padded's 1 + 2γ(3) and embree_robust's 3ε on both sides missed none.
     const Ray<double> ray{{-0x1.9b6154p-1, -0x1.0cca1ep+1, 0}, {0x1.d53502p+0, 0x1.c9cd8ap+2, 0}};

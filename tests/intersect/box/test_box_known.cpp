@@ -178,20 +178,20 @@ void check_nan_order() {
 
 }  // namespace
 
-TEST_CASE("boxes worked out by hand", "[intersect][box][known]") {
+TEST_CASE("forms of boxes give the answers worked out by hand", "[intersect][box][known]") {
     for (const Known& k : known) {
         ask_every_form<float>(k);
         if (!k.float_only) ask_every_form<double>(k);
     }
 }
 
-TEST_CASE("a NaN goes where the order of operands sends it", "[intersect][box][known]") {
+TEST_CASE("the order of operands of min and max decides what becomes of a NaN", "[intersect][box][known]") {
     check_nan_order<float>();
     check_nan_order<double>();
     check_nan_order<Half>();
 }
 
-TEST_CASE("far is where the ray leaves, or ends, with the form's padding", "[intersect][box][known]") {
+TEST_CASE("far is the exit or the end of the ray, with the padding of the form", "[intersect][box][known]") {
     for (const Intersector& form : intersect::table::intersectors(Shape::box)) {
         const Primitive<float> box(Box<float>{Vec<float>(1), Vec<float>(4)});
         const Ray<float> ray{Vec<float>(2, 2, -1), Vec<float>(0, 0, 1)};
@@ -204,7 +204,7 @@ TEST_CASE("far is where the ray leaves, or ends, with the form's padding", "[int
     }
 }
 
-TEST_CASE("a reciprocal that overflows is an infinity that division does not see", "[intersect][box][known]") {
+TEST_CASE("a reciprocal overflows to infinity where division does not", "[intersect][box][known]") {
     // 1/d = ∞ for d = 2^-129: the plane ahead lies at ∞, where (2^-129)/(2^-129) = 1 for a box of that size.
     const Box<float> box{Vec<float>(0x1p-129f, -1, -1), Vec<float>(0x1p-128f, 1, 1)};
     const Ray<float> ray{Vec<float>(0, 0, 0), Vec<float>(0x1p-129f, 0, 0)};
@@ -233,7 +233,7 @@ TEST_CASE("embree_fma's smallest direction is 1e-18", "[intersect][box][known]")
     CHECK(far(std::nextafter(1e-18, 1.0)) == 1 / std::nextafter(1e-18, 1.0));
 }
 
-TEST_CASE("tinybvh's reciprocals are those of its source", "[intersect][box][known]") {
+TEST_CASE("the reciprocals of tinybvh match its source", "[intersect][box][known]") {
     // Between planes at ±1 in x, 1/d alone is seen in where the ray leaves.
     const auto leaves = [](float dx) {
         const Ray<float> ray{Vec<float>(0, 0, 0), Vec<float>(dx, 1, 1)};
@@ -245,7 +245,7 @@ TEST_CASE("tinybvh's reciprocals are those of its source", "[intersect][box][kno
     for (const float none : {1e-12f, -1e-12f, 0.0f, -0.0f}) CHECK(leaves(none) == 1e30f);
 }
 
-TEST_CASE("embree_fma rounds away what cancels", "[intersect][box][known]") {
+TEST_CASE("embree_fma loses what cancels to rounding", "[intersect][box][known]") {
     // o·inv = (1 + 2^-12)·(1 + 2^-12), rounded by 2^-24 before lo·inv = (1 + 2^-11)(1 + 2^-12) is added: the others
     // subtract lo − o exactly.
     const float o = -(1 + 0x1p-12f), lo = -(1 + 0x1p-13f), d = 1;

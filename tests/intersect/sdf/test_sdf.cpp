@@ -94,7 +94,7 @@ std::pair<bool, S> plain_march(const Ray<S>& ray, const Sphere<S>& sphere, const
 
 }  // namespace
 
-TEST_CASE("distance fields: the seed's table, and a box from every side", "[intersect][sdf]") {
+TEST_CASE("distance fields: marches agree with the seed's table, and meet a box from every side", "[intersect][sdf]") {
     const Sphere<double> unit{{0, 0, 0}, 1};
     const double at[] = {0, 0.5, 1, 2, 5}, is[] = {-1, -0.5, 0, 1, 4};
     for (std::size_t i = 0; i < 5; ++i) CHECK(unit.distance({at[i], 0, 0}) == is[i]);
@@ -117,7 +117,7 @@ TEST_CASE("packed marches give the bits of the native rows", "[intersect][sdf][p
     compare_widths<double>(8);
 }
 
-TEST_CASE("sphere_trace is the seed's loop", "[intersect][sdf]") {
+TEST_CASE("sphere_trace is the loop of the seed program", "[intersect][sdf]") {
     Random random(11);
     for (int k = 0; k < 400; ++k) {
         DrawnField field = draw_field(random, 4);
@@ -136,7 +136,7 @@ TEST_CASE("sphere_trace is the seed's loop", "[intersect][sdf]") {
     }
 }
 
-TEST_CASE("a march stands still where t + d is t", "[intersect][sdf]") {
+TEST_CASE("a march stops advancing where t + d rounds to t", "[intersect][sdf]") {
     DrawnField field;
     field.primitives = {Primitive<double>(Sphere<double>{{0, 0, 0}, 1})};
     field.march = {0x1p-40, 100, 1e-3, 1e-3, 1.4, 200, 2, 4};
@@ -157,7 +157,7 @@ TEST_CASE("a march stands still where t + d is t", "[intersect][sdf]") {
     CHECK(log.stop == Stop::stagnated);
 }
 
-TEST_CASE("enclosures of the marches contain what they give unrounded", "[intersect][sdf][containment]") {
+TEST_CASE("enclosures of the marches contain their unrounded results", "[intersect][sdf][containment]") {
     using Wide = BasicReal<1024>;
     Random random(5);
     std::size_t form = 0;
@@ -202,7 +202,7 @@ TEST_CASE("enclosures of the marches contain what they give unrounded", "[inters
     });
 }
 
-TEST_CASE("p += d dir is o + t dir where nothing is rounded", "[intersect][sdf]") {
+TEST_CASE("stepping by p += d dir equals o + t dir when nothing is rounded", "[intersect][sdf]") {
     using Wide = BasicReal<1024>;
     Random random(21);
     for (int k = 0; k < 200; ++k) {

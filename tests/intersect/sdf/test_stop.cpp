@@ -54,7 +54,7 @@ Stop plain_stop(const DrawnField& field, int max_steps) {
 
 }  // namespace
 
-TEST_CASE("a march that first stands still at its last sample is stagnated", "[intersect][sdf]") {
+TEST_CASE("a march that stops advancing at its last sample is stagnated", "[intersect][sdf]") {
     // t = 8192 − 0.9999 rounds to a multiple of 2^-11, and what is left of the way, 1e-4, is less than half of that.
     DrawnField field = towards_the_origin({-8192, 0, 0}, 0.9999, 1e-5);
     const auto stop = [&](const char* name, int cap) { return capped(form(name), field, cap, "f32").stop; };
@@ -77,7 +77,7 @@ TEST_CASE("a march that first stands still at its last sample is stagnated", "[i
     for (const int cap : {1, 2}) CHECK(stop("sdf.sphere_trace", cap) == Stop::max_dist);
 }
 
-TEST_CASE("a NaN on the way ends a march at max_steps: it never stands still", "[intersect][sdf]") {
+TEST_CASE("a NaN on the way makes a march end at max_steps, not stagnate", "[intersect][sdf]") {
     DrawnField field = towards_the_origin({-4, 0, 0}, 1, 1e-5);
     field.rays[0].origin.y = std::nan("");
     for (const intersect::table::Intersector& row : intersect::table::intersectors(Shape::sdf)) {
@@ -85,7 +85,7 @@ TEST_CASE("a NaN on the way ends a march at max_steps: it never stands still", "
     }
 }
 
-TEST_CASE("stagnated: no further sample changes anything, max_steps: the next one lies elsewhere", "[intersect][sdf]") {
+TEST_CASE("a stagnated march stays where it is, and one at max_steps would move on", "[intersect][sdf]") {
     Random random(17);
     std::array<int, intersect::stop_names.size()> seen{};
     int at_last_sample = 0;

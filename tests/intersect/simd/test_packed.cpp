@@ -63,14 +63,14 @@ TEMPLATE_TEST_CASE("packed kernels of every shape give the bits of the native ro
     for (const ShapeRow& row : shape_rows) compare_forms<TestType>(row.shape);
 }
 
-TEMPLATE_TEST_CASE("packed kernels take batches of any size and touch nothing beside them", "[intersect][packed]",
+TEMPLATE_TEST_CASE("packed kernels take batches of any size and write nothing outside them", "[intersect][packed]",
                    float, double) {
     Random random(3);
     for (const ShapeRow& row : shape_rows)
         compare_sizes(row.shape, draw_scene<TestType>(random, row.shape, share(row.shape, 32) + 1));
 }
 
-TEST_CASE("a packed box kernel heeds where each ray ends", "[intersect][packed]") {
+TEST_CASE("a packed box kernel respects the end of each ray", "[intersect][packed]") {
     // The ray enters the box at t = 1; the end before, in and behind it, in neighbouring lanes.
     const std::size_t n = widest + 3;
     Scene<float> scene{Box<float>{{1, -1, -1}, {2, 1, 1}}, {}, {}};
@@ -104,7 +104,7 @@ TEST_CASE("the packed table has the rows of the catalogue", "[intersect][packed]
     }
 }
 
-TEST_CASE("register widths have names, and the widest is the best", "[intersect][packed]") {
+TEST_CASE("register widths have names, and the widest is the default", "[intersect][packed]") {
     const auto isas = intersect::simd::available_isas();
     REQUIRE(isas.size() >= 2);
     CHECK(isas[0] == Isa::scalar);
@@ -120,7 +120,7 @@ TEST_CASE("register widths have names, and the widest is the best", "[intersect]
     CHECK_FALSE(intersect::simd::isa_named(""));
 }
 
-TEST_CASE("the current width chooses the kernels of the table's rows, and of no others", "[intersect][packed]") {
+TEST_CASE("the current register width selects the kernels of this table's rows only", "[intersect][packed]") {
     CHECK(intersect::simd::current_isa() == intersect::simd::best_isa());
     const intersect::table::Intersector& form = intersect::table::intersectors().front();
     intersect::table::Intersector stranger = form;

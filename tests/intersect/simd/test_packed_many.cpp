@@ -123,12 +123,13 @@ void compare(Shape shape) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("one ray against many primitives: the bits of the forms", "[intersect][packed]", float, double) {
+TEMPLATE_TEST_CASE("kernels for one ray and many primitives give the bits of the forms", "[intersect][packed]", float,
+                   double) {
     for (const ShapeRow& row : shape_rows)
         if (std::is_same_v<TestType, float> || intersect::simd::come_in_many(row.shape)) compare<TestType>(row.shape);
 }
 
-TEST_CASE("the rows for many primitives are the catalogue's, in binary64 with kernels where the shape comes in many",
+TEST_CASE("rows for many primitives are the catalogue's binary64 rows, with kernels where the shape has them",
           "[intersect][packed]") {
     const auto rows = intersect::table::intersectors();
     for (const Isa isa : {Isa::scalar, Isa::w128, Isa::w256, Isa::w512}) {

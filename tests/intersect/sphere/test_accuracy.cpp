@@ -50,7 +50,8 @@ std::map<std::string_view, double> mean_errors(double nearest, double farthest) 
 
 }  // namespace
 
-TEST_CASE("on ordinary rays no form loses more than a few bits, and corrections correct", "[intersect][accuracy]") {
+TEST_CASE("no form loses more than a few bits on ordinary rays, and corrections reduce the loss",
+          "[intersect][accuracy]") {
     const auto near = mean_errors(1.01, 10), far = mean_errors(1e6, 2e6);
     CHECK(near.size() == intersect::table::intersectors(Shape::sphere).size());
     for (const auto& [name, mean] : near) {

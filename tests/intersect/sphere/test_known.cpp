@@ -98,7 +98,7 @@ void ask_every_form(int precision) {
 
 }  // namespace
 
-TEST_CASE("cases worked out by hand", "[intersect][known]") {
+TEST_CASE("forms of spheres give the answers worked out by hand", "[intersect][known]") {
     ask_every_form<float>(24);
     ask_every_form<double>(53);
 }

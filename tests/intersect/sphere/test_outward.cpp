@@ -72,12 +72,12 @@ void enclose(const FloatFormat& f) {
 
 }  // namespace
 
-TEST_CASE("outward arithmetic encloses", "[intersect][outward]") {
+TEST_CASE("outward rounding encloses the exact result", "[intersect][outward]") {
     enclose<float>(binary32);
     enclose<Half>(binary16);
 }
 
-TEST_CASE("outward roots of sums of squares are numbers", "[intersect][outward]") {
+TEST_CASE("outward roots of sums of squares are never NaN", "[intersect][outward]") {
     // The lower bound of 0² + 0² is the largest negative number, and its root must not be NaN.
     const Outward<float> zero(0), root = sqrt(square(zero) + square(zero));
     CHECK((square(zero) + square(zero)).lo < 0);

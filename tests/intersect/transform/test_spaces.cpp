@@ -105,7 +105,7 @@ One ask(const Intersector& row, const Format& format, const Asked& a) {
 
 }  // namespace
 
-TEST_CASE("a row through a space is called by both, and asks for what both ask") {
+TEST_CASE("a row with a transform is named after form and method, and has the requirements of both") {
     const Intersector& form = *plain_forms().front();
     for (const TransformMethod& space : transform_methods()) {
         const Intersector& row = through(space, form);
@@ -119,7 +119,7 @@ TEST_CASE("a row through a space is called by both, and asks for what both ask")
     CHECK(intersect::transform::made_of(form).space == nullptr);
 }
 
-TEST_CASE("without rounding every way gives the true t, a transpose of turns alone") {
+TEST_CASE("every transform method gives the true t when nothing is rounded, rigid only for rotations") {
     std::set<Shape> shapes;
     for (const Intersector* const form : plain_forms()) {
         for (const TransformMethod& space : transform_methods()) {
@@ -146,7 +146,7 @@ TEST_CASE("without rounding every way gives the true t, a transpose of turns alo
     CHECK(shapes.size() == shape_rows.size());
 }
 
-TEST_CASE("batches answer as ray by ray, and the tape of a row as its kernel") {
+TEST_CASE("batches with a transform answer as single rays, and the tape of a row as its kernel") {
     for (const Intersector* const form : plain_forms()) {
         for (const TransformMethod& space : transform_methods()) {
             CAPTURE(form->info->name, space.info->name);
@@ -191,7 +191,7 @@ std::vector<S> ask_together(const Kernel& kernel, const std::vector<Asked>& all)
 
 }  // namespace
 
-TEST_CASE("at every width of registers a batch answers as its rays alone") {
+TEST_CASE("batches with a transform answer as single rays at every register width") {
     const auto before = intersect::simd::current_isa();
     for (const Intersector* const form : plain_forms()) {
         for (const TransformMethod& space : transform_methods()) {
@@ -222,7 +222,7 @@ TEST_CASE("at every width of registers a batch answers as its rays alone") {
     intersect::simd::set_isa(before);
 }
 
-TEST_CASE("what the steps are assigned sums to the error, and a stored inverse loses nothing by inverting") {
+TEST_CASE("errors assigned to the steps sum to the total, and a stored inverse has no error of inverting") {
     for (const Intersector* const form : plain_forms()) {
         for (const TransformMethod& space : transform_methods()) {
             CAPTURE(form->info->name, space.info->name);

@@ -32,7 +32,7 @@ Tri hits_exactly(const Intersector& form, const TriangleSample& s) {
 
 }  // namespace
 
-TEST_CASE("on the rim the forms that divide last say what their words say", "[intersect][triangle][formula]") {
+TEST_CASE("forms of triangles that divide last decide on the rim as they declare", "[intersect][triangle][formula]") {
     const std::set<std::string_view> exact{"triangle.undivided", "triangle.signed_volumes", "triangle.plucker",
                                            "triangle.filtered", "triangle.plucker_band"};
     std::map<std::string_view, int> wrong;
@@ -72,7 +72,7 @@ TEST_CASE("an epsilon on the determinant hides a small triangle", "[intersect][t
     }
 }
 
-TEST_CASE("a form that culls misses what shows its back, and says so", "[intersect][triangle]") {
+TEST_CASE("a form that culls back faces misses them, and declares it", "[intersect][triangle]") {
     const Vec<double> a{0, 0, 0}, b{4, 0, 0}, c{0, 4, 0};
     const Ray<double> down{{1, 1, 3}, {0, 0, -1}};
     std::set<std::string_view> culls;
@@ -85,7 +85,7 @@ TEST_CASE("a form that culls misses what shows its back, and says so", "[interse
     CHECK(culls == std::set<std::string_view>{"triangle.moller_trumbore_culling"});
 }
 
-TEST_CASE("the weights that a form names are those of a, b and c", "[intersect][triangle]") {
+TEST_CASE("the weights that a form returns belong to the declared corners a, b and c", "[intersect][triangle]") {
     std::map<std::string_view, int> told, wrong;
     for_each_triangle(
         static_cast<int>(draws(3000)), [&](const TriangleDistribution& distribution, const TriangleSample& s) {

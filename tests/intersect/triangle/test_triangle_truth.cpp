@@ -63,7 +63,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("the side that a ray comes from is what fractions say", "[truth][triangle]") {
+TEST_CASE("the side from which a ray meets a triangle agrees with fractions", "[truth][triangle]") {
     std::map<std::string, std::array<int, 2>> met;
     for_each_triangle(
         static_cast<int>(draws(3000)), [&](const TriangleDistribution& distribution, const TriangleSample& s) {
@@ -86,7 +86,7 @@ TEST_CASE("the side that a ray comes from is what fractions say", "[truth][trian
     }
 }
 
-TEST_CASE("which of two triangles comes first is asked of those that face the ray", "[truth][triangle]") {
+TEST_CASE("the nearest of two triangles is chosen among those that face the ray", "[truth][triangle]") {
     const Triangle<double> near{{0, 0, 2}, {0, 4, 2}, {4, 0, 2}}, far{{0, 0, 1}, {4, 0, 1}, {0, 4, 1}};
     const std::vector<Primitive<double>> primitives{Primitive<double>(near), Primitive<double>(far)};
     const Ray<double> ray{{1, 1, 5}, {0, 0, -1}};
@@ -102,7 +102,7 @@ TEST_CASE("which of two triangles comes first is asked of those that face the ra
     }
 }
 
-TEST_CASE("a band tells of one side of every ray what find_truth tells", "[truth][triangle]") {
+TEST_CASE("a batch of rays and single rays have the same truth for one-sided triangles", "[truth][triangle]") {
     Seeded rng(5);
     scene::rays::RayBlock rays;
     std::vector<Primitive<double>> primitives;
@@ -135,7 +135,8 @@ TEST_CASE("a band tells of one side of every ray what find_truth tells", "[truth
     CHECK(different > 100);
 }
 
-TEST_CASE("rays through edges and vertices, and from the triangle, are settled in packs", "[truth][triangle]") {
+TEST_CASE("rays through edges and vertices, and rays that start on a triangle, are settled in packs",
+          "[truth][triangle]") {
     const auto before = intersect::simd::current_isa();
     std::map<std::string, std::vector<TriangleSample>> asked;
     for_each_triangle(static_cast<int>(draws(2000)),
@@ -175,7 +176,7 @@ TEST_CASE("rays through edges and vertices, and from the triangle, are settled i
     intersect::simd::set_isa(before);
 }
 
-TEST_CASE("three points on one line are no triangle, whatever their size", "[truth][triangle]") {
+TEST_CASE("three points on one line are refused as a triangle at any scale", "[truth][triangle]") {
     const Ray<double> ray{{0.5, 0.25, 3}, {0, 0, -1}};
     for (const double scale : {1.0, 0x1p-1074, 0x1p-600, 0x1p1000}) {
         CAPTURE(scale);

@@ -103,7 +103,7 @@ test::HostileRay hostile(const Format& format, Random& random, const Make& make)
 
 }  // namespace
 
-TEST_CASE("no ray in a box is off by more than its bound - spheres", "[apriori]") {
+TEST_CASE("errors over ranges of rays stay within the bound - spheres", "[apriori]") {
     for (const char* const name : spheres)
         check_form(name, test::sphere_distributions.size(),
                    [](const Format& format, std::size_t distribution, Random& random) {
@@ -111,7 +111,7 @@ TEST_CASE("no ray in a box is off by more than its bound - spheres", "[apriori]"
                    });
 }
 
-TEST_CASE("no ray in a box is off by more than its bound - boxes", "[apriori]") {
+TEST_CASE("errors over ranges of rays stay within the bound - boxes", "[apriori]") {
     for (const char* const name : boxes)
         check_form(name, test::hostile_box_distributions.size(),
                    [](const Format& format, std::size_t distribution, Random& random) {
@@ -119,7 +119,7 @@ TEST_CASE("no ray in a box is off by more than its bound - boxes", "[apriori]") 
                    });
 }
 
-TEST_CASE("no ray in a box is off by more than its bound - triangles", "[apriori]") {
+TEST_CASE("errors over ranges of rays stay within the bound - triangles", "[apriori]") {
     for (const char* const name : triangles)
         check_form(name, std::size(test::triangle_distributions),
                    [](const Format&, std::size_t distribution, Random& random) {
@@ -139,7 +139,7 @@ RangesBound bound_of(const char* form, const scene::file::Scene& scene, std::siz
 
 }  // namespace
 
-TEST_CASE("a bound over the ranges of a scene is above what its rays and drawn rays show", "[apriori]") {
+TEST_CASE("a bound over the ranges of a scene exceeds the errors of its rays and of random rays", "[apriori]") {
     const auto check = [](const char* form, const char* id) {
         const auto scene = scene_named(id);
         const RangesBound r = bound_of(form, scene);
@@ -161,7 +161,7 @@ TEST_CASE("a bound over the ranges of a scene is above what its rays and drawn r
     for (std::size_t i = 0; i < std::size(triangles); i += step) check(triangles[i], "triangle-far");
 }
 
-TEST_CASE("the ranges of a step of a sweep are those of its rays at all of its primitives", "[apriori]") {
+TEST_CASE("the ranges of a sweep step cover its rays at all of its primitives", "[apriori]") {
     const auto data = std::filesystem::path(LOSTBITS_DATA_DIR);
     for (const char* const views : {"1", "4"}) {
         scene::sweep::SweepChanges changes;
@@ -196,7 +196,7 @@ TEST_CASE("the ranges of a step of a sweep are those of its rays at all of its p
     }
 }
 
-TEST_CASE("more boxes bound more, and threads change nothing", "[apriori]") {
+TEST_CASE("splitting ranges into more boxes bounds more rays, and the number of threads changes nothing", "[apriori]") {
     const auto scene = scene_named("near-benign");
     const RangesBound few = bound_of("sphere.unified", scene, 128), many = bound_of("sphere.unified", scene, 512);
     CHECK(many.unknown < few.unknown);
@@ -209,13 +209,13 @@ TEST_CASE("more boxes bound more, and threads change nothing", "[apriori]") {
           output::attribution::ranges_json(request, few));
 }
 
-TEST_CASE("a form that takes the sign of what is zero but for rounding has no bound", "[apriori]") {
+TEST_CASE("a form that takes the sign of a value that is zero but for rounding has no bound", "[apriori]") {
     const RangesBound r = bound_of("sphere.closest_approach", scene_named("near-benign"), 64);
     CHECK(r.missed + r.unknown == 1);
     CHECK(r.given.bounded_hits == 0);
 }
 
-TEST_CASE("what has no bound over ranges says so", "[apriori]") {
+TEST_CASE("a form without a bound over ranges reports why", "[apriori]") {
     const auto scene = scene_named("near-benign");
     CHECK_THROWS_WITH(bound_of("sphere.filtered", scene), Catch::Contains("filters"));
     RangesRequest request{.rays = scene, .form = &form_named("sphere.press"), .format = *find_format("f32")};

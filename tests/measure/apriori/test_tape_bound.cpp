@@ -166,7 +166,7 @@ void check_box(const Tape& tape, const std::array<std::vector<double>, 3>& rows,
 
 }  // namespace
 
-TEST_CASE("no number in a box is off by more than its bound, in random formulas of four bits", "[apriori]") {
+TEST_CASE("errors of random formulas of four bits stay within the bound over ranges", "[apriori]") {
     Random random(0xa921);
     Tally tally;
     for (int i = 0; i < test::draws(40000); ++i) {
@@ -193,7 +193,7 @@ BoxBound bound_of(TapeOp op, const FloatFormat& format, const InputBox& box) {
 
 }  // namespace
 
-TEST_CASE("bounds of single operations by hand", "[apriori]") {
+TEST_CASE("bounds of single operations agree with those worked out by hand", "[apriori]") {
     const double u = 0x1p-24;
     CHECK(bound_of(TapeOp::mul, binary32, {{1, 1.25}, {1, 1.5}}).error == u);
     CHECK(bound_of(TapeOp::mul, binary32, {{1, 1.25}, {1, 2}}).error == 2 * u);

@@ -27,7 +27,7 @@ double sum_of_sizes(const Attribution& a) {
 
 }  // namespace
 
-TEST_CASE("a recorded form answers what the plain one does, to the bit", "[attribution]") {
+TEST_CASE("a recorded form gives the bits of the plain form", "[attribution]") {
     int hits = 0;
     on_recorded_rays({{"f32", "f64", "bf16", "fp16", "p30"}, 60},
                      [&](const Intersector& form, const Format& format, const Setting& s, const Tape& tape) {
@@ -41,7 +41,7 @@ TEST_CASE("a recorded form answers what the plain one does, to the bit", "[attri
     CHECK(hits > 3000);
 }
 
-TEST_CASE("every operation on a tape is the operation of the format on its operands", "[attribution]") {
+TEST_CASE("every operation on a tape is that of the format on its operands", "[attribution]") {
     on_recorded_rays({{"f32", "p12"}, 3}, [](const Intersector&, const Format&, const Setting&, const Tape& tape) {
         for (NodeId i = 0; i < tape.size(); ++i) {
             const TapeNode& n = tape[i];
@@ -57,7 +57,7 @@ TEST_CASE("every operation on a tape is the operation of the format on its opera
     });
 }
 
-TEST_CASE("the exact value of an answer is that of the form without rounding", "[attribution]") {
+TEST_CASE("the exact value of an answer is the result of the form without rounding", "[attribution]") {
     int compared = 0;
     const int rays = is_long() ? 25 : 8;
     on_recorded_rays({{"f32", "f64"}, rays, 10}, [&](const Intersector& form, const Format&, const Setting& s,
@@ -74,7 +74,7 @@ TEST_CASE("the exact value of an answer is that of the form without rounding", "
     CHECK(compared > 40 * rays);
 }
 
-TEST_CASE("contributions sum to the error, derivatives do to first order, and quick and deep arithmetic agree",
+TEST_CASE("contributions sum to the error, derivatives to first order, and fast and deep arithmetic agree",
           "[attribution]") {
     // Far away adjoints cancel: a sum that was off by 2^-35.9 was seen of a torus.
     constexpr double near_by = 0x1p-36, far_away = 0x1p-30;
@@ -132,7 +132,7 @@ TEST_CASE("contributions sum to the error, derivatives do to first order, and qu
     CHECK(quick > 400 * rays);
 }
 
-TEST_CASE("the derivative by an input is that of forward differentiation", "[attribution]") {
+TEST_CASE("derivatives by inputs agree with forward differentiation", "[attribution]") {
     int compared = 0;
     const auto see = [&](const Intersector& form, const Format&, const Setting&, const Tape& tape) {
         if (form.shape != Shape::sphere || form.info->formats != intersect::Formats::all ||
@@ -153,7 +153,7 @@ TEST_CASE("the derivative by an input is that of forward differentiation", "[att
     CHECK(compared > 2000);
 }
 
-TEST_CASE("a ray by hand: two roundings, one cancellation", "[attribution]") {
+TEST_CASE("one ray worked out by hand has two roundings and one cancellation", "[attribution]") {
     // x = 1 + 2^-12 in binary32. x² = 1 + 2^-11 + 2^-24, which ties to 1 + 2^-11: rounding −2^-24. x² − 1 = 2^-11 is
     // exact and cancels 11 bits; the difference then carries −2^-24 of 2^-11 + 2^-24. y = (x² − 1)·3 = 3·2^-11, exact.
     Tape tape;
@@ -182,7 +182,7 @@ TEST_CASE("a ray by hand: two roundings, one cancellation", "[attribution]") {
     CHECK_FALSE(of(square).carried);
 }
 
-TEST_CASE("a decision that rounding turned is attributed to what is compared", "[attribution]") {
+TEST_CASE("a decision changed by rounding is attributed to the operands of the comparison", "[attribution]") {
     // (1 + 2^-12)² − (1 + 2^-11) is 2^-24 > 0 and computes as 0: `< tiny` turns.
     Tape tape;
     const number::recorders::TapeRecorder recorder(tape, binary32);
@@ -206,7 +206,7 @@ TEST_CASE("a decision that rounding turned is attributed to what is compared", "
     CHECK(of_t.explained == of_t.error);
 }
 
-TEST_CASE("a root of a difference that vanished is attributed without remainder", "[attribution]") {
+TEST_CASE("the root of a difference that vanished is attributed without remainder", "[attribution]") {
     // √((1 + 2^-12)² − (1 + 2^-11)) = 2^-12, computed 0: the derivative is infinite, the difference quotient 1/(0 +
     // 2^-12).
     Tape tape;
@@ -220,7 +220,7 @@ TEST_CASE("a root of a difference that vanished is attributed without remainder"
     CHECK(std::isinf(a.first_order));
 }
 
-TEST_CASE("what is zero without rounding has no sign of noise", "[attribution]") {
+TEST_CASE("a value that is zero without rounding gets no sign from truncation noise", "[attribution]") {
     // k/7 and its likes are cut at 2048 bits, and (1/k)k − 1 is then some 2^-2050 of either sign.
     for (int k = 3; k < 60; k += 2) {
         Tape tape;
@@ -236,7 +236,7 @@ TEST_CASE("what is zero without rounding has no sign of noise", "[attribution]")
     }
 }
 
-TEST_CASE("an input is exact, an infinite one too", "[attribution]") {
+TEST_CASE("an input is exact, also an infinite one", "[attribution]") {
     Tape tape;
     const number::recorders::TapeRecorder recorder(tape, binary32);
     using T = Recorded;
@@ -250,7 +250,7 @@ TEST_CASE("an input is exact, an infinite one too", "[attribution]") {
     }
 }
 
-TEST_CASE("what lies on the side not taken has no part", "[attribution]") {
+TEST_CASE("operations of the branch not taken contribute nothing", "[attribution]") {
     Tape tape;
     const number::recorders::TapeRecorder recorder(tape, binary32);
     using T = Recorded;
@@ -265,7 +265,7 @@ TEST_CASE("what lies on the side not taken has no part", "[attribution]") {
     CHECK(found.culprit == live.node());
 }
 
-TEST_CASE("an answer that is no number is the operation's that made it so", "[attribution]") {
+TEST_CASE("an answer that is NaN is attributed to the operation that made it so", "[attribution]") {
     Tape tape;
     const number::recorders::TapeRecorder recorder(tape, binary32);
     using T = Recorded;

@@ -25,7 +25,7 @@ lostbits::measure::attribution::Setting given(const Setting& s) { return {s.prim
 
 }  // namespace
 
-TEST_CASE("every culprit is among the operations of its form, and no plain miss has one", "[culprits]") {
+TEST_CASE("every culprit is an operation of its form, and an ordinary miss has none", "[culprits]") {
     int blamed = 0, misses = 0;
     const int rays = is_long() ? 40 : 10;
     const auto see = [&](const Intersector& form, const Format& format, const Setting& s, const Tape&) {
@@ -51,7 +51,7 @@ TEST_CASE("every culprit is among the operations of its form, and no plain miss 
     CHECK(misses > 2 * rays);
 }
 
-TEST_CASE("cancellation and contributions of labels: parts of what there is", "[culprits]") {
+TEST_CASE("cancellation and contributions of labels are parts of the totals", "[culprits]") {
     int cancelled = 0;
     const auto see = [&](const Intersector& form, const Format& format, const Setting& s, const Tape&) {
         measure::attribution::Attributor attributor(form, format, {});
@@ -72,7 +72,7 @@ TEST_CASE("cancellation and contributions of labels: parts of what there is", "[
     CHECK(cancelled > 200);
 }
 
-TEST_CASE("a limit of a ray that rounding turned has a culprit among the operations, and the choice of a root is one",
+TEST_CASE("a range limit changed by rounding has a culprit among the operations, and choosing a root is one",
           "[culprits]") {
     // t is 1.4e-4 in binary32 and 6.6e-5 without rounding, and the ray begins at 1e-4.
     const Intersector& form = form_named("sphere.unified");
@@ -99,7 +99,7 @@ TEST_CASE("a limit of a ray that rounding turned has a culprit among the operati
     CHECK_FALSE(chooses(without));
 }
 
-TEST_CASE("shares are of the rays that have a culprit: those on which nothing rounds are none", "[culprits]") {
+TEST_CASE("shares count rays with a culprit, and rays without rounding have none", "[culprits]") {
     const std::array<std::uint64_t, 4> counts{90, 1, 3, 6};
     CHECK(measure::attribution::culprit_share(counts, std::array<std::size_t, 1>{2}) == 0.3);
     CHECK(measure::attribution::culprit_share(counts, std::array<std::size_t, 3>{1, 2, 3}) == 1);
@@ -107,7 +107,7 @@ TEST_CASE("shares are of the rays that have a culprit: those on which nothing ro
         measure::attribution::culprit_share(std::array<std::uint64_t, 2>{5, 0}, std::array<std::size_t, 1>{1})));
 }
 
-TEST_CASE("an unknown label is refused with what was meant, a known one is bound", "[culprits]") {
+TEST_CASE("an unknown label is refused with a suggestion, and a known one is found", "[culprits]") {
     const Sphere<double> unit{{0, 0, 5}, 1};
     const std::array<Primitive<double>, 1> primitives{unit};
     std::vector<const Intersector*> forms;
@@ -127,7 +127,7 @@ TEST_CASE("an unknown label is refused with what was meant, a known one is bound
                       Catch::Contains("did you mean \"disc\"?"));
 }
 
-TEST_CASE("a run keeps one row of a label, and what it keeps stays when it moves", "[culprits]") {
+TEST_CASE("a metric set keeps one row per label, and the row survives a move", "[culprits]") {
     MetricSet made;
     const Metric* const of_c = made.find("contribution:c");
     REQUIRE(of_c != nullptr);
@@ -140,7 +140,7 @@ TEST_CASE("a run keeps one row of a label, and what it keeps stays when it moves
     CHECK(find_metric("contribution:c") == nullptr);
 }
 
-TEST_CASE("categories go by how often they are to blame", "[culprits]") {
+TEST_CASE("categories are ordered by how often they are to blame", "[culprits]") {
     const scene::file::Scene scene = test::scene_named("near-benign", std::pair{60, 40});
     measure::evaluate::EvaluationRequest request{
         .scene = &scene, .rows = {}, .metrics = {find_metric("lost_bits"), find_metric("culprit")}};

@@ -40,7 +40,7 @@ double lost(const Intersector& form, const OneRay& ray) {
 
 }  // namespace
 
-TEST_CASE("neighbours are within an ulp in each number, zeros stay, and every run has the same") {
+TEST_CASE("neighbours differ by at most an ulp per number, keep zeros and repeat in every run") {
     const auto scene = scene_named("rtg-fig-7-3-4100");  // along the axis: the eye has zeros
     const Intersector& form = form_named("sphere.schoolbook");
     const OneRay ray(scene, 100, 128);
@@ -73,7 +73,7 @@ TEST_CASE("neighbours are within an ulp in each number, zeros stay, and every ru
     CHECK(zeros < 4);
 }
 
-TEST_CASE("better is what loses less on the ray and its neighbours, and luck on the ray alone is not named") {
+TEST_CASE("a better row loses less on the ray and its neighbours, and luck on one ray is not reported") {
     const auto scene = scene_named("near-benign");
     const Intersector& form = form_named("sphere.schoolbook");
     int better = 0, lucky = 0, unlucky = 0;

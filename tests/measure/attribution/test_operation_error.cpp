@@ -18,7 +18,7 @@ constexpr std::array<std::pair<TapeOp, Op>, 6> arithmetic{{{TapeOp::add, Op::add
 
 }  // namespace
 
-TEST_CASE("the rounding of an operation is its result minus the exact one", "[attribution]") {
+TEST_CASE("the rounding error of an operation is its result minus the exact one", "[attribution]") {
     Random random(11);
     int seen = 0;
     for (const FloatFormat& f : {binary32, binary64, bfloat16, FloatFormat{30, -1022, 1023}})
@@ -48,7 +48,7 @@ TEST_CASE("the rounding of an operation is its result minus the exact one", "[at
     CHECK(seen > 40000);
 }
 
-TEST_CASE("a difference goes through an operation by its quotient, exactly", "[attribution]") {
+TEST_CASE("a difference passes through an operation by its exact difference quotient", "[attribution]") {
     Random random(12);
     const auto evaluated = [](TapeOp op, double a, double b, double c) {
         const BasicReal<400> x(a), y(b), z(c);
@@ -86,7 +86,7 @@ TEST_CASE("a difference goes through an operation by its quotient, exactly", "[a
         }
 }
 
-TEST_CASE("cancelled bits by hand", "[attribution]") {
+TEST_CASE("cancelled bits agree with those worked out by hand", "[attribution]") {
     const auto cancelled = [](TapeOp op, double a, double b, double c = 0) {
         Tape tape;
         const NodeId x = tape.add_input(binary32, a), y = tape.add_input(binary32, b), z = tape.add_input(binary32, c);

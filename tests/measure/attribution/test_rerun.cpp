@@ -25,7 +25,7 @@ void on_every_form(std::vector<const char*> formats, int rays, const See& see) {
 
 }  // namespace
 
-TEST_CASE("a tape run again with every rounding has the values of the format", "[attribution]") {
+TEST_CASE("a tape rerun with every rounding has the values of the format", "[attribution]") {
     std::size_t nodes = 0;
     on_every_form({"f32", "f64", "bf16", "p30"}, 6, [&nodes](const Tape& tape) {
         const Rerun again(tape, [](NodeId) { return true; });
@@ -35,7 +35,7 @@ TEST_CASE("a tape run again with every rounding has the values of the format", "
     CHECK(nodes > 10'000);
 }
 
-TEST_CASE("a tape run again without rounding has the exact values of the attribution", "[attribution]") {
+TEST_CASE("a tape rerun without rounding has the exact values of the attribution", "[attribution]") {
     on_every_form({"f32", "f64", "bf16", "p30"}, is_long() ? 6 : 2, [](const Tape& tape) {
         const auto found = measure::attribution::attribute(tape, {.full = true});
         const Rerun again(tape, [](NodeId) { return false; });
@@ -46,7 +46,7 @@ TEST_CASE("a tape run again without rounding has the exact values of the attribu
     });
 }
 
-TEST_CASE("the counterfactuals of every operation are those of whole runs", "[attribution]") {
+TEST_CASE("the counterfactuals of every operation agree with whole reruns", "[attribution]") {
     const auto near = [](double x, double y, double size) {
         return same_number(x, y) || std::fabs(x - y) <= 0x1p-51 * size;
     };
@@ -72,7 +72,7 @@ TEST_CASE("the counterfactuals of every operation are those of whole runs", "[at
     CHECK(hits > 500);
 }
 
-TEST_CASE("a choice that rounding turned is mended by the side that exact values choose", "[attribution]") {
+TEST_CASE("a choice changed by rounding is corrected by the side that exact values choose", "[attribution]") {
     // 1 + 2^-24 rounds to 1, so that it seems to be no more than 1.
     Tape tape;
     const auto input = [&tape](double x) { return tape.add_input(binary32, x); };
@@ -89,7 +89,7 @@ TEST_CASE("a choice that rounding turned is mended by the side that exact values
     }
 }
 
-TEST_CASE("of a sum of two roundings each counterfactual has the other one", "[attribution]") {
+TEST_CASE("each counterfactual of a sum of two roundings leaves the other rounding", "[attribution]") {
     // (1 + 2^-24) + (1 + 3·2^-24): the first rounds down by 2^-24, the second up by it.
     Tape tape;
     const auto input = [&tape](double x) { return tape.add_input(binary32, x); };

@@ -37,7 +37,7 @@ struct Recording {
 
 }  // namespace
 
-TEST_CASE("the schoolbook form reads as its source writes it", "[attribution]") {
+TEST_CASE("the tape of the schoolbook form reads like its source", "[attribution]") {
     const Recording r("sphere.schoolbook");
     const TapeText plain = r.text(TapeText::Style::plain), pretty = r.text(TapeText::Style::pretty);
     CHECK(plain.definition(r.labelled("a")) == "a = dot(d, d)");
@@ -46,7 +46,7 @@ TEST_CASE("the schoolbook form reads as its source writes it", "[attribution]") 
     CHECK(plain.definition(r.labelled("b")) == "b = 2*dot(o - centre, d)");
 }
 
-TEST_CASE("axes of a box share their categories and not their names", "[attribution]") {
+TEST_CASE("the axes of a box share categories and differ in names", "[attribution]") {
     const Recording r("box.inclusive");
     const TapeText text = r.text(TapeText::Style::plain), generic = r.text(TapeText::Style::generic);
     std::set<std::string> names, categories;
@@ -59,7 +59,7 @@ TEST_CASE("axes of a box share their categories and not their names", "[attribut
     CHECK(categories == std::set<std::string>{"inv = 1/d.i"});
 }
 
-TEST_CASE("the second of two names that end in a digit is no larger number", "[attribution]") {
+TEST_CASE("the second of two names that end in a digit does not get a larger digit", "[attribution]") {
     Recording r("sphere.schoolbook");
     const NodeId first = r.labelled("a"), second = r.labelled("b");
     for (const NodeId i : {first, second}) r.tape[i].label = "A^-1";
@@ -69,7 +69,7 @@ TEST_CASE("the second of two names that end in a digit is no larger number", "[a
     CHECK(r.text(TapeText::Style::latex).definition(second).starts_with("A^{-1}_{2} = "));
 }
 
-TEST_CASE("names are unique, and C identifiers of them too", "[attribution]") {
+TEST_CASE("names on a tape are unique and become unique C identifiers", "[attribution]") {
     for (const Intersector& form : intersect::table::intersectors()) {
         const Recording r(form.info->name);
         const TapeText text = r.text(TapeText::Style::plain);

@@ -107,7 +107,7 @@ Attribution attribution_of(const ByHand& hand, const Recorded& t) {
 
 }  // namespace
 
-TEST_CASE("of two that cancel the culprit is the one that is computed from the other", "[ties]") {
+TEST_CASE("ties: of two roundings that cancel, the later one on the chain is the culprit", "[ties]") {
     const ByHand hand;
     const auto sum = hand.down();        // −1
     const auto c = sum + Recorded(3.0);  // 2^53 + 3, up by 1
@@ -121,7 +121,7 @@ TEST_CASE("of two that cancel the culprit is the one that is computed from the o
     CHECK_FALSE(is_computed_from(hand.tape, a, sum.node(), c.node()));
 }
 
-TEST_CASE("of two that add up it is too", "[ties]") {
+TEST_CASE("ties: of two roundings that add up, the later one on the chain is the culprit", "[ties]") {
     const ByHand hand;
     const auto sum = hand.up();          // +1
     const auto c = sum - Recorded(1.0);  // (2^53 + 4) − 1, up by 1
@@ -131,7 +131,8 @@ TEST_CASE("of two that add up it is too", "[ties]") {
     CHECK(a.equals == std::vector{sum.node()});
 }
 
-TEST_CASE("of two that are not on one chain it is the nearer one, then the one that is read first", "[ties]") {
+TEST_CASE("ties: of two roundings on separate chains, the nearer to the result is the culprit, then the first",
+          "[ties]") {
     for (const bool down_first : {true, false}) {
         const ByHand hand;
         const auto down = hand.down(), up = hand.up();
@@ -147,7 +148,7 @@ TEST_CASE("of two that are not on one chain it is the nearer one, then the one t
     CHECK(attribution_of(hand, t).culprit == up.node());
 }
 
-TEST_CASE("of three equals too", "[ties]") {
+TEST_CASE("ties: three equal roundings are resolved by the same rules", "[ties]") {
     for (const bool chain_first : {true, false}) {
         const ByHand hand;
         const auto sum = hand.down(), c = sum + Recorded(3.0), up = hand.up();
@@ -158,7 +159,7 @@ TEST_CASE("of three equals too", "[ties]") {
     }
 }
 
-TEST_CASE("a side that is not taken makes no chain", "[ties]") {
+TEST_CASE("ties: a branch that is not taken does not make a chain", "[ties]") {
     const ByHand hand;
     const auto down = hand.down(), other = hand.down();
     const auto taken = select(Recorded(1.0) < Recorded(2.0), other, down);
@@ -171,7 +172,7 @@ TEST_CASE("a side that is not taken makes no chain", "[ties]") {
     CHECK(is_computed_from(hand.tape, a, c.node(), other.node()));
 }
 
-TEST_CASE("wrong choices that undo each other are no culprit while anything else was lost", "[ties]") {
+TEST_CASE("ties: wrong choices that undo each other are the culprit only where nothing else was lost", "[ties]") {
     using T = ByHand::T;
     const auto chosen = [](const ByHand& hand) { return select(hand.down() > T(0x1p53), T(1000), T(2000)); };
     ByHand hand;
@@ -186,7 +187,7 @@ TEST_CASE("wrong choices that undo each other are no culprit while anything else
     CHECK(one.culprit == a.node());
 }
 
-TEST_CASE("equal is what agrees to 2^-20", "[ties]") {
+TEST_CASE("ties: contributions are equal if they agree to 2^-20", "[ties]") {
     for (const auto& [more, equal] : {std::pair{0x1p-21, true}, std::pair{0x1p-19, false}}) {
         const ByHand hand;
         const auto larger = hand.down(), smaller = hand.up();
@@ -198,7 +199,7 @@ TEST_CASE("equal is what agrees to 2^-20", "[ties]") {
     }
 }
 
-TEST_CASE("roundings that do not reach the answer are no equals", "[ties]") {
+TEST_CASE("ties: roundings that do not reach the answer take no part", "[ties]") {
     const ByHand hand;
     const auto t = (hand.down() + hand.up()) * Recorded(0.0);
     const Attribution a = attribution_of(hand, t);
@@ -206,7 +207,7 @@ TEST_CASE("roundings that do not reach the answer are no equals", "[ties]") {
     CHECK(a.equals.empty());
 }
 
-TEST_CASE("every form has the same culprit in every order of its tape", "[ties]") {
+TEST_CASE("ties: every form has the same culprit in every order of its tape", "[ties]") {
     Seen seen;
     Random random(31);
     const int rays = is_long() ? 20 : 3;

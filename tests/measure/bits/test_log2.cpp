@@ -71,7 +71,7 @@ TEST_CASE("log2 of a power of two is its exponent", "[measure][bits]") {
     for (int e = -1022; e <= 1023; ++e) REQUIRE(log2_of(std::ldexp(1.0, e)) == e);
 }
 
-TEST_CASE("log2 does not fall from one double to the next", "[measure][bits]") {
+TEST_CASE("log2 never falls from one double to the next", "[measure][bits]") {
     Random random(7);
     for (int i = 0; i < 2000; ++i) {
         double x = i % 2 == 0 ? std::ldexp(1 + random.unit(), static_cast<int>(random.between(-30, 60)))

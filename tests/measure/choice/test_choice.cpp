@@ -37,7 +37,7 @@ Candidate candidate(double time, std::uint64_t wrong, double bits) {
 
 }  // namespace
 
-TEST_CASE("the cheapest that meets a requirement is neither the fastest nor the most accurate") {
+TEST_CASE("the cheapest row that meets a requirement is neither the fastest nor the most accurate") {
     const double none = std::nan("");
     const std::vector<Candidate> all{candidate(1, 0, 9), candidate(2, 1, 20), candidate(3, 0, 17), candidate(4, 0, 22),
                                      candidate(0.5, 50, none)};
@@ -52,7 +52,7 @@ TEST_CASE("the cheapest that meets a requirement is neither the fastest nor the 
     CHECK_FALSE(cheapest({candidate(1, 0, none)}, {.bits = 0}));
 }
 
-TEST_CASE("every row is timed, on rays of the scene, and worth what a map says") {
+TEST_CASE("every row is timed on rays of the scene and has the accuracy that a map reports") {
     const Scene scene = scene_named("rtg-fig-7-3-4100-oblique");
     ChoiceRequest request = request_of(scene, 16);
     request.rows = {row("sphere.schoolbook", "f32"), row("sphere.schoolbook", "f64")};
@@ -74,7 +74,7 @@ TEST_CASE("every row is timed, on rays of the scene, and worth what a map says")
     CHECK(all[1].quality.kept_bits == 53 - summaries[1].metrics[0].quantile(0.99));
 }
 
-TEST_CASE("a form is the fastest beyond the noise alone, and a form without registers is said") {
+TEST_CASE("a form is called the fastest only beyond the noise, and scalar forms are marked") {
     const Scene scene = scene_named("near-benign");
     const ChoiceRequest request = request_of(scene, 16);
     const auto said = [&](double first, double second, double spread, std::string_view isa) {
@@ -104,7 +104,7 @@ TEST_CASE("a form is the fastest beyond the noise alone, and a form without regi
           std::string::npos);
 }
 
-TEST_CASE("what a form computes in is seen in its operations") {
+TEST_CASE("the format in which a form computes is read from its operations") {
     const std::set<std::string_view> in_double{"sphere.double_inside",   "triangle.pbrt",       "triangle.woop_double",
                                                "torus.bracketed_double", "torus.double_inside", "tube.mitsuba"};
     for (const auto& form : intersect::table::intersectors()) {
@@ -116,7 +116,7 @@ TEST_CASE("what a form computes in is seen in its operations") {
     }
 }
 
-TEST_CASE("a stretched scene is the scene at factor 1, and shows the same picture from farther away") {
+TEST_CASE("a scene stretched by 1 is unchanged, and by more shows the same picture from farther away") {
     const Scene scene = scene_named("near-benign");
     for (const Growth way : growths) {
         const auto same = stretched(scene, way, 1);
@@ -138,7 +138,7 @@ TEST_CASE("a stretched scene is the scene at factor 1, and shows the same pictur
     CHECK_FALSE(stretched(scene_named("rtg-fig-7-3-4100-oblique"), Growth::view, 2));  // parallel rays
 }
 
-TEST_CASE("at the edge of a margin the requirement holds, and just beyond it fails") {
+TEST_CASE("a requirement holds at the edge of the margin and fails just beyond it") {
     const Scene scene = scene_named("near-benign");
     ChoiceRequest request = request_of(scene, 16);
     const TestedForm asked = row("sphere.schoolbook", "f32");
@@ -161,7 +161,7 @@ TEST_CASE("at the edge of a margin the requirement holds, and just beyond it fai
     CHECK(at(64 * distance.beyond).kept_bits < 16);
 }
 
-TEST_CASE("two spheres that differ in radius alone have margins that end at one radius") {
+TEST_CASE("the margin ends where two spheres that differ only in radius round to one radius") {
     const TestedForm asked = row("sphere.pythagoras", "f64");
     const auto edge = [&asked](const std::string& variant) {
         const Scene scene = scene_named("rtg-fig-7-4." + variant);
@@ -174,7 +174,7 @@ TEST_CASE("two spheres that differ in radius alone have margins that end at one 
     CHECK(edge("r1e6") == Approx(edge("r6371000")).epsilon(0.05));
 }
 
-TEST_CASE("a margin ends where binary32 holds another scene, though every ray is decided rightly there") {
+TEST_CASE("a margin ends where binary32 stores a different scene, even if all decisions are right there") {
     const Scene scene = scene_named("near-benign");
     const ChoiceRequest request = request_of(scene, 16);
     const TestedForm asked = row("sphere.unified", "f64");

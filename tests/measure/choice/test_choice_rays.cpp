@@ -78,7 +78,7 @@ Scene one_ray(const char* z, const char* c, const char* r) {
 
 }  // namespace
 
-TEST_CASE("rays of files are worth what the scene is that they come from, whether in one file or in several") {
+TEST_CASE("rays of files are judged as the scene that they come from, in one file or several") {
     const lostbits::test::Scratch folder;
     const Scene scene = scene_of_choice("near-benign");
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);
@@ -137,7 +137,7 @@ TEST_CASE("the sample of a long file is every n-th ray") {
     }
 }
 
-TEST_CASE("files that are not alike are not taken together") {
+TEST_CASE("files of different kinds are not read together") {
     const lostbits::test::Scratch folder;
     const Scene scene = scene_of_choice("near-benign", {8, 6});
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);
@@ -149,7 +149,7 @@ TEST_CASE("files that are not alike are not taken together") {
     CHECK_THROWS_AS(scene::dump::join_dumps(std::move(files)), InputError);
 }
 
-TEST_CASE("rays stretched start as they are, and meet the same points from farther away") {
+TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points from farther away") {
     const Scene scene = scene_of_choice("near-benign", {16, 12});
     const scene::rays::RayGroup group{scene::rays::make_shared_rays(scene, 0, 12),
                                       scene::rays::shared_primitives(scene)};
@@ -199,7 +199,7 @@ TEST_CASE("rays stretched start as they are, and meet the same points from farth
     CHECK(large->value == Approx(100).epsilon(1e-14));
 }
 
-TEST_CASE("at the edge of the margin of rays the requirement holds, and just beyond it fails") {
+TEST_CASE("a requirement on rays holds at the edge of the margin and fails just beyond it") {
     const Scene scene = scene_of_choice("near-benign", {32, 24});
     FileRays rays;
     rays.format = *find_format("f32");
@@ -224,7 +224,7 @@ TEST_CASE("at the edge of the margin of rays the requirement holds, and just bey
     CHECK(margins.front().end == End::fails);
 }
 
-TEST_CASE("what stands in the way: the one input that is rounded far off") {
+TEST_CASE("obstacles: the one input that is rounded far off is named") {
     // By hand (Python's fractions): binary32 has 1000000.03 as 1000000; t = 1000000.03 - 999990.5 - 1 = 8.53 becomes
     // 8.5, off by 0.03, in ulps of binary64 (2^-49 at 8.53) 2^43.94: 8.059 of 53 bits are left. A quantile of lost bits
     // is known to 2^-11 of itself.
@@ -247,7 +247,7 @@ TEST_CASE("what stands in the way: the one input that is rounded far off") {
     CHECK(found.least_precision == 32);  // with 31 bits of the centre 15.18 are left, with 32 18.06
 }
 
-TEST_CASE("what stands in the way: format, problem and formula are told apart") {
+TEST_CASE("obstacles: format, problem and formula are told apart") {
     const TestedForm row = test::row("sphere.unified", "f32");
     // Every number is one of binary32, and the ray starts far away: half an ulp in the centre costs bits all the same.
     const Scene far = one_ray("0", "1048576", "1048575");
@@ -284,7 +284,7 @@ TEST_CASE("what stands in the way: format, problem and formula are told apart") 
     CHECK(formula.rounded_before);
 }
 
-TEST_CASE("inputs that binary64 cannot hold would have to come wider") {
+TEST_CASE("obstacles: inputs that binary64 cannot hold need a wider format") {
     const Scene scene = one_ray("999990.5", "1000000.03", "1");
     const TestedForm row = test::row("sphere.unified", "f64");
     ChoiceRequest request = requirement_of(48, {row});

@@ -73,7 +73,7 @@ Asked require(const scene::file::Scene& scene, const std::vector<TestedForm>& ro
 
 }  // namespace
 
-TEST_CASE("each pixel takes the cheapest row that is right there, and the narrowest format in which any is") {
+TEST_CASE("each pixel takes the cheapest right row, and the narrowest format that has a right row") {
     for (const char* name : {"rtg-fig-7-3-4100-oblique", "near-benign", "grazing"}) {
         const auto scene = small_scene(name);
         const auto rows = rows_of({"sphere.schoolbook", "sphere.embree_point", "sphere.unified"}, {"f32", "f64"});
@@ -105,7 +105,7 @@ TEST_CASE("each pixel takes the cheapest row that is right there, and the narrow
     }
 }
 
-TEST_CASE("pixels of a requirement add up, and a harder requirement is met on fewer of them") {
+TEST_CASE("pixel counts of a requirement sum to the image, and fewer pixels meet a stricter requirement") {
     const auto scene = small_scene("rtg-fig-7-3-4100-oblique");
     const auto rows = rows_of({"sphere.schoolbook", "sphere.embree_point"}, {"f32", "f64"});
     std::vector<std::uint64_t> before(rows.size(), scene.pixels() + 1);
@@ -141,7 +141,7 @@ TEST_CASE("where f32 cannot keep the bits, hits need f64 and misses do not") {
     CHECK(r.met[1] == r.pixels());
 }
 
-TEST_CASE("a form that computes in double is no evidence that float is enough") {
+TEST_CASE("a form that computes in double does not show that float is enough") {
     const auto scene = small_scene("rtg-fig-7-3-4100-oblique");
     const auto rows = rows_of({"sphere.schoolbook", "sphere.double_inside"}, {"f32"});
     const auto [request, all, r] = require(scene, rows, {1, 2}, 20);

@@ -7,7 +7,7 @@ namespace test_closest {
 
 using namespace lostbits;
 
-TEST_CASE("passing on the closest t changes no answer of a closed form, and the comparison can see a difference") {
+TEST_CASE("passing on the closest t changes no answer of a closed form, and a changed answer is detected") {
     for (const intersect::table::Intersector& form : intersect::table::intersectors(Shape::box)) {
         INFO(form.info->name);
         if (form.info->touching == intersect::Touching::hit)

@@ -41,7 +41,7 @@ bool tells_of_a_sample(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("every claim whose sentence speaks of all cases says what it rests on") {
+TEST_CASE("every claim about all cases states what it rests on") {
     int universal = 0, proofs = 0, searches = 0;
     for (const Claim& claim : all_claims()) {
         const std::string word = universal_word(claim.statement);
@@ -73,7 +73,7 @@ TEST_CASE("every claim whose sentence speaks of all cases says what it rests on"
     CHECK(searches >= 1);
 }
 
-TEST_CASE("every verdict but of a sentence that describes a number follows from a criterion") {
+TEST_CASE("every verdict follows from a criterion, unless the sentence only describes a number") {
     int with = 0, qualified = 0, sourced = 0, describing = 0;
     for (const Claim& claim : all_claims()) {
         INFO(claim.where.text() << ": " << claim.id << ": " << claim.statement);
@@ -90,7 +90,7 @@ TEST_CASE("every verdict but of a sentence that describes a number follows from 
     CHECK(describing < 20);
 }
 
-TEST_CASE("a sentence from a source names the place where it can be looked up") {
+TEST_CASE("a sentence from a source names the source's page or line") {
     // An address, the section or chapter of a book, the year of a paper, or the comment in a file that is named.
     static const std::regex place(R"(https?://|section [0-9]|chapter [0-9]|the comment there|\((19|20)[0-9][0-9]\))");
     for (const Claim& claim : all_claims()) {
@@ -99,7 +99,7 @@ TEST_CASE("a sentence from a source names the place where it can be looked up") 
     }
 }
 
-TEST_CASE("a counterexample refutes") {
+TEST_CASE("a counterexample refutes a claim about all cases") {
     const lostbits::test::Scratch folder;
     const auto claim = [&](const std::string& verdict) {
         return folder.write("claims.toml", R"(schema = "lostbits-claims/1"
@@ -122,7 +122,7 @@ in = [0, 0]
     CHECK_THROWS_AS(scene::claim::read_claims(claim("holds")), InputError);
 }
 
-TEST_CASE("a claim about a search is about the worst ray that it finds") {
+TEST_CASE("a claim about a search refers to the worst ray found") {
     std::vector<Claim> claims;
     for (Claim& claim : all_claims()) {
         if (claim.id == "stability.slabs-search") claims.push_back(std::move(claim));

@@ -141,7 +141,7 @@ TEST_CASE("columns of errors have the bits of the metrics", "[measure][columns]"
     });
 }
 
-TEST_CASE("columns of any length leave what lies behind them alone", "[measure][columns]") {
+TEST_CASE("columns of any length leave the memory behind them unchanged", "[measure][columns]") {
     in_registers([] {
         Random random(3);
         const Format format = find_format("f32").value();
@@ -152,7 +152,8 @@ TEST_CASE("columns of any length leave what lies behind them alone", "[measure][
     });
 }
 
-TEST_CASE("half an ulp loses no bit and 2^k ulps lose k + 1, in columns and alone", "[measure][columns]") {
+TEST_CASE("an error of half an ulp loses no bit and 2^k ulps lose k + 1, in columns and ray by ray",
+          "[measure][columns]") {
     const Format format = find_format("f64").value();
     Random random(1);
     Problems p(format, 8, random, false);
@@ -173,7 +174,7 @@ TEST_CASE("half an ulp loses no bit and 2^k ulps lose k + 1, in columns and alon
     });
 }
 
-TEST_CASE("with one ray at a time everything is left to the metrics", "[measure][columns]") {
+TEST_CASE("batches of one ray are left to the metrics", "[measure][columns]") {
     const auto before = intersect::simd::current_isa();
     intersect::simd::set_isa(intersect::simd::Isa::scalar);
     Random random(5);

@@ -118,8 +118,7 @@ TEST_CASE("columns of residuals have the bits of the metric", "[measure][columns
     });
 }
 
-TEST_CASE("residuals in a format without registers, or of mixed primitives, are left to the metric",
-          "[measure][columns]") {
+TEST_CASE("residuals in emulated formats or of mixed primitives are left to the metric", "[measure][columns]") {
     Random random(4);
     CHECK(compare(Scene("bf16", Shape::sphere, Range::near, 100, random)) == 1);
     Scene mixed("f32", Shape::sphere, Range::near, 101, random);

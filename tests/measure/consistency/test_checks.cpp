@@ -43,7 +43,7 @@ std::pair<Real, Real> chord_in_real(const Ray<double>& ray, const Sphere<double>
 
 }  // namespace
 
-TEST_CASE("any hit before an end: forms of spheres compare, forms of boxes decide", "[measure][consistency]") {
+TEST_CASE("any hit before an end: sphere forms compare t, box forms decide", "[measure][consistency]") {
     const Ray<double> ray{{-3, 0, 0}, {1, 0, 0}};
     for (const char* format : {"f32", "f64", "bf16"}) {
         const FloatFormat f = find_format(format)->parameters;
@@ -72,7 +72,7 @@ TEST_CASE("any hit before an end: forms of spheres compare, forms of boxes decid
     CHECK_FALSE(meets("sphere.half_b", "f32", {{3, 0, 0}, {1, 0, 0}}, 100, {unit_sphere}));
 }
 
-TEST_CASE("what truly lies before an end is proved, also at the end itself", "[measure][consistency]") {
+TEST_CASE("a hit that truly lies before an end is proved, also exactly at the end", "[measure][consistency]") {
     using D = Truth::Decision;
     const auto truly = [](const Ray<double>& ray, double end, const Primitive<double>& primitive,
                           intersect::Touching touching = intersect::Touching::hit) {
@@ -95,7 +95,7 @@ TEST_CASE("what truly lies before an end is proved, also at the end itself", "[m
     CHECK(truly(beside, std::nextafter(2.0, 3.0), unit_sphere) == D::hit);
 }
 
-TEST_CASE("a segment in two ways, operation by operation in float", "[measure][consistency]") {
+TEST_CASE("a segment written in two ways rounds operation by operation in float", "[measure][consistency]") {
     const Vec<double> p(0.5F, -0.25F, 3.0F), q(7.3F, 2.1F, -9.7F);
     const auto s = write_segment(p, q, *find_format("f32"), EndOfSegment::shortened);
     const float x = 7.3F - 0.5F, y = 2.1F + 0.25F, z = -9.7F - 3.0F;
@@ -111,7 +111,7 @@ TEST_CASE("a segment in two ways, operation by operation in float", "[measure][c
     CHECK(write_segment(p, q, *find_format("f32"), EndOfSegment::whole).difference_end == 1);
 }
 
-TEST_CASE("a chord from either end: by hand", "[measure][consistency]") {
+TEST_CASE("a chord from either end agrees with one worked out by hand", "[measure][consistency]") {
     const double ulp = 0x1p-23;
     const EitherEnd ends{{{-2, 0, 0}, {4, 0, 0}}, {{2, 0, 0}, {-4, 0, 0}}, unit_sphere};
     const auto right = chord_error(ends, {0.25, 0.75, 0.25, 0.75}, false, ulp);
@@ -136,7 +136,7 @@ TEST_CASE("a chord from either end: by hand", "[measure][consistency]") {
     CHECK(chord_error(box, {0.25, 0.75, 0.25, 0.75}, false, ulp)->excess == 0);
 }
 
-TEST_CASE("a chord from either end: against 256 bits, where the ends are not quite one line",
+TEST_CASE("a chord from either end agrees with 256 bits, where rounded ends are not quite on one line",
           "[measure][consistency]") {
     std::mt19937_64 random(7);
     std::uniform_real_distribution<double> any(-1, 1);

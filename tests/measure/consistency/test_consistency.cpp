@@ -75,7 +75,7 @@ CheckSummary of_kernel(intersect::table::Kernel<float>::Plain kernel, std::strin
 
 }  // namespace
 
-TEST_CASE("consistency: every form in packs and alone, and what every summary keeps", "[measure][consistency]") {
+TEST_CASE("consistency: every form agrees in packs and alone, and summaries add up", "[measure][consistency]") {
     for (const std::string name : {"near-benign", "camera-inside", "box-slabs", "consistency-on-surface"}) {
         const auto scene = load(name);
         std::vector<measure::evaluate::TestedForm> rows;
@@ -101,7 +101,8 @@ TEST_CASE("consistency: every form in packs and alone, and what every summary ke
     }
 }
 
-TEST_CASE("consistency: numbers of a computation in Python, with fractions for the truth", "[measure][consistency]") {
+TEST_CASE("consistency: numbers agree with a Python computation whose truth is in fractions",
+          "[measure][consistency]") {
     // float by `struct`, schoolbook operation by operation; exact discriminants as fractions, roots to 80 digits.
     const CheckSummary far = one("rtg-fig-7-3-4100-oblique", "sphere.schoolbook", "f32", "reverse");
     CHECK(far.of(CheckResult::agree) == 146);
@@ -127,7 +128,7 @@ TEST_CASE("consistency: numbers of a computation in Python, with fractions for t
     CHECK(near.excess.quantile(1) == Approx(9.22616585020865).epsilon(1e-12));
 }
 
-TEST_CASE("consistency: a t rounded once is as good from either end as an ulp allows", "[measure][consistency]") {
+TEST_CASE("consistency: a t rounded once agrees from either end within an ulp", "[measure][consistency]") {
     for (const char* scene : {"near-benign", "rtg-fig-7-3-4100-oblique", "camera-inside", "grazing"}) {
         const CheckSummary s = one(scene, "sphere.double_inside", "f32", "reverse", 48, 36);
         CAPTURE(scene);
@@ -137,7 +138,7 @@ TEST_CASE("consistency: a t rounded once is as good from either end as an ulp al
     }
 }
 
-TEST_CASE("consistency: an origin on the surface, and an end at the box", "[measure][consistency]") {
+TEST_CASE("consistency: an origin on the surface and an end at a box are checked", "[measure][consistency]") {
     const CheckSummary beyond = one("consistency-on-surface", "sphere.half_b", "f32", "beyond");
     CHECK(beyond.of(CheckResult::first_alone) == beyond.asked());
     CHECK(beyond.asked() == 192);
@@ -152,7 +153,7 @@ TEST_CASE("consistency: an origin on the surface, and an end at the box", "[meas
     CHECK(one("box-octree", "box.exclusive", "f32", "end").decisions() == 0);
 }
 
-TEST_CASE("consistency: forms that contradict themselves are seen", "[measure][consistency]") {
+TEST_CASE("consistency: forms that contradict themselves are detected", "[measure][consistency]") {
     const auto hits = one("near-benign", "sphere.half_b", "f32", "beyond").asked();
     REQUIRE(hits > 50);
     CHECK(of_kernel(drifts, "packs").of(CheckResult::other_number) >= hits);
@@ -169,7 +170,7 @@ TEST_CASE("consistency: forms that contradict themselves are seen", "[measure][c
     CHECK(of_kernel(nowhere, "beyond").asked() > 50);
 }
 
-TEST_CASE("consistency: only checks that can be asked are", "[measure][consistency]") {
+TEST_CASE("consistency: a check that cannot be asked is not run", "[measure][consistency]") {
     const auto names = [](const std::string& scene, std::string_view form) {
         std::vector<std::string> all;
         for (const Check* c : checks_for(load(scene), {row(form, "f32")})) all.emplace_back(c->name);

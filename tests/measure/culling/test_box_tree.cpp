@@ -69,7 +69,7 @@ Vec<double> target(const Primitive<double>& primitive, bool first) {
 
 }  // namespace
 
-TEST_CASE("a tree of boxes names every primitive that a ray meets", "[culling]") {
+TEST_CASE("a tree of boxes finds every primitive that a ray meets", "[culling]") {
     std::size_t met = 0, asked = 0, pairs = 0;
     for (int round = 0; round < 60; ++round) {
         Draw draw(static_cast<std::uint64_t>(round) + 1);
@@ -106,7 +106,7 @@ TEST_CASE("a tree of boxes names every primitive that a ray meets", "[culling]")
     CHECK(asked < pairs / 2);  // and it spares most of the others
 }
 
-TEST_CASE("the truth through a tree is the truth among all primitives", "[culling]") {
+TEST_CASE("the truth through a tree equals the truth among all primitives", "[culling]") {
     Draw draw(7);
     const std::vector<Primitive<double>> primitives = primitives_of(draw, 1);
     scene::rays::RayBlock rays;
@@ -262,7 +262,7 @@ Ray<double> ray_at(Draw& draw, const Triangle<double>& face, double size, const 
 
 }  // namespace
 
-TEST_CASE("one tree over a mesh for all rays changes no truth, at any scale, nor any claim of a tie", "[culling]") {
+TEST_CASE("one tree over a mesh for all rays changes neither the truth nor a tie at any scale", "[culling]") {
     std::size_t hits = 0, ties = 0, asked = 0, pairs = 0;
     for (const FloatFormat& format : {binary32, binary64}) {
         for (const int power : {0, -20, 30, -90, 90, -300, 300}) {
@@ -305,7 +305,7 @@ TEST_CASE("one tree over a mesh for all rays changes no truth, at any scale, nor
     CHECK(asked < pairs / 4);
 }
 
-TEST_CASE("the nearest primitive of a tree is the nearest of all", "[culling]") {
+TEST_CASE("the nearest primitive in a tree is the nearest of all", "[culling]") {
     Draw draw(21);
     for (const int power : {0, -60, 60}) {  // at 2^300 the squares of a distance overflow
         scene::rays::RayGroup group;
@@ -326,7 +326,7 @@ TEST_CASE("the nearest primitive of a tree is the nearest of all", "[culling]") 
     }
 }
 
-TEST_CASE("what has no box is a candidate of every ray", "[culling]") {
+TEST_CASE("a primitive without a box is a candidate for every ray", "[culling]") {
     const Ray<double> away{{0, 0, 5}, {0, 0, 1}};
     const Primitive<double> flat = Triangle<double>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
                             ground = Plane<double>{{0, 0, 0}, {0, 0, 1}}, ball = Sphere<double>{{0, 0, 0}, 1},

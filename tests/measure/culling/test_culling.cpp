@@ -122,8 +122,7 @@ TEST_CASE("an index of many spheres changes no answer: of several pages", "[meas
     CHECK(c.few == c.rays);
 }
 
-TEST_CASE("whole blocks hold the candidates, which are the spheres that the line comes near enough to",
-          "[measure][culling]") {
+TEST_CASE("blocks of candidates hold every sphere that the line comes near", "[measure][culling]") {
     const scene::file::Scene scene = flake_scene(5, "[2.1, 1.3, 1.7]", pinhole + "60");
     measure::culling::Culler culler(scene);
     const auto& index = dynamic_cast<const SphereIndex&>(*culler.for_truth());
@@ -156,7 +155,7 @@ TEST_CASE("whole blocks hold the candidates, which are the spheres that the line
     }
 }
 
-TEST_CASE("no index where squares leave the format, where spheres are few, or primitives no spheres",
+TEST_CASE("an index is not built where squares overflow, spheres are few or primitives are not spheres",
           "[measure][culling]") {
     const measure::culling::RayBounds bounds{3, 1, 1};
     std::vector<Primitive<double>> primitives;

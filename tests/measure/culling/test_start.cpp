@@ -141,7 +141,7 @@ struct Tally {
 
 }  // namespace
 
-TEST_CASE("no ray that starts in a primitive is said to start outside, at any size", "[culling]") {
+TEST_CASE("a ray that starts in a primitive is never said to start outside, at any size", "[culling]") {
     for (const ShapeRow& row : shape_rows) {
         Seeded rng(0x57a27 + static_cast<std::uint64_t>(row.shape));
         Tally wide, usual;
@@ -163,7 +163,7 @@ TEST_CASE("no ray that starts in a primitive is said to start outside, at any si
     }
 }
 
-TEST_CASE("no ray that starts in a primitive under a matrix is said to start outside", "[culling]") {
+TEST_CASE("a ray that starts in a primitive under a matrix is never said to start outside", "[culling]") {
     for (const ShapeRow& row : shape_rows) {
         Seeded rng(0x9147 + static_cast<std::uint64_t>(row.shape));
         Tally wide, usual;
@@ -192,7 +192,7 @@ TEST_CASE("no ray that starts in a primitive under a matrix is said to start out
     }
 }
 
-TEST_CASE("a ray that starts in a cone whose products leave the doubles begins there", "[culling]") {
+TEST_CASE("a ray that starts in a cone is found to do so where products overflow double", "[culling]") {
     // axis × (o − base) is 2^513.
     for (const int e : {258, -258}) {
         scene::rays::RayGroup group;
@@ -213,7 +213,7 @@ TEST_CASE("a ray that starts in a cone whose products leave the doubles begins t
     }
 }
 
-TEST_CASE("a tree of boxes names every primitive that a ray meets where squares leave the doubles", "[culling]") {
+TEST_CASE("a tree of boxes finds every primitive that a ray meets where squares overflow double", "[culling]") {
     using measure::culling::BoxTree;
     std::size_t met = 0, trees = 0;
     for (int round = 0; round < 60; ++round) {

@@ -47,7 +47,7 @@ bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b)
 
 }  // namespace
 
-TEST_CASE("the nearest ray of a search cracks or is counted twice, triangle by triangle", "[edges]") {
+TEST_CASE("the nearest ray of an edge search leaks or hits twice, triangle by triangle", "[edges]") {
     const Scratch folder;
     const auto search = search_of(folder, "scene = \"mesh-icosphere-near\"\ndistance = [1, 65536]\nrays = 32768\n");
     const auto primitives = scene::rays::shared_primitives(search.scene);
@@ -89,7 +89,7 @@ TEST_CASE("the nearest ray of a search cracks or is counted twice, triangle by t
     for (const auto& nothing : found[3].nearest) CHECK_FALSE(nothing.has_value());
 }
 
-TEST_CASE("a search along edges finds what contraction lets through a watertight test", "[edges][contraction]") {
+TEST_CASE("an edge search finds the leak that contraction opens in a watertight test", "[edges][contraction]") {
     const Scratch folder;
     const auto search = search_of(folder,
                                   "scene = \"mesh-icosphere-near\"\ndistance = [\"0x1p-10\", \"0x1p20\"]\n"
@@ -100,7 +100,7 @@ TEST_CASE("a search along edges finds what contraction lets through a watertight
     CHECK(found[1].nearest[0].has_value());
 }
 
-TEST_CASE("a search along edges does not depend on rows beside, on shards or on being asked again", "[edges]") {
+TEST_CASE("an edge search does not depend on other rows, shards or repetition", "[edges]") {
     const Scratch folder;
     const auto search = search_of(folder, "scene = \"mesh-icosphere-near\"\nrays = 4096\nseed = 5\n");
     const std::vector rows{row("triangle.undivided", "f32"), row("triangle.projection", "f32")};
@@ -113,7 +113,7 @@ TEST_CASE("a search along edges does not depend on rows beside, on shards or on 
     CHECK_FALSE(equal(found_by(other, rows), all));
 }
 
-TEST_CASE("more rays find nothing farther", "[edges]") {
+TEST_CASE("an edge search with more rays never finds a farther ray", "[edges]") {
     const Scratch folder;
     const std::string scene = "scene = \"mesh-icosphere-near\"\n";
     const auto few = search_of(folder, scene + "rays = 2048\n"), many = search_of(folder, scene + "rays = 16384\n");
@@ -127,7 +127,7 @@ TEST_CASE("more rays find nothing farther", "[edges]") {
     CHECK((b[0]->distance < a[0]->distance || b[1]->distance < a[1]->distance));
 }
 
-TEST_CASE("a search along edges refuses what has none", "[edges]") {
+TEST_CASE("an edge search refuses primitives without edges", "[edges]") {
     const Scratch folder;
     const auto refuses = [&](const std::string& more, const std::string& why) {
         try {

@@ -47,8 +47,7 @@ std::vector<FormSummary> mapped(const scene::file::Scene& scene, const Metric& m
 
 }  // namespace
 
-TEST_CASE("of two maps under way in one process one is stopped at the ray where it is asked, and the other goes on",
-          "[measure][map]") {
+TEST_CASE("of two maps in one process one is stopped at the requested ray and the other goes on", "[measure][map]") {
     static std::atomic<bool> first_asked;
     static int measured, others;
     static const scene::file::Scene* scene;
@@ -76,7 +75,7 @@ TEST_CASE("of two maps under way in one process one is stopped at the ray where 
     CHECK(static_cast<std::uint64_t>(others) == other.front().count(measure::answer::Outcome::agree_hit));
 }
 
-TEST_CASE("whatever is asked for stops where its own request says so") {
+TEST_CASE("every computation stops where its own request says so") {
     const std::atomic<bool> flag{true};
     const StopToken stop(flag);
     const measure::truth::TruthLimit limit{.stop = stop};

@@ -61,7 +61,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("input, model and rounding error of a march sum to its error", "[measure][march]") {
+TEST_CASE("input, model and rounding error of a march sum to its total error", "[measure][march]") {
     const auto scene = scene_of("sdf-union", 24);
     EvaluationRequest request{.scene = &scene, .rows = marches(scene, {"f32", "f64", "bf16"}), .metrics = {}};
     for (const char* name : {"ulp_error", "model_error", "rounding_error", "input_error", "iterations", "stop"})
@@ -81,7 +81,7 @@ TEST_CASE("input, model and rounding error of a march sum to its error", "[measu
     }
 }
 
-TEST_CASE("forms that do not march have no such metrics", "[measure][march]") {
+TEST_CASE("forms that do not march have no march metrics", "[measure][march]") {
     const auto scene = scene_of("sdf-sphere", 16);
     EvaluationRequest request{
         .scene = &scene,
@@ -94,7 +94,7 @@ TEST_CASE("forms that do not march have no such metrics", "[measure][march]") {
     CHECK(summary.categories[2] == std::vector<std::uint64_t>(intersect::stop_names.size(), 0));
 }
 
-TEST_CASE("refinement takes the model error away", "[measure][march]") {
+TEST_CASE("refining the answer removes the model error", "[measure][march]") {
     const auto scene = scene_of("sdf-sphere", 24);
     EvaluationRequest request{
         .scene = &scene, .rows = marches(scene, {"f64"}), .metrics = {measure::metric::find_metric("model_error")}};
@@ -112,7 +112,7 @@ TEST_CASE("refinement takes the model error away", "[measure][march]") {
     CHECK(plain < 1e-2 / 0x1p-51);
 }
 
-TEST_CASE("mixed primitives are met by marches and by forms for all of their shapes", "[measure][march]") {
+TEST_CASE("mixed primitives are hit by marches and by forms that cover all of their shapes", "[measure][march]") {
     const auto scene = scene_of("sdf-union", 8);
     CHECK(scene.meets(Shape::sdf));
     CHECK_FALSE(scene.meets(Shape::sphere));
@@ -122,7 +122,7 @@ TEST_CASE("mixed primitives are met by marches and by forms for all of their sha
     CHECK_FALSE(scene_of("near-benign", 8).meets(Shape::sdf));
 }
 
-TEST_CASE("one ray is the pixel of the map", "[measure][march]") {
+TEST_CASE("explaining one ray gives the values of its pixel in the map", "[measure][march]") {
     const auto scene = scene_of("sdf-union", 16);
     const intersect::table::Intersector& form = intersect::table::intersectors(Shape::sdf).front();
     measure::truth::Band band(scene, 0, 16);

@@ -158,7 +158,7 @@ scene::file::Scene smaller(const char* name, std::initializer_list<std::pair<std
 
 }  // namespace
 
-TEST_CASE("outcomes of meshes are those of triangles asked one by one", "[outcome][mesh]") {
+TEST_CASE("outcomes of meshes agree with triangles asked one by one", "[outcome][mesh]") {
     std::map<Outcome, std::uint64_t> counts;
     for (const auto& scene :
          {smaller("mesh-icosphere-edges", {{"mesh[0].levels", "2"}}), smaller("mesh-grid-vertices", {}),
@@ -196,7 +196,7 @@ measure::evaluate::FormSummary summary_of(const scene::file::Scene& scene, const
 
 }  // namespace
 
-TEST_CASE("a watertight form is not said to crack where it claims both triangles of an edge", "[outcome][mesh]") {
+TEST_CASE("a watertight form that hits both triangles of an edge is not reported as a crack", "[outcome][mesh]") {
     // Pixel (35, 8): it claims one triangle, and two that share an edge whose value is 0: one step or two, no light.
     const auto found = scene::file::find_scene("mesh-icosphere-parallel", LOSTBITS_DATA_DIR);
     scene::file::LoadOptions options;

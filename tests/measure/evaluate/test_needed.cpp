@@ -61,7 +61,7 @@ std::vector<double> needed_of(const scene::file::Scene& scene, const intersect::
 
 }  // namespace
 
-TEST_CASE("bits needed are what a map of all 52 widths says", "[needed]") {
+TEST_CASE("bits needed agree with a map of all 52 widths", "[needed]") {
     std::size_t beyond = 0, lucky = 0, narrow_misses = 0;
     // Far, near, from a huge ground (own horizon), inputs rounded by each format, and several spheres.
     for (const char* name : {"rtg-fig-7-3-100-oblique", "near-benign", "rtg-fig-7-4.r1e6", "world-offset-own"}) {
@@ -95,7 +95,7 @@ TEST_CASE("bits needed are what a map of all 52 widths says", "[needed]") {
     CHECK(narrow_misses > 100);
 }
 
-TEST_CASE("more correct bits never need fewer, and never fewer than themselves on a hit", "[needed]") {
+TEST_CASE("more correct bits never need a narrower width, and a hit needs at least the bits it keeps", "[needed]") {
     const scene::file::Scene scene = load("rtg-fig-7-4.r1e4", 24, 18);
     for (const char* which : {"sphere.schoolbook", "sphere.unified"}) {
         std::vector<double> before(24 * 18, 0);
@@ -111,7 +111,7 @@ TEST_CASE("more correct bits never need fewer, and never fewer than themselves o
     }
 }
 
-TEST_CASE("forms beside each other do not change each other's bits needed", "[needed]") {
+TEST_CASE("bits needed do not depend on other forms in the run", "[needed]") {
     const scene::file::Scene scene = load("rtg-fig-7-3-100-oblique", 70, 50);
     const std::vector<const intersect::table::Intersector*> forms{&test::form_named("sphere.schoolbook"),
                                                                   &test::form_named("sphere.unit_half_b"),
@@ -127,7 +127,7 @@ TEST_CASE("forms beside each other do not change each other's bits needed", "[ne
     for (std::size_t f = 0; f < forms.size(); ++f) CHECK(together[f] == needed_of(scene, *forms[f], 16));
 }
 
-TEST_CASE("half an ulp of B bits is kept, and no more", "[needed]") {
+TEST_CASE("an answer keeps B bits up to an error of half an ulp of B bits", "[needed]") {
     const measure::truth::Certified one = exactly(1);
     CHECK(keeps_bits(1 + 0x1p-12, one, 12));  // ulp of 12 bits at 1: 2^-11
     CHECK_FALSE(keeps_bits(1 + 0x1p-12 + 0x1p-52, one, 12));
@@ -138,7 +138,7 @@ TEST_CASE("half an ulp of B bits is kept, and no more", "[needed]") {
     for (const double t : {HUGE_VAL, -HUGE_VAL, std::nan("")}) CHECK_FALSE(keeps_bits(t, one, 1));
 }
 
-TEST_CASE("what suffices on one ray", "[needed]") {
+TEST_CASE("the width that one ray needs follows from its truth and its answers", "[needed]") {
     Truth hit, miss, open;
     hit.decision = Truth::Decision::hit;
     hit.t = exactly(4);

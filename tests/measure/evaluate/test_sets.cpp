@@ -83,7 +83,7 @@ constexpr std::array<std::optional<intersect::Touching>, 3> judgements{std::null
 
 }  // namespace
 
-TEST_CASE("a set answers the nearest of what its forms answer, in every format and register", "[sets]") {
+TEST_CASE("a set returns the nearest answer of its forms in every format and register width", "[sets]") {
     int from_boxes = 0, from_spheres = 0;
     for (unsigned seed = 0; seed < draws(30U); ++seed) {
         const Mixed mixed(seed);
@@ -120,7 +120,7 @@ TEST_CASE("a set answers the nearest of what its forms answer, in every format a
     CHECK(from_boxes > 1000);
 }
 
-TEST_CASE("in a set each primitive is judged by the words of its own form", "[sets]") {
+TEST_CASE("each primitive in a set is judged by the contract of its own form", "[sets]") {
     int apart = 0;
     for (unsigned seed = 0; seed < draws(20U); ++seed) {
         const Mixed mixed(seed);
@@ -151,7 +151,7 @@ TEST_CASE("in a set each primitive is judged by the words of its own form", "[se
     CHECK(apart > 100);  // the words make a difference
 }
 
-TEST_CASE("what can be no set says why, and a set is made once", "[sets]") {
+TEST_CASE("an impossible set is refused with the reason, and each set is made once", "[sets]") {
     using intersect::table::refusal_of_set;
     const Intersector &sphere = form_named("sphere.press"), &other = form_named("sphere.unified"),
                       &box = form_named("box.signs"), &march = form_named("sdf.sphere_trace");

@@ -35,7 +35,7 @@ public:
 
 }  // namespace
 
-TEST_CASE("a hit of the wrong primitive is not an agreed hit, and no error is measured there", "[outcome]") {
+TEST_CASE("a hit of the wrong primitive is not an agreed hit, and its error is not measured", "[outcome]") {
     const auto scene = test::load("rtg-fig-7-6-far", 96, 96);
     const measure::evaluate::EvaluationRequest request{
         .scene = &scene,

@@ -87,7 +87,7 @@ const Tape& tape_named(const char* name, Tape& kept) {
 
 }  // namespace
 
-TEST_CASE("no rule changes what a form of the catalogue answers without rounding", "[mend]") {
+TEST_CASE("no identity changes the unrounded answer of a form of the catalogue", "[mend]") {
     std::map<std::string_view, int> applied, hits;
     for (const Intersector& form : intersect::table::catalogue()) {
         if (!is_primitive(form.shape) || !form.record || form.way || !form.exists_in(*find_format("f32"))) continue;
@@ -108,7 +108,7 @@ TEST_CASE("no rule changes what a form of the catalogue answers without rounding
     }
 }
 
-TEST_CASE("a formula is the same when it was taken for terms and back", "[mend]") {
+TEST_CASE("a formula keeps its value when converted to terms and back", "[mend]") {
     Tape kept;
     const Tape& before = tape_named("sphere.schoolbook", kept);
     const Terms terms(before);
@@ -128,7 +128,7 @@ TEST_CASE("a formula is the same when it was taken for terms and back", "[mend]"
     CHECK(hits > 5);
 }
 
-TEST_CASE("a wrong identity is seen on a sample of rays", "[mend]") {
+TEST_CASE("a wrong identity is detected on a sample of rays", "[mend]") {
     const auto scene = test::scene_named("near-benign", std::pair{16, 16});
     Tape kept;
     const Tape& before = tape_named("sphere.schoolbook", kept);
@@ -145,7 +145,7 @@ TEST_CASE("a wrong identity is seen on a sample of rays", "[mend]") {
     }
 }
 
-TEST_CASE("sums are multiplied out, whatever brackets they were written with", "[mend]") {
+TEST_CASE("products of sums are expanded, however the brackets are written", "[mend]") {
     Tape kept;
     Terms terms(tape_named("sphere.schoolbook", kept));
     const auto named = [&](std::string_view label) {

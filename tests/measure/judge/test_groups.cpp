@@ -10,7 +10,7 @@ using judge::JudgeRequest, judge::JudgeResult;
 using scene::test::Columns;
 using test::add_answers, test::all_metrics, test::ray_columns, test::require_same;
 
-TEST_CASE("what a summary has of a group is what it has of those rays alone") {
+TEST_CASE("the summary of a group is that of its rays alone") {
     const evaluate::TestedForm row = test::row("sphere.press", "f32");
     const std::vector<Primitive<double>> primitives{Sphere<double>{{0, 0, 0}, 1}};
     scene::rays::RayBlock rays;
@@ -62,7 +62,7 @@ TEST_CASE("what a summary has of a group is what it has of those rays alone") {
     }
 }
 
-TEST_CASE("groups stand in the order of their numbers, and words behind them") {
+TEST_CASE("groups are sorted by number, and groups named by words follow") {
     evaluate::Groups groups, more;
     for (const char* value : {"10", "glass", "9", "-2.5", "1e3", "", "9"}) groups.add(value, 1, {});
     groups.at("9").summaries[0].rays = 4;

@@ -131,7 +131,7 @@ TEST_CASE("the answers of a form in a file measure as the form does in a map") {
     hold_map_and_judge("mesh-sheets-far", {"triangle.moller_trumbore"}, "f32");
 }
 
-TEST_CASE("primitives of any kinds that are met at one t own the hit together") {
+TEST_CASE("primitives of any kinds that are hit at one t own the hit together") {
     // The ray goes down along z from 9. All but the last are met at z = 2, which is t = 7.
     const std::vector<Primitive<double>> primitives{Sphere<double>{{0, 0, 0}, 2},
                                                     Box<double>{{-1, -1, -1}, {1, 1, 2}},
@@ -218,7 +218,7 @@ TEST_CASE("a ray with a primitive of its own has the truth of those two, and eve
     }
 }
 
-TEST_CASE("rays beyond the first 2^32 of a file keep their places") {
+TEST_CASE("rays beyond the first 2^32 of a file keep their indices") {
     const scene::rays::RayGroup group = random_pairs(Shape::sphere, 2000, 8);
     const evaluate::TestedForm row = test::row("sphere.expanded", "f32");
     Columns columns = columns_of_pairs(group);
@@ -243,7 +243,7 @@ TEST_CASE("rays beyond the first 2^32 of a file keep their places") {
         CHECK(noted_later[k].place == noted[k].place + scene::test::LateDump::before);
 }
 
-TEST_CASE("the answers of a file are judged as those of the form, and the worst are those of every ray") {
+TEST_CASE("answers in a file are judged like those of the form, and the worst rays are the worst of all") {
     const scene::rays::RayGroup group = random_pairs(Shape::sphere, 100000, 5);
     const evaluate::TestedForm row = test::row("sphere.schoolbook", "f32");
     Columns columns = columns_of_pairs(group);
@@ -320,7 +320,7 @@ TEST_CASE("decisions without a t have outcomes and no errors") {
     CHECK(s.worst.x == -1);
 }
 
-TEST_CASE("of equal errors and of wrong decisions the first are kept") {
+TEST_CASE("the first of equal errors and the first of wrong decisions are kept") {
     std::string text = "ox,oy,oz,dx,dy,dz,hit,t\n";
     for (int i = 0; i < 30; ++i) text += i % 3 == 2 ? "0,0,-5,0,0,1,0,\n" : "0,0,-5,0,0,1,1,4.5\n";
     const scene::test::DumpFile file("a.csv", text);

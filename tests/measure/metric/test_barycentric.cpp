@@ -59,7 +59,7 @@ struct AnsweredHit {
 
 }  // namespace
 
-TEST_CASE("the error of weights is the one that fractions say, of every form", "[metric][triangle]") {
+TEST_CASE("the error of barycentric weights agrees with fractions for every form", "[metric][triangle]") {
     const Format format = *find_format("f32");
     std::map<std::string_view, int> asked, wrong, exact;
     for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleDistribution& distribution,
@@ -101,7 +101,7 @@ TEST_CASE("the error of weights is the one that fractions say, of every form", "
     }
 }
 
-TEST_CASE("weights that are right have no error, and one that is no number an infinite one", "[metric][triangle]") {
+TEST_CASE("right weights have no error, and a NaN weight has an infinite error", "[metric][triangle]") {
     CHECK(AnsweredHit(0.25, 0.25, 0.5).of(barycentric_error) == 0);
     CHECK(AnsweredHit(0.25, 0.25, 0.5).of(barycentric_sum) == 0);
     CHECK(AnsweredHit(0.25, 0.25, 0.5 + 0x1p-24).of(barycentric_error) == 1);
@@ -119,7 +119,7 @@ TEST_CASE("weights that are right have no error, and one that is no number an in
     CHECK(std::isnan(ball.of(barycentric_error)));
 }
 
-TEST_CASE("the normal of a triangle is off by what its edges lose", "[metric][triangle]") {
+TEST_CASE("the error of a triangle's normal is the rounding of its edges", "[metric][triangle]") {
     const Format format = *find_format("f32");
     const auto error = [&](const Triangle<double>& triangle) {
         const Primitive<double> primitive(triangle);

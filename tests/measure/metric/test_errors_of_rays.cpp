@@ -34,7 +34,7 @@ struct Pair {
 
 }  // namespace
 
-TEST_CASE("the origin's error is a length, and bits in ulps of its largest component") {
+TEST_CASE("the error of the origin is a length, and its lost bits are in ulps of its largest component") {
     Pair p{{{1024 + 0x1p-10, 3, 0}, {0, 0, 1}}, {real(1024, 3, 0), real(0, 0, 1)}};
     CHECK(p.of(origin_error) == 0x1p-10);
     CHECK(p.of(origin_lost_bits) == 4);  // 2^-10 are 8 ulps of 2^-13
@@ -51,7 +51,7 @@ TEST_CASE("the origin's error is a length, and bits in ulps of its largest compo
     CHECK(p.of(origin_lost_bits) == 0);
 }
 
-TEST_CASE("the direction's error is an angle that its length does not change") {
+TEST_CASE("the error of the direction is an angle that does not depend on its length") {
     Pair p{{{0, 0, 0}, {0, 0x1p-30, 2}}, {real(0, 0, 0), real(0, 0, 5)}};
     CHECK(p.of(direction_error) == Approx(0x1p-31).epsilon(1e-12));
     p.given.direction = {0, 0, 7};
@@ -69,7 +69,7 @@ TEST_CASE("the direction's error is an angle that its length does not change") {
     }
 }
 
-TEST_CASE("pixels are counted in the plane in front of the camera") {
+TEST_CASE("pixel errors are measured in the plane in front of the camera") {
     Pair p{{{0, 0, 0}, {0.3, 0.4, -2}}, {real(0, 0, 0), real(0.3, 0.3, -1)}};
     p.frame.forward = real(0, 0, -1);
     p.frame.pitch = Real(0.125);
@@ -78,7 +78,7 @@ TEST_CASE("pixels are counted in the plane in front of the camera") {
     CHECK(p.of(pixel_error) == HUGE_VAL);
 }
 
-TEST_CASE("without the true ray, and of pixels without a camera, there is no error") {
+TEST_CASE("errors of rays are undefined without the true ray, and pixel errors without a camera") {
     const Format format = *find_format("f32");
     const Ray<double> ray{{0, 0, 0}, {0, 0, 1}};
     const Sample sample{.format = &format, .ray = &ray};

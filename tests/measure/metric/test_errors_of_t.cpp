@@ -70,7 +70,7 @@ double derivative_error(const Intersector& form, const char* format, const Setti
 
 }  // namespace
 
-TEST_CASE("a wrong root is another crossing of the same primitive, ahead or behind, and noise is none",
+TEST_CASE("a wrong root is another crossing of the primitive, ahead or behind, and rounding noise is not",
           "[measure][metric]") {
     Random random(11);
     for (int i = 0; i < 2000; ++i) {
@@ -96,7 +96,7 @@ TEST_CASE("a wrong root is another crossing of the same primitive, ahead or behi
     CHECK(is_wrong(box, {{0, 0, 0}, {1, 0, 0}}, 0, -1));
 }
 
-TEST_CASE("an error at t* = 0 is measured by the size of the problem", "[measure][metric]") {
+TEST_CASE("an error at t* = 0 is relative to the size of the problem", "[measure][metric]") {
     const Format in = *find_format("f32");
     const Ray<double> ray{{3, 4, 0}, {-2, 0, 0}};
     const Primitive<double> sphere = Sphere<double>{{0, 0, 0}, 5};
@@ -110,7 +110,7 @@ TEST_CASE("an error at t* = 0 is measured by the size of the problem", "[measure
     CHECK(std::isnan(error(0x1p-20, 1)));
 }
 
-TEST_CASE("there is no gradient at a tangent, of a miss, or from inside of a box", "[measure][metric]") {
+TEST_CASE("the gradient is undefined at a tangent, for a miss and from inside a box", "[measure][metric]") {
     const Ray<double> ray{{-8, 3, 0}, {1, 0, 0}};
     const Primitive<double> sphere = Sphere<double>{{0, 0, 0}, 5};
     CHECK(measure::truth::gradient(ray, sphere).size() == 10);
@@ -119,13 +119,12 @@ TEST_CASE("there is no gradient at a tangent, of a miss, or from inside of a box
     CHECK(measure::truth::gradient(ray, Box<double>{{-9, -9, -9}, {9, 9, 9}}).empty());
 }
 
-TEST_CASE("derivatives by a tape are those of Dual, to the bit", "[measure][metric]") {
+TEST_CASE("derivatives from a tape equal those of Dual bit for bit", "[measure][metric]") {
     compare_derivatives<intersect::sphere::Schoolbook>();
     compare_derivatives<intersect::sphere::Unified>();
 }
 
-TEST_CASE("derivatives of every form come near to the true ones in double, and lose more in float",
-          "[measure][metric]") {
+TEST_CASE("derivatives of every form are close to the true ones in double, and less so in float", "[measure][metric]") {
     for (const Intersector& form : intersect::table::catalogue()) {
         if (form.shape == Shape::sdf || form.info->direction == intersect::Direction::unit || !form.native64) continue;
         if (form.info->roots == intersect::Roots::none) continue;

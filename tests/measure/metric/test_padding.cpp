@@ -67,7 +67,7 @@ bool can_be(const Ends& ends) {
 
 }  // namespace
 
-TEST_CASE("in float no ray parts the slabs of a box that it hits further than the hard one", "[padding]") {
+TEST_CASE("in float no hit separates the slabs of a box further than the known hard ray", "[padding]") {
     constexpr std::uint64_t hard = 12294;
     std::uint64_t x = lostbits::test::is_long() ? 0 : hard - 300;
     while (x <= hard && !can_be(ends_of(half + x, half + x + 3, 12 * x + 64))) ++x;

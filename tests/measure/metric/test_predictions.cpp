@@ -74,7 +74,7 @@ int ups_of(const Tape& tape) {
 
 }  // namespace
 
-TEST_CASE("the bits of three runs are those of Student's interval", "[attribution]") {
+TEST_CASE("the bits of three runs agree with Student's interval", "[attribution]") {
     RandomRuns runs(sum_of(1, 1));
     runs.t = {1, 1, 1 + 0x1p-10};
     // mean 1 + 2^-10/3, s = 2^-10/sqrt(3): log2(sqrt(3) mean/(4.303 s)) = log2(3 mean/4.303) + 10
@@ -87,7 +87,7 @@ TEST_CASE("the bits of three runs are those of Student's interval", "[attributio
     CHECK(runs.correct_bits(24) == 0);
 }
 
-TEST_CASE("no error is more than the root of n times what n independent ones would be", "[attribution]") {
+TEST_CASE("an error is at most the root of n times what n independent errors would give", "[attribution]") {
     int seen = 0;
     const auto see = [&](const auto& form, const Format&, const Setting&, const Tape& tape) {
         const auto found = attribute(tape);
@@ -108,7 +108,7 @@ TEST_CASE("no error is more than the root of n times what n independent ones wou
     CHECK(seen > 200);
 }
 
-TEST_CASE("three runs of a sum promise what Student's factor says, and the mean has what it has", "[metric]") {
+TEST_CASE("three runs of a sum promise the bits of Student's factor, and their mean has the bits it has", "[metric]") {
     int seen[4] = {};
     for (int k = 1; k < 64; ++k) {
         // 1 + k/128 ulp: 1, or 1 + ulp where the coin falls so.
@@ -138,7 +138,7 @@ TEST_CASE("three runs of a sum promise what Student's factor says, and the mean 
     CHECK(Explained(sum_of(1, ulp), floats).metric("cestac_error") == 0);
 }
 
-TEST_CASE("a digit is overrated where all runs lose it alike", "[metric]") {
+TEST_CASE("significant digits are overestimated where all runs lose them alike", "[metric]") {
     // (1 + k/128 ulp) - 1 is 0 or an ulp in all three runs, 24 bits are promised, and none or one is there; where the
     // runs differ less than two bits are.
     int overrated = 0;
@@ -157,7 +157,7 @@ TEST_CASE("a digit is overrated where all runs lose it alike", "[metric]") {
     CHECK(overrated < 40);
 }
 
-TEST_CASE("whether three runs decide alike and whether that is right are told apart", "[metric]") {
+TEST_CASE("stable and right decisions of three runs are told apart", "[metric]") {
     int split = 0, together = 0;
     for (int k = 65; k < 128; ++k) {
         // It rounds up to 1 + ulp, a hit above 1, as is right; a run that goes down misses.
@@ -180,7 +180,7 @@ TEST_CASE("whether three runs decide alike and whether that is right are told ap
     CHECK(miss.decision(Outcome::false_miss).ends_with("_wrong"));
 }
 
-TEST_CASE("an error is held against the root of the sum of squares", "[metric]") {
+TEST_CASE("an error is compared with the root of the sum of squares", "[metric]") {
     for (const int k : {1, 7, 63}) {
         // One operation: k/128 ulp over half an ulp.
         CHECK(Explained(sum_of(1, k * ulp / 128), floats).metric("statistical_ratio") == Approx(k / 64.0));
@@ -193,7 +193,7 @@ TEST_CASE("an error is held against the root of the sum of squares", "[metric]")
     CHECK(Explained(sum_of(1, ulp), floats).metric("statistical_ratio") == 0);
 }
 
-TEST_CASE("predictions are of what is recorded", "[metric]") {
+TEST_CASE("predictions are undefined without a recorded tape", "[metric]") {
     CHECK(std::isnan(measure::metric::find_metric("cestac_decision")->value({.format = &floats})));
     CHECK(std::isnan(measure::metric::find_metric("statistical_ratio")->value({.format = &floats})));
 }

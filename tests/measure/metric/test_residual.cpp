@@ -42,7 +42,8 @@ TEST_CASE("residual of a box: the largest of lo - P and P - hi, in longest sides
         std::isfinite(residual(Primitive<double>(Box<double>{{1, 1, 1}, {1, 1, 1}}), {{1, 1, 0}, {0, 0, 1}}, 1)));
 }
 
-TEST_CASE("residual is of the point that the format computes, and tables have its magnitude", "[measure][metric]") {
+TEST_CASE("the residual belongs to the point that the format computes, and tables have its magnitude",
+          "[measure][metric]") {
     const Primitive<double> box(Box<double>{{256, 0, 0}, {320, 64, 64}});
     const Ray<double> ray{{256, 32, 32}, {1, 0, 0}};
     CHECK(residual(box, ray, 1, "f32") == -1.0 / 64);
@@ -54,8 +55,7 @@ TEST_CASE("residual is of the point that the format computes, and tables have it
     CHECK(tabled.quantile(1) == 0.5);
 }
 
-TEST_CASE("the error of a normal is the angle to the one where the ray truly meets the primitive",
-          "[measure][metric]") {
+TEST_CASE("the error of a normal is the angle to the normal at the true hit", "[measure][metric]") {
     const auto error = [](const Primitive<double>& primitive, const Ray<double>& ray, double t, double exact) {
         const Format in = *find_format("f64");
         const measure::truth::Certified truth = measure::truth::exactly(exact);
@@ -70,7 +70,7 @@ TEST_CASE("the error of a normal is the angle to the one where the ray truly mee
     CHECK(error(Box<double>{{-1, -4, -1}, {1, 4, 1}}, ray, 6, 7) == 0);
 }
 
-TEST_CASE("a wrong decision is forgiven within u, and none that is right is looked at", "[measure][metric]") {
+TEST_CASE("a wrong decision is forgiven within u, and right decisions are not examined", "[measure][metric]") {
     const Format in = *find_format("f32");
     const Ray<double> ray{{0, 0, 0}, {0, 0, 1}};
     const auto wrong = [&](double centre, measure::answer::Outcome outcome) {

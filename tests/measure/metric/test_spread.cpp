@@ -31,7 +31,7 @@ scene::claim::Claim claim_about(const std::string& metric, const std::string& on
 
 }  // namespace
 
-TEST_CASE("a spread is of the draws that have the number, and its median is one of them") {
+TEST_CASE("a spread covers the draws that have the number, and its median is one of them") {
     const auto s = metric::spread_of(3, {1, none, 2, 9});
     CHECK((s.low == 1 && s.median == 2 && s.high == 9 && s.draws == 4));
     const auto alone = metric::spread_of(7, {});
@@ -41,7 +41,7 @@ TEST_CASE("a spread is of the draws that have the number, and its median is one 
     CHECK(std::isnan(missing.median));
 }
 
-TEST_CASE("a claim's interval is the range of its draws and half as much on either side, within what can be") {
+TEST_CASE("a claim's interval is the range of its draws plus half of it on either side, within possible values") {
     const auto interval = [](const scene::claim::Claim& c, double own, std::vector<double> further) {
         const auto s = claim::interval_of(c, result_of(own, std::move(further)));
         return std::pair(s.low, s.high);
@@ -61,7 +61,7 @@ TEST_CASE("a claim's interval is the range of its draws and half as much on eith
     CHECK(high == 1026);
 }
 
-TEST_CASE("a quantile stands for a form from a tenth of the true hits on") {
+TEST_CASE("a quantile represents a form only if a tenth of the true hits agree") {
     CHECK(Agreement{10, 100}.is_enough());
     CHECK_FALSE(Agreement{9, 100}.is_enough());
     CHECK(Agreement{100, 100}.is_enough());
@@ -74,7 +74,7 @@ TEST_CASE("a quantile stands for a form from a tenth of the true hits on") {
     CHECK(Agreement{1, 4}.share() == 0.25);
 }
 
-TEST_CASE("the hits behind a quantile are counted in words") {
+TEST_CASE("the number of hits behind a quantile is written out correctly") {
     CHECK(Agreement{6860, 25600}.of_agreed_hits() == "of 6860 agreed hits");
     CHECK(Agreement{1, 3}.of_agreed_hits() == "of 1 agreed hit");
     CHECK(Agreement{55, 16384}.too_few() == "55 of 16384 hits agree");

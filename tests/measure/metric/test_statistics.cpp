@@ -51,8 +51,7 @@ Distribution of(std::span<const double> all, std::size_t piece) {
 }  // namespace
 
 // Computed apart in rational numbers, by sums of binomial coefficients. For the median of 100 they are in any book.
-TEST_CASE("order statistics on both sides of a quantile hold it with 95 %, and no closer ones do",
-          "[measure][metric]") {
+TEST_CASE("order statistics enclose a quantile with 95 % confidence, and closer ones do not", "[measure][metric]") {
     struct Case {
         double q;
         std::uint64_t n, low, high;
@@ -107,7 +106,7 @@ TEST_CASE("a mean is the exact mean to an ulp, whatever the order", "[measure][m
     }
 }
 
-TEST_CASE("distributions of parts add up to that of the whole, in any order and through their bits",
+TEST_CASE("merged distributions of parts equal that of the whole, in any order and when read back",
           "[measure][metric]") {
     Random random(5);
     for (const auto& [least, most] : {std::pair{-40, 20}, {-1074, 1015}}) {
@@ -143,8 +142,7 @@ TEST_CASE("distributions of parts add up to that of the whole, in any order and 
     CHECK_THROWS_AS(sealed.add(open), std::logic_error);
 }
 
-TEST_CASE("a distribution counts more than 2^32 equal samples, added to itself and through its bits",
-          "[measure][metric]") {
+TEST_CASE("a distribution counts more than 2^32 equal samples, merged with itself and read back", "[measure][metric]") {
     // 3 zeros, 5 ones, 2 each of 1.5 and 1024, all of them 2^37 times.
     Distribution d;
     d.add(std::vector<double>{0, 0, 0, 1, 1, 1, 1, 1, -1.5, 1.5, 1024, 1024});
@@ -199,7 +197,7 @@ TEST_CASE("a distribution counts more than 2^32 equal samples, added to itself a
     check_quantiles(read);  // 2^32 more of 1.5 are less than a hundredth
 }
 
-TEST_CASE("an exact total is that of rational numbers, whatever is added", "[measure][metric]") {
+TEST_CASE("an exact total equals the rational sum", "[measure][metric]") {
     Random random(31);
     measure::metric::ExactTotal total;
     Rational exact = 0;
@@ -266,7 +264,7 @@ TEST_CASE("quantiles are those of the sorted list to 2^-11, zero and the largest
     }
 }
 
-TEST_CASE("a distribution says the same after it is sealed, of nothing it says nothing", "[measure][metric]") {
+TEST_CASE("a distribution gives the same numbers after it is sealed, and none when empty", "[measure][metric]") {
     Random random(2);
     Distribution d = of(numbers(500, -3, 9, random), 500);
     const double mean = d.mean(), middle = d.quantile(0.5), most = d.quantile(1);

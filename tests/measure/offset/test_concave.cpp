@@ -52,7 +52,7 @@ Rational ring_at(const Ray<double>& ray, double t) {
 
 }  // namespace
 
-TEST_CASE("offsets: the far side of a torus begins outside of it, between both of its parts", "[measure][offset]") {
+TEST_CASE("offsets: the far side of a torus begins outside it, between its two parts", "[measure][offset]") {
     test::Seeded random(66);
     int met = 0, passed = 0;
     for (int k = 0; k < 3000; ++k) {
@@ -78,7 +78,7 @@ TEST_CASE("offsets: the far side of a torus begins outside of it, between both o
     CHECK(passed > 50);
 }
 
-TEST_CASE("offsets: the next wall of a torus is where rationals say that the ray enters", "[measure][offset]") {
+TEST_CASE("offsets: the next wall of a torus is where the ray enters by rational arithmetic", "[measure][offset]") {
     CHECK(far_side({{99, 0, 0}, {-1, 0, 0}}, ring).wall == Approx(198));
     CHECK(far_side({{-99, 0, 0}, {2, 0, 0}}, ring).wall == Approx(99));
     CHECK(std::isinf(far_side({{179, 0, 0}, {1, 0, 0}}, ring).wall));  // from the rim that faces away
@@ -115,7 +115,7 @@ TEST_CASE("offsets: the next wall of a torus is where rationals say that the ray
     CHECK(free > 500);
 }
 
-TEST_CASE("offsets: the next wall of a tube is across it, between the rims", "[measure][offset]") {
+TEST_CASE("offsets: the next wall of a tube is opposite, between the rims", "[measure][offset]") {
     // From (1, 0, z) along d: −2 p·d/d² = 6/25 t across.
     CHECK(far_side({{1, 0, 0}, {-3, 4, 0}}, pipe).wall == Approx(0.24).epsilon(1e-14));
     CHECK(far_side({{1, 0, 0}, {-3, 4, 16}}, pipe).wall == Approx(0.24).epsilon(1e-14));
@@ -128,7 +128,7 @@ TEST_CASE("offsets: the next wall of a tube is across it, between the rims", "[m
     CHECK(far_side({{0, 0, 0}, {0, 0, 1}}, Primitive<double>(Disc<double>{{0, 0, 0}, {0, 0, 1}, 1, 0})) == FarSide{});
 }
 
-TEST_CASE("offsets: the far wall of a torus is a true hit, and to leave out the torus loses it", "[measure][offset]") {
+TEST_CASE("offsets: the far wall of a torus is a true hit, and excluding the torus loses it", "[measure][offset]") {
     for (const char* format : {"f32", "f64"}) {
         const Measured m("torus.closest_approach", format, ring, {{0, 0, 0}, {1, 0, 0}}, 99);
         INFO(format << ", safe " << m.on(Side::outside).safe << " and " << m.on(Side::inside).safe);
@@ -146,7 +146,7 @@ TEST_CASE("offsets: the far wall of a torus is a true hit, and to leave out the 
     CHECK(within.on(Side::outside).safe == Approx(0x1p-9).epsilon(1e-6));
 }
 
-TEST_CASE("offsets: within a tube the next wall is a true hit, and on either side of it a ray leaves",
+TEST_CASE("offsets: the next wall is a true hit inside a tube, and rays leave on both sides of it",
           "[measure][offset]") {
     for (const char* format : {"f32", "f64"}) {
         const Measured m("tube.framed", format, pipe, {{0, 0, 0}, {1, 0, 0}}, 1);
@@ -164,7 +164,7 @@ TEST_CASE("offsets: within a tube the next wall is a true hit, and on either sid
     CHECK(past.by("offset.bound", Side::outside).bad == 0);
 }
 
-TEST_CASE("offsets: a far wall that only the moved ray meets is no self-hit", "[measure][offset]") {
+TEST_CASE("offsets: a far wall hit only by the moved ray is not a self-hit", "[measure][offset]") {
     // From (-115, 0, 32) out of the ring, and below its far part by `gap`: moved along the normal the ray is raised by
     // 0.935 e. The nearest line below that touches the far circle leaves by the angle asin(40/D) below its centre.
     const Ray<double> down{{-85, 0, 72}, {-3, 0, -4}};
@@ -191,7 +191,7 @@ TEST_CASE("offsets: a far wall that only the moved ray meets is no self-hit", "[
     CHECK(pipe_end.by("offset.epsilon", Side::outside)[Fault::self_hit] == 0);
 }
 
-TEST_CASE("offsets: a way out that t_min skips is lost, even where the ray begins in the ring again",
+TEST_CASE("offsets: an exit skipped by t_min is lost, even if the ray then starts inside the ring again",
           "[measure][offset]") {
     // From the outer rim to the axis: out after 2^-11, in again after 2^-10, out after 3/2 of that.
     const Primitive<double> small(Torus<double>{{0, 0, 0}, {0, 0, 1}, 0x1p-11, 0x1p-12});
@@ -211,7 +211,7 @@ TEST_CASE("offsets: a way out that t_min skips is lost, even where the ray begin
     CHECK(asked);
 }
 
-TEST_CASE("offsets: a flat piece is left to either side, and not asking it is right", "[measure][offset]") {
+TEST_CASE("offsets: rays leave a flat primitive on either side, and excluding it is right", "[measure][offset]") {
     const Ray<double> down{{0.25, 0.125, 3}, {0, 0, -1}};
     const std::pair<const char*, Primitive<double>> flat[] = {
         {"disc.framed", Primitive<double>(Disc<double>{{0, 0, 0}, {0, 0, 1}, 1, 0})},
@@ -234,7 +234,7 @@ TEST_CASE("offsets: a flat piece is left to either side, and not asking it is ri
     }
 }
 
-TEST_CASE("offsets: every kind of primitive has a form that is asked where none is named", "[measure][offset]") {
+TEST_CASE("offsets: every kind of primitive has a default form", "[measure][offset]") {
     for (const ShapeRow& shape : shape_rows) {
         const auto name = usual_forms()[static_cast<std::size_t>(shape.shape)];
         const auto& form = test::form_named(name);

@@ -57,7 +57,7 @@ Hostile hostile(Seeded& random, bool box, const FloatFormat& format) {
 
 }  // namespace
 
-TEST_CASE("half-lines: the enclosures and rationals say the same", "[measure][offset]") {
+TEST_CASE("half-lines: enclosures and rational arithmetic agree", "[measure][offset]") {
     Seeded random(20261);
     std::array<int, 4> kinds{};
     for (const FloatFormat& format : {binary32, binary64}) {
@@ -76,7 +76,7 @@ TEST_CASE("half-lines: the enclosures and rationals say the same", "[measure][of
     for (const int n : kinds) CHECK(n > 500);  // inside, on the surface, entering, missing
 }
 
-TEST_CASE("the way between two points goes through a primitive or not", "[measure][offset]") {
+TEST_CASE("the segment between two points passes through a primitive or does not", "[measure][offset]") {
     using measure::offset::passes_through;
     const Primitive<double> unit(Sphere<double>{{0, 0, 0}, 1}), pane(Box<double>{{-1, -1, 0}, {1, 1, 0x1p-40}});
     CHECK(passes_through({-2, 0, 0}, {2, 0, 0}, unit));
@@ -92,7 +92,7 @@ TEST_CASE("the way between two points goes through a primitive or not", "[measur
     CHECK_FALSE(passes_through({2, 0, -1}, {2, 0, 1}, pane));
 }
 
-TEST_CASE("a number at a place is the one whose place that is, in every format", "[measure][offset]") {
+TEST_CASE("a number with a given index has that index in every format", "[measure][offset]") {
     for (const FloatFormat& f : {binary32, binary64, binary16, bfloat16, FloatFormat{5, -1022, 1023}}) {
         Seeded random(7);
         for (int k = 0; k < 2000; ++k) {
@@ -107,7 +107,7 @@ TEST_CASE("a number at a place is the one whose place that is, in every format",
     }
 }
 
-TEST_CASE("bisection finds the least float that is enough, and says where none is", "[measure][offset]") {
+TEST_CASE("bisection finds the least float that is enough, or reports that none is", "[measure][offset]") {
     using measure::offset::Enough;
     using measure::offset::smallest_enough;
     Seeded random(11);
@@ -134,8 +134,7 @@ TEST_CASE("bisection finds the least float that is enough, and says where none i
     }
 }
 
-TEST_CASE("half-lines meet a primitive under a matrix where they meet the one whose numbers were moved",
-          "[measure][offset]") {
+TEST_CASE("half-lines meet a primitive under a matrix as they meet the moved primitive", "[measure][offset]") {
     // A quarter turn about z, a doubling and a shift: no number is rounded.
     const Vec<double> shift(16, -32, 8);
     const auto turned = [](const Vec<double>& v) { return Vec<double>(-2 * v.y, 2 * v.x, 2 * v.z); };

@@ -52,7 +52,8 @@ bool is_truly_safe(const PointWork& work, const ScenePoints& points, std::size_t
 
 }  // namespace
 
-TEST_CASE("the smallest safe offset is safe and the float below it is not, by rationals too", "[measure][offset]") {
+TEST_CASE("the smallest safe offset is safe and the float below it is not, also by rational arithmetic",
+          "[measure][offset]") {
     int found = 0, none_needed = 0, by_rationals = 0;
     for (const auto& [scene, form] : scenes) {
         for (const char* format : {"f32", "f64", "p14"}) {
@@ -98,7 +99,7 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not, by ra
     CHECK(by_rationals > 60);
 }
 
-TEST_CASE("faults of respawned rays are those that rationals find", "[measure][offset]") {
+TEST_CASE("faults of respawned rays agree with rational arithmetic", "[measure][offset]") {
     std::array<int, fault_names.size()> seen{};
     for (const auto& [scene, form] : scenes) {
         const ScenePoints points(scene, form, "f32");
@@ -129,7 +130,7 @@ TEST_CASE("faults of respawned rays are those that rationals find", "[measure][o
     }
 }
 
-TEST_CASE("the cheapest safe strategies are safe, and those left out are not", "[measure][offset]") {
+TEST_CASE("the strategies reported as cheapest are safe, and those left out are not", "[measure][offset]") {
     const scene::file::Scene scene = load("near-benign", 24, 18);
     const OffsetRow of{row("sphere.half_b", "f32"), HitPoint::computed};
     const OffsetStudy request{.scene = scene, .rows = {of}, .strategies = all_strategies()};
@@ -153,7 +154,7 @@ TEST_CASE("the cheapest safe strategies are safe, and those left out are not", "
     CHECK(safe_strategies(OffsetSummary{}, {}, Shape::sphere).empty());
 }
 
-TEST_CASE("a scene moved along an axis starts as it is, and keeps its picture", "[measure][offset]") {
+TEST_CASE("a scene moved along an axis is unchanged at 1 and keeps its picture", "[measure][offset]") {
     const scene::file::Scene scene = load("near-benign", 24, 18);
     const auto rays = scene::rays::make_shared_rays(scene, 0, 18);
     for (const Along along : {Along::distance, Along::radius}) {

@@ -13,7 +13,7 @@ using namespace lostbits;
 using namespace lostbits::measure::offset;
 using test::row;
 
-TEST_CASE("strategies: none moves nothing, exclude does not ask its own, constants are those published",
+TEST_CASE("strategies: none moves nothing, exclude skips its own primitive, constants are as published",
           "[measure][offset]") {
     std::set<std::string_view> names;
     for (const Strategy& s : strategies()) {
@@ -56,7 +56,7 @@ TEST_CASE("strategies: none moves nothing, exclude does not ask its own, constan
     CHECK(dot(Vec<float>(out - in), l.n) > 0);
 }
 
-TEST_CASE("the constants of double are those of float, as its u is to that of float", "[measure][offset]") {
+TEST_CASE("strategies: constants for double scale those for float by the unit roundoff", "[measure][offset]") {
     Leaving<double> l{.ray = {{0, 0, 9}, {0, 0, -1}},
                       .t = 8,
                       .primitive = Sphere<double>{{0, 0, 0}, 1},
@@ -76,7 +76,7 @@ TEST_CASE("the constants of double are those of float, as its u is to that of fl
     CHECK(at("offset.epsilon").y == -3 - 1e-3 * 0.5);
 }
 
-TEST_CASE("the rays that leave a point: to the light, mirrored, refracted by Snell's law, over both hemispheres",
+TEST_CASE("secondary rays leave a point to the light, mirrored, refracted by Snell's law, and over both hemispheres",
           "[measure][offset]") {
     const Vec<double> n(0.48, -0.6, 0.64), p(1, 2, 3);
     const auto angle = [&](const Vec<double>& w) { return dot(n, w) / length(w); };
@@ -117,7 +117,7 @@ TEST_CASE("the rays that leave a point: to the light, mirrored, refracted by Sne
     CHECK(ways_of(along - n, p - 2.5 * n).size() == 36);
 }
 
-TEST_CASE("a bead above a sphere: jumped over, started in, or kept in sight", "[measure][offset]") {
+TEST_CASE("a small sphere above another is skipped, entered or seen, depending on the offset", "[measure][offset]") {
     const measure::evaluate::TestedForm of = row("sphere.half_b", "f32");
     const auto strategies = all_strategies();
     const auto named = [](std::string_view name) -> const Strategy& {

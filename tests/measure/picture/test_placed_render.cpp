@@ -11,7 +11,7 @@ using namespace lostbits;
 using namespace lostbits::measure::picture;
 using namespace lostbits::test;
 
-TEST_CASE("spheres under matrices are painted as those whose numbers stand where they are, mirrored or not") {
+TEST_CASE("spheres under matrices are rendered like spheres with the moved numbers, mirrored or not") {
     const scene::file::Scene bare = load("raycast-course.pixels", 48, 48);
     const Collected plain({.scene = bare, .stages = all_stages, .rows = rows_of({"f64"}, "sphere.unified")});
     const auto& form = *rows_of({"f64"}, "sphere.unified").front().form;
@@ -48,7 +48,7 @@ TEST_CASE("spheres under matrices are painted as those whose numbers stand where
     }
 }
 
-TEST_CASE("a stretched sphere's normal is that of the surface, whatever way leads to it") {
+TEST_CASE("the normal of a stretched sphere is that of its surface for every transform method") {
     // Against what finite differences of the map say: the normal is across every way along the surface.
     scene::file::Scene scene = load("raycast-course.pixels", 32, 32);
     auto& primitive = scene.listed.front();

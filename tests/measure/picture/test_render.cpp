@@ -79,7 +79,7 @@ Plain plain_pixel(const scene::file::Scene& s, std::size_t i, const scene::rays:
 
 }  // namespace
 
-TEST_CASE("the certified picture is that of plain formulas in 256 bits, channel for channel") {
+TEST_CASE("the certified picture equals plain formulas in 256 bits in every channel") {
     std::size_t beyond = 0;
     for (const char* name : {"raycast-course.pixels", "raycast-course.small", "among the spheres"}) {
         const bool among = std::string_view(name) == "among the spheres";
@@ -118,7 +118,7 @@ TEST_CASE("the certified picture is that of plain formulas in 256 bits, channel 
     CHECK(beyond > 50);
 }
 
-TEST_CASE("a picture in p53 is that in f64 to the bit, and one in p24 that in f32") {
+TEST_CASE("a picture in p53 has the bits of f64, and one in p24 the bits of f32") {
     for (const char* name : {"raycast-course.pixels", "raycast-acne.ulp4"}) {
         const scene::file::Scene s = load(name, 32, 24);
         for (const auto& [native, emulated] : {std::pair{"f64", "p53"}, std::pair{"f32", "p24"}}) {
@@ -137,7 +137,7 @@ TEST_CASE("a picture in p53 is that in f64 to the bit, and one in p24 that in f3
     }
 }
 
-TEST_CASE("acne: much where a shadow ray starts on its own sphere, less four ulps off, none a thousandth off") {
+TEST_CASE("acne: a shadow ray that starts on its sphere gives much, 4 ulps off less, 0.001 off none") {
     const auto acne = [](const char* name) {
         const scene::file::Scene s = load(name, 32, 24);
         const Collected run({.scene = s, .stages = {Stage::shadows}, .rows = rows_of({"f32"}, "sphere.unified")});
@@ -149,7 +149,7 @@ TEST_CASE("acne: much where a shadow ray starts on its own sphere, less four ulp
     CHECK(acne("raycast-acne.eps1em3") == 0);
 }
 
-TEST_CASE("own inputs: each format rounds light and colours itself, and the reference does not round at all") {
+TEST_CASE("own inputs: each format rounds light and colours itself, and the reference does not round") {
     scene::file::Scene s = load("raycast-course.pixels", 32, 24);
     s.inputs = scene::file::Inputs::own;
     const Collected run({.scene = s, .stages = {Stage::visible}, .rows = rows_of({"f32", "f64"}, "sphere.unified")});

@@ -26,7 +26,7 @@ Paint<double> shiny() { return {vec<double>(0.5, 0.25, 1), 0.25, 0.5, 0.75, 3, t
 
 }  // namespace
 
-TEST_CASE("shade, by hand: n, l and v along z, and l at 60 degrees") {
+TEST_CASE("shade agrees with values worked out by hand, for light along the normal and at 60 degrees") {
     const auto n = vec<double>(0, 0, 1);
     // N·L = 1, H = (0, 0, 1): ka S + kd S + ks = 0.75 S + 0.75.
     CHECK(shade<double>(shiny(), everything, false, {n, n, n}) == vec<double>(1.125, 0.9375, 1.5));
@@ -52,7 +52,7 @@ TEST_CASE("shade, by hand: n, l and v along z, and l at 60 degrees") {
     CHECK(std::isnan(shade<double>(shiny(), everything, false, {vec<double>(nan, 0, 1), n, n}).x));
 }
 
-TEST_CASE("whole powers are exact where the numbers are") {
+TEST_CASE("integer powers are exact where the results are representable") {
     for (int n = 1; n <= 33; ++n) {
         double power = 1;
         for (int i = 0; i < n; ++i) power *= 3;  // 3^33 < 2^53
@@ -61,7 +61,7 @@ TEST_CASE("whole powers are exact where the numbers are") {
     CHECK(whole_power<double>(0.5, 1000) == 0x1p-1000);
 }
 
-TEST_CASE("a shadow ray starts at the point, an epsilon off, or ulps of the largest coordinate off") {
+TEST_CASE("a shadow ray starts at the point, an epsilon off, or some ulps of the largest coordinate off") {
     using Offset = scene::file::ShadowRule::Offset;
     const auto p = vec<float>(3, -4, 0.5), n = vec<float>(1, 0, 0);
     CHECK(shadow_origin<float>(p, n, Offset::none, 1, 5) == p);
@@ -69,7 +69,7 @@ TEST_CASE("a shadow ray starts at the point, an epsilon off, or ulps of the larg
     CHECK(shadow_origin<float>(p, n, Offset::ulp, 1, 2) == vec<float>(3 + 0x1p-20, -4, 0.5));  // ulp(4) = 2^-21
 }
 
-TEST_CASE("a byte is 255 times the channel, rounded half up and clamped") {
+TEST_CASE("a byte of an image is 255 times the channel, rounded half up and clamped") {
     CHECK(byte_of(0) == 0);
     CHECK(byte_of(1) == 255);
     CHECK(byte_of(0.5) == 128);  // 127.5
@@ -80,9 +80,7 @@ TEST_CASE("a byte is 255 times the channel, rounded half up and clamped") {
     CHECK(byte_of(std::nan("")) == 0);
 }
 
-TEST_CASE(
-    "what blocks the light: between the point and the light, not behind either, and not the own sphere unless it "
-    "counts") {
+TEST_CASE("a primitive blocks the light between point and light only, the own sphere where it counts") {
     const std::vector<Primitive<double>> primitives{Sphere<double>{{0, 0, 0}, 1}, Sphere<double>{{5, 0, 0}, 1}};
     ShadowRays rays;
     const auto ray = [&rays](Vec<double> from, Vec<double> to, std::int32_t own) { rays.add(from, to - from, 1, own); };

@@ -8,7 +8,7 @@ namespace lostbits::test::test_share {
 
 using measure::shard::Share;
 
-TEST_CASE("shares are consecutive, together all units, and differ by one at most", "[measure][shard]") {
+TEST_CASE("shares are consecutive, cover all units and differ in size by at most one", "[measure][shard]") {
     for (const std::uint64_t units : {0ULL, 1ULL, 2ULL, 7ULL, 65536ULL, 1000003ULL, 1ULL << 44}) {
         for (const std::uint64_t of : {1ULL, 2ULL, 3ULL, 7ULL, 64ULL, 1000ULL}) {
             INFO(units << " units in " << of << " shares");

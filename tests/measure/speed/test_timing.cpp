@@ -38,14 +38,14 @@ std::vector<float> after_a_pass(const measure::speed::TimedKernel& kernel) {
 
 }  // namespace
 
-TEST_CASE("a quotient is the median of the rounds' own quotients", "[timing]") {
+TEST_CASE("a ratio of times is the median of the ratios of the rounds", "[timing]") {
     const std::vector<double> a{2, 40, 6}, b{1, 10, 2};  // 2, 4, 3
     CHECK(measure::speed::ratio_of(a, b).median == 3);
     CHECK(measure::speed::ratio_of(a, b).low_quartile == 2.5);
     CHECK(measure::speed::ratio_of(b, b).high_quartile == 1);
 }
 
-TEST_CASE("twelve times the work is seen as more, the same work as the same", "[timing]") {
+TEST_CASE("twelve times the work measures as slower, and equal work as equal", "[timing]") {
     const measure::speed::TimedWork work[] = {adds(500), adds(6000), adds(500)};
     const auto samples = measure::speed::sample_interleaved(work, {.repetitions = 31, .least_seconds = 2e-4});
     CHECK(measure::speed::ratio_of(samples[1], samples[0]).median > 4);
@@ -54,7 +54,7 @@ TEST_CASE("twelve times the work is seen as more, the same work as the same", "[
     CHECK(measure::speed::ratio_of(samples[2], samples[0]).median < 2);
 }
 
-TEST_CASE("every thread works, on its own, and one alone is the measure", "[timing]") {
+TEST_CASE("every thread runs its own work, and one thread alone is the reference", "[timing]") {
     std::array<std::atomic<int>, 3> passes{};
     std::array<std::atomic<bool>, 3> busy{};
     std::atomic<int> faults{0};
@@ -81,7 +81,7 @@ TEST_CASE("every thread works, on its own, and one alone is the measure", "[timi
     CHECK_FALSE(measure::speed::allowed_processors().empty());
 }
 
-TEST_CASE("plain loops, packs and scalar loops are the same work", "[timing]") {
+TEST_CASE("plain loops, packs and scalar loops do the same work", "[timing]") {
     for (const intersect::table::Intersector& form : intersect::table::intersectors(Shape::box)) {
         const std::string_view name = form.info->name;
         INFO(name);
@@ -99,7 +99,7 @@ TEST_CASE("plain loops, packs and scalar loops are the same work", "[timing]") {
     }
 }
 
-TEST_CASE("what is not there is not timed", "[timing]") {
+TEST_CASE("a kernel that does not exist is not timed", "[timing]") {
     measure::speed::BoxWork boxes(1 << 12);
     CHECK_FALSE(boxes.on({"box.sign", "128", "f32"}).has_value());
     CHECK_FALSE(boxes.on({"sphere.unified", "128", "f32"}).has_value());

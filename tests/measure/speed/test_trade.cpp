@@ -65,7 +65,7 @@ void check_store(Native native, const measure::speed::RayPool& pool) {
 
 }  // namespace
 
-TEST_CASE("operations are those that one counts by hand", "[trade]") {
+TEST_CASE("operation counts agree with those counted by hand", "[trade]") {
     using O = Operation;
     INFO(text(operations("sphere.schoolbook")));
     CHECK(
@@ -82,7 +82,7 @@ TEST_CASE("operations are those that one counts by hand", "[trade]") {
     CHECK(operations("sphere.kahan_discriminant")[O::fma] > 0);
 }
 
-TEST_CASE("constants cost nothing, what is made of an input does", "[trade]") {
+TEST_CASE("constants cost nothing, and values computed from inputs do", "[trade]") {
     operation_counts() = {};
     const Counted<float> half = Counted<float>(1) / Counted<float>(2);
     CHECK(operation_counts() == OperationCounts{});
@@ -90,7 +90,7 @@ TEST_CASE("constants cost nothing, what is made of an input does", "[trade]") {
     CHECK(operation_counts() == counts({{Operation::mul, 1}}));
 }
 
-TEST_CASE("dominated is what another beats in one and matches in the other", "[trade]") {
+TEST_CASE("a row is dominated if another is better in one respect and at least equal in the other", "[trade]") {
     const std::vector<measure::speed::ParetoPoint> all{
         {1, 0, 20},           // on the front
         {2, 0, 20},           // slower, no better
@@ -106,7 +106,7 @@ TEST_CASE("dominated is what another beats in one and matches in the other", "[t
     CHECK(measure::speed::dominated({}).empty());
 }
 
-TEST_CASE("the cheapest is the fastest that is never wrong and keeps enough", "[trade]") {
+TEST_CASE("the cheapest row is the fastest that is never wrong and accurate enough", "[trade]") {
     const std::vector<measure::speed::ParetoPoint> all{
         {1, 0.001, 24}, {3, 0, 22}, {2, 0, 21.9}, {1.5, 0, no_bits}, {4, 0, 45}};
     CHECK(measure::speed::cheapest(all, 20) == std::size_t{2});
@@ -115,7 +115,7 @@ TEST_CASE("the cheapest is the fastest that is never wrong and keeps enough", "[
     CHECK_FALSE(measure::speed::cheapest(all, 46).has_value());
 }
 
-TEST_CASE("a standing is made of the median, all wrong decisions and the 99th percentile", "[trade]") {
+TEST_CASE("a row is ranked by its median, all wrong decisions and the 99th percentile", "[trade]") {
     const std::vector<const measure::metric::Metric*> lost{measure::metric::find_metric("lost_bits")};
     measure::evaluate::FormSummary s;
     s.rays = 100;
@@ -131,15 +131,14 @@ TEST_CASE("a standing is made of the median, all wrong decisions and the 99th pe
     CHECK_FALSE(got.never_wrong());
 }
 
-TEST_CASE("stores hold the stated share of hits", "[trade]") {
+TEST_CASE("ray buffers hold the stated share of hits", "[trade]") {
     check_store<float>(form_named("sphere.unified").native32, measure::speed::ray_pool(Shape::sphere));
     check_store<double>(form_named("sphere.unified_unit").native64, measure::speed::ray_pool(Shape::sphere));
     check_store<float>(form_named("box.signs").native32, measure::speed::ray_pool(Shape::box));
     check_store<double>(form_named("box.divide").native64, measure::speed::ray_pool(Shape::box));
 }
 
-TEST_CASE("rays of a scene are taken evenly over it, and compared with the primitives that most of them hit",
-          "[trade]") {
+TEST_CASE("rays are sampled evenly over a scene and compared with the primitives that most of them hit", "[trade]") {
     const auto scene = scene_named("near-benign");
     measure::speed::SceneWork work(scene);
     CHECK(work.rays() > 1800);
@@ -163,7 +162,7 @@ TEST_CASE("rays of a scene are taken evenly over it, and compared with the primi
     CHECK(missing.primitives() == 1);
 }
 
-TEST_CASE("a kernel for every row and width", "[trade]") {
+TEST_CASE("every row has a kernel at every register width", "[trade]") {
     const auto kernels = measure::speed::trade_kernels(
         {row("sphere.unified", "f32"), row("sphere.double_inside", "f32"), row("box.signs", "f64")});
     CHECK(kernels.size() == 3 * intersect::simd::available_isas().size());
@@ -174,7 +173,7 @@ TEST_CASE("a kernel for every row and width", "[trade]") {
     }
 }
 
-TEST_CASE("median and quartiles", "[trade]") {
+TEST_CASE("median and quartiles follow their definition", "[trade]") {
     const measure::speed::Timing odd = measure::speed::timing_of({5, 1, 4, 2, 3});
     CHECK(odd.median == 3);
     CHECK(odd.low_quartile == 2);
@@ -185,7 +184,7 @@ TEST_CASE("median and quartiles", "[trade]") {
     CHECK(measure::speed::timing_of({7}).high_quartile == 7);
 }
 
-TEST_CASE("everything is timed in every round, and the thread may go where it could before", "[trade]") {
+TEST_CASE("every row is timed in every round, and the thread's affinity is restored", "[trade]") {
     const auto allowed = [] {
         cpu_set_t set;
         CPU_ZERO(&set);
@@ -225,7 +224,7 @@ TEST_CASE("everything is timed in every round, and the thread may go where it co
     CHECK(CPU_EQUAL(&before, &stopped));
 }
 
-TEST_CASE("loads are every working set with every share of hits", "[trade]") {
+TEST_CASE("loads combine every working set with every share of hits", "[trade]") {
     const auto loads = measure::speed::trade_loads({48 << 10, 2 << 20, std::size_t{260} << 20});
     REQUIRE(loads.size() == 9);
     CHECK(loads[0].bytes == 24 << 10);

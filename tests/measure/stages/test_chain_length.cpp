@@ -113,7 +113,7 @@ int longest_of(Shape shape, bool placed, bool ranged) {
 
 }  // namespace
 
-TEST_CASE("no bound of a shape is longer than what its margin is for", "[running]") {
+TEST_CASE("bounds of every shape are no longer than their margin allows", "[running]") {
     int most = 0;
     for (const ShapeRow& row : shape_rows) {
         for (const bool placed : {false, true}) {
@@ -131,7 +131,7 @@ TEST_CASE("no bound of a shape is longer than what its margin is for", "[running
     CHECK(std::expm1((E::longest_chain + 1) * std::log1p(0x1p-52)) > 0x1p-41);  // no more will do
 }
 
-TEST_CASE("a sum that overflows on the way has a finite first word and decides nothing", "[running]") {
+TEST_CASE("a sum that overflows internally has a finite first word and decides nothing", "[running]") {
     using Two = number::wide::TwoWords<double>;
     using Certain = Running<Two>;
     const double largest = std::numeric_limits<double>::max();

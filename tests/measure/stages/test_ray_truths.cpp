@@ -53,7 +53,7 @@ struct Ideal {
 
 }  // namespace
 
-TEST_CASE("truth columns: numbers that no double holds, with ranges and without, the same as ray by ray") {
+TEST_CASE("truth columns: numbers beyond double give the same truth as ray by ray, with and without ranges") {
     std::vector<std::optional<OpenEnds>> ranges{std::nullopt};
     for (const auto& [name, open] : open_ends_names) ranges.emplace_back(open);
     for (const Shape shape : {Shape::sphere, Shape::box}) {
@@ -77,7 +77,7 @@ TEST_CASE("truth columns: numbers that no double holds, with ranges and without,
     }
 }
 
-TEST_CASE("truths of rays among spheres and boxes are those of each ray alone") {
+TEST_CASE("truths of rays among spheres and boxes equal those of each ray alone") {
     std::vector<HardRay> problems = problems_of(Shape::sphere, binary32, 40);
     for (const HardRay& p : problems_of(Shape::box, binary32, 40)) problems.push_back(p);
     std::vector<Primitive<double>> primitives;

@@ -148,7 +148,7 @@ std::vector<StageTerms> terms_of(Shape shape, int words) {
 
 }  // namespace
 
-TEST_CASE("stage programs: every shape gives the words and bounds of its formula at every width") {
+TEST_CASE("stage programs: every shape has the words and bounds of its formula at every register width") {
     test::at_every_width([](intersect::simd::Isa isa) {
         Primitives::each([&]<template <class> class Of>() {
             constexpr Shape shape = shape_as<Of>;

@@ -98,7 +98,7 @@ std::size_t count_different(std::span<const Problem> problems, const TruthColumn
 
 }  // namespace
 
-TEST_CASE("truth columns: the same as ray by ray, however tight") {
+TEST_CASE("truth columns: they agree with single rays, however hard the ray") {
     for (const Shape shape : {Shape::sphere, Shape::box}) {
         for (const FloatFormat& storage : {binary32, binary64}) {
             const std::vector<Problem> problems = problems_of(shape, storage, rays_per_distribution);
@@ -126,7 +126,7 @@ TEST_CASE("truth columns: the same as ray by ray, however tight") {
     }
 }
 
-TEST_CASE("truth columns: packs settle nearly all random rays") {
+TEST_CASE("truth columns: packs decide nearly all random rays") {
     for (const Shape shape : {Shape::sphere, Shape::box}) {
         const double least = shape == Shape::sphere ? 0.999 : 0.99;
         const auto floats = random_problems(shape, binary32), doubles = random_problems(shape, binary64);
@@ -142,7 +142,7 @@ TEST_CASE("truth columns: packs settle nearly all random rays") {
     }
 }
 
-TEST_CASE("truth columns: every width finds the same bits") {
+TEST_CASE("truth columns: every register width gives the same bits") {
     for (const Shape shape : {Shape::sphere, Shape::box}) {
         for (const bool ranged : {false, true}) {
             Seeded rng(15);
@@ -175,7 +175,7 @@ TEST_CASE("truth columns: every width finds the same bits") {
     }
 }
 
-TEST_CASE("truth columns: nothing is said of what is no ray and no primitive") {
+TEST_CASE("truth columns: invalid rays and primitives get no answer") {
     constexpr double inf = HUGE_VAL, none = std::numeric_limits<double>::quiet_NaN();
     const auto says = []<class S>(const Problem& p, S) {
         TruthColumns found;
@@ -211,7 +211,7 @@ TEST_CASE("truth columns: nothing is said of what is no ray and no primitive") {
     check_none(with(box, 6, 2));  // lo > hi
 }
 
-TEST_CASE("truth columns: any number of rays at every width, and one number for all") {
+TEST_CASE("truth columns: any number of rays works at every register width, and one number may serve all rays") {
     const std::vector<Problem> problems = problems_of(Shape::sphere, binary32, 60);
     TruthColumns all, some;
     at_every_width([&](intersect::simd::Isa) {

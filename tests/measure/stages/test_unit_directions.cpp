@@ -39,7 +39,7 @@ bool same(double x, double y) {
 
 }  // namespace
 
-TEST_CASE("unit directions in packs are those of each alone", "[measure][stages]") {
+TEST_CASE("unit directions in packs equal those computed alone", "[measure][stages]") {
     test::at_every_width([](intersect::simd::Isa) {
         for (const bool extreme : {false, true}) {
             for (const FloatFormat& format : {binary32, binary64, FloatFormat{11, -14, 15}}) {
@@ -60,7 +60,7 @@ TEST_CASE("unit directions in packs are those of each alone", "[measure][stages]
     });
 }
 
-TEST_CASE("packs settle nearly all unit directions, and none outside of their range", "[measure][stages]") {
+TEST_CASE("packs decide nearly all unit directions, and none outside their range", "[measure][stages]") {
     test::at_every_width([](intersect::simd::Isa isa) {
         Random random(11);
         constexpr std::size_t n = 4096;

@@ -65,7 +65,7 @@ bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)
 
 }  // namespace
 
-TEST_CASE("verdicts that follow by hand") {
+TEST_CASE("verdicts agree with those worked out by hand") {
     const TextFile text(head + by_hand);
     const scene::sweep::CaseFile file(text.path());
     const measure::sweep::CaseRequest request{
@@ -116,7 +116,7 @@ TEST_CASE("verdicts that follow by hand") {
     CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, std::nextafter(excess, 0)) == Verdict::wrong_value);
 }
 
-TEST_CASE("wrong decisions come before wrong values, the most frequent of them counts") {
+TEST_CASE("wrong decisions rank before wrong values, and the most frequent of them counts") {
     using O = Outcome;
     const auto verdict = [](std::initializer_list<std::pair<O, std::uint64_t>> counts, double excess) {
         return measure::sweep::verdict_of(summary_of(counts, excess), case_metrics, 3);
@@ -135,7 +135,7 @@ TEST_CASE("wrong decisions come before wrong values, the most frequent of them c
     CHECK(verdict({{O::agree_hit, 9}, {O::false_hit, 9}, {O::unresolved, 1}}, 0) == Verdict::unresolved);
 }
 
-TEST_CASE("no primitive is hit that is none") {
+TEST_CASE("an improper ray or primitive is never a hit") {
     const Ray<double> ray{{0, 0, -8}, {0, 0, 1}};
     constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
     CHECK(measure::truth::is_proper(ray));
@@ -165,7 +165,7 @@ TEST_CASE("no primitive is hit that is none") {
           measure::truth::Truth::Decision::miss);
 }
 
-TEST_CASE("every file of extremes runs with every form, and the truth of each is proved") {
+TEST_CASE("every file of extremes runs with every form and has a proved truth") {
     const auto folder = std::filesystem::path(LOSTBITS_DATA_DIR) / "sweeps/extremes";
     int files = 0;
     std::uint64_t invented = 0;  // by forms without a guard

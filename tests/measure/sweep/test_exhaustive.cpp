@@ -125,7 +125,7 @@ Compared compare(const std::string& text, const std::vector<TestedForm>& rows) {
 
 }  // namespace
 
-TEST_CASE("every sphere form: distances, silhouettes, directions and radii, against one float after another") {
+TEST_CASE("every sphere form: sweeps over every float agree with single floats in distance, direction and radius") {
     const auto rows = all_rows(Shape::sphere, {"f32"});
     const std::string look = ray("half", "0.5, 0.25, 4200", "0, 0, -1") + ray("off", "1, 0.125, 4200", "0.25, 0, -1.5");
     Compared all;
@@ -147,7 +147,7 @@ TEST_CASE("every sphere form: distances, silhouettes, directions and radii, agai
     CHECK(all.wrong > 20);
 }
 
-TEST_CASE("every cylinder form: radii of more than one chunk, against one float after another") {
+TEST_CASE("every cylinder form: sweeps over more than one chunk of radii agree with single floats") {
     // The line passes 6144 floats in: 4096 are a chunk.
     const Compared all = compare(sweep_text("set = \"cylinder.radius\"\nfrom = \"0x1p-1\"\nto = \"0x1.0041p-1\"",
                                             ray("beside", "-4, \"0x1.003p-1\", 0.25", "1, 0, 0"),
@@ -156,7 +156,7 @@ TEST_CASE("every cylinder form: radii of more than one chunk, against one float 
     CHECK(all.floats > 40000);
 }
 
-TEST_CASE("every box form: zeros, subnormals, infinities, NaN and the boundary, against one float after another") {
+TEST_CASE("every box form: sweeps over special values and the boundary agree with single floats") {
     const auto rows = all_rows(Shape::box, {"f32"});
     const std::string rays = ray("over", "0.5, 0.25, 4", "0, 0, -1") + ray("face", "1, 0.25, 4", "-0.0, 0, -1") +
                              ray("end", "0.5, -1, 4", "0.25, 0, -1") + "tmax = 3\n" +
@@ -176,7 +176,7 @@ TEST_CASE("every box form: zeros, subnormals, infinities, NaN and the boundary, 
     CHECK(all.wrong > 10);
 }
 
-TEST_CASE("all bit patterns: the rows of infinities, NaNs and zeros, and every float is counted") {
+TEST_CASE("all bit patterns: every float is counted, and infinities, NaNs and zeros have rows of their own") {
     const TextFile written(
         sweep_text("set = \"ray.direction.x\"\nall = true", ray("over", "0.5, 0.25, 4", "0, 0, -1"), cube));
     const ExhaustiveFile file(written.path(), LOSTBITS_DATA_DIR);
@@ -193,7 +193,7 @@ TEST_CASE("all bit patterns: the rows of infinities, NaNs and zeros, and every f
     }
 }
 
-TEST_CASE("every float of a binade, in the long tests of a whole one: the schoolbook form from 4096 radii") {
+TEST_CASE("every float of a binade from radius 4096 (a part in short tests) agrees with single floats") {
     const std::string to = test::is_long() ? "0x1.fffffep12" : "0x1.07fffep12";
     const auto text = sweep_text("set = \"ray.origin.z\"\nfrom = 4096\nto = \"" + to + "\"",
                                  ray("half", "0.5, 0.25, 0", "0, 0, -1"), unit_sphere);
@@ -201,7 +201,7 @@ TEST_CASE("every float of a binade, in the long tests of a whole one: the school
     CHECK(compared.floats == (test::is_long() ? 1 << 23 : 1 << 18));
 }
 
-TEST_CASE("the padding that no float needs more of is that of the slabs, behind a box too") {
+TEST_CASE("the padding that suffices for every float is that of the slabs, also behind a box") {
     // The ray that parts the slabs further than any other, at the floats around its origin.
     const ExhaustiveFile boxes(std::filesystem::path(LOSTBITS_DATA_DIR) / "sweeps/exhaustive-padding-origin.toml",
                                LOSTBITS_DATA_DIR);

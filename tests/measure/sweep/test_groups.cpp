@@ -80,7 +80,7 @@ FormSummary one_at_a_time(const std::vector<scene::rays::RayGroup>& groups, cons
 
 }  // namespace
 
-TEST_CASE("rays of many views measured together are those of one view at a time", "[sweep]") {
+TEST_CASE("rays of many views measured together agree with one view at a time", "[sweep]") {
     std::size_t worst = 0, faults = 0, compared = 0;
     for (const auto& [sweep, at, shape] : {std::tuple{"sphere-distance", 4096.0, Shape::sphere},
                                            {"sphere-height", 16.0, Shape::sphere},

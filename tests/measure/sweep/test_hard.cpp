@@ -14,7 +14,7 @@ namespace test_hard {
 using namespace lostbits;
 using namespace lostbits::test;
 
-TEST_CASE("every hard ray measures what its name says") {
+TEST_CASE("every hard ray has the measured value in its name") {
     // `sphere.press in f32: lost_bits 6.40002`, or an outcome in place of a metric and its value, perhaps with how far
     // away the sphere is.
     static const std::regex name(R"((\S+) in (\S+): (\w+)(?: at (\S+) radii)?(?: (\S+))?)");

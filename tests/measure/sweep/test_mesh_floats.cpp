@@ -81,7 +81,7 @@ std::vector<sweep::FloatTally> check_counts(const ExhaustiveFile& file) {
 
 }  // namespace
 
-TEST_CASE("every float through a vertex of a mesh is counted as its triangles count it", "[exhaustive][mesh]") {
+TEST_CASE("every float of a sweep through a mesh vertex is counted as its triangles count it", "[exhaustive][mesh]") {
     const Scratch folder;
     const ExhaustiveFile file(
         folder.write("s.toml", sweep_text("set = \"ray.origin.x\"\nfrom = -7.992431640625\nto = -7.991943359375",
@@ -103,7 +103,7 @@ TEST_CASE("every float through a vertex of a mesh is counted as its triangles co
     CHECK(scene::sweep::float_at(filtered.first_wrong->place) == -7.9921875F);
 }
 
-TEST_CASE("a sweep across a mesh moves numbers of the ray, over a range", "[exhaustive][mesh]") {
+TEST_CASE("a sweep across a mesh moves numbers of the ray over a range", "[exhaustive][mesh]") {
     const Scratch folder;
     const auto refuses = [&](const std::string& axis, const std::string& why) {
         try {

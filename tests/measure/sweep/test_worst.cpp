@@ -65,8 +65,7 @@ struct Alone {
 
 }  // namespace
 
-TEST_CASE(
-    "a search keeps to its ranges and formats, whatever other rows there are, and finds another for another seed") {
+TEST_CASE("a search keeps to its ranges and formats, ignores other rows, and depends on its seed") {
     const TextFile text(
         search_text("impact_radii = [0, 0.9]\ndistance_radii = [1.25, 8]\nstarts = 2\ngenerations = 12\n"));
     const SearchFile search(text.path());
@@ -93,7 +92,7 @@ TEST_CASE(
     CHECK_FALSE(equal(worst_of(second, request.rows[0]), found[0]));
 }
 
-TEST_CASE("a search at edges parts slabs further than random rays do") {
+TEST_CASE("a search at edges separates slabs further than random rays do") {
     SearchFile search(folder / "padding.toml");
     search.starts = 64;
     search.generations = 96;
@@ -108,7 +107,7 @@ TEST_CASE("a search at edges parts slabs further than random rays do") {
     }
 }
 
-TEST_CASE("a search for the smallest reports the metric itself, and no wrong decision ends it") {
+TEST_CASE("a search for a minimum reports the metric itself and goes on after a wrong decision") {
     SearchFile search(folder / "bound-ratio.toml");
     search.starts = 8;
     search.generations = 16;
@@ -120,7 +119,7 @@ TEST_CASE("a search for the smallest reports the metric itself, and no wrong dec
     CHECK(found->evaluations == 8 * 16 * 32);
 }
 
-TEST_CASE("a search of hits alone goes on where forms decide wrongly") {
+TEST_CASE("a search of hits only goes on where forms decide wrongly") {
     SearchFile search(folder / "backward-far.toml");
     search.starts = 2;
     search.generations = 16;
@@ -136,7 +135,7 @@ TEST_CASE("a search of hits alone goes on where forms decide wrongly") {
     CHECK(wrong->evaluations < hit->evaluations);
 }
 
-TEST_CASE("what a search says of its worst ray is what that ray measures alone") {
+TEST_CASE("a search reports for its worst ray what that ray measures alone") {
     int hits = 0, wrong = 0;
     for (const char* name : {"near", "far"}) {
         SearchFile search(folder / (std::string(name) + ".toml"));
@@ -166,7 +165,7 @@ TEST_CASE("what a search says of its worst ray is what that ray measures alone")
     CHECK(wrong > 0);
 }
 
-TEST_CASE("a search of ranges that hold no ray comes to nothing, one that meets a wrong decision stops there") {
+TEST_CASE("a search over empty ranges finds nothing, and one that meets a wrong decision stops") {
     const TextFile none(search_text("distance_radii = [500, 600]\n"));
     const SearchFile empty(none.path());
     CHECK_FALSE(worst_of(empty, row("sphere.press", "f32")).has_value());
@@ -182,7 +181,7 @@ TEST_CASE("a search of ranges that hold no ray comes to nothing, one that meets 
     CHECK(alone.truth.is_hit() == (found->outcome == Outcome::false_miss));
 }
 
-TEST_CASE("the nearest miss of the schoolbook form is no nearer than the errors of its discriminant allow") {
+TEST_CASE("the nearest false miss of the schoolbook form respects the error bound of its discriminant") {
     // With u = 2^-p and an impact of s radii, disc = b·b − 4·a·c is 4 d·d r² (1 − s²). A dot product of three is off by
     // 3u |f||d| at most, so b·b by 7u, 4·a·c by 8u (a 3u, c 4u, their product u) of 4 d·d f·f: to first order a miss
     // needs 15u (D² + …) >= 1 − s², with D the distance in radii.

@@ -51,7 +51,7 @@ bool same_answer(const Hit<double>& a, const Hit<double>& b) {
 
 }  // namespace
 
-TEST_CASE("a product that is added is fused, and one that is needed besides is not", "[tape][contraction]") {
+TEST_CASE("a product that is only added is fused, and one that is used elsewhere is not", "[tape][contraction]") {
     const auto sum = [](auto a, auto b, auto c, auto) { return a * b + c; };
     CHECK(operations_of(sum)[TapeOp::fma] == 1);
     CHECK(operations_of(sum)[TapeOp::mul] == 0);
@@ -118,7 +118,7 @@ int differing(const Intersector& form, const Format& format, EvaluatePlain<F> as
 
 // Where a formula computes an unnamed product in an earlier statement, the compiler fuses that one first, and a tape no
 // longer shows which came first.
-TEST_CASE("a contracted form has the bits of compiled code that contracts", "[tape][contraction]") {
+TEST_CASE("a contracted form has the bits of code that the compiler contracts", "[tape][contraction]") {
     const auto isas = intersect::simd::available_isas();
     if (std::ranges::find(isas, intersect::simd::Isa::w256) == isas.end()) return;
     const std::set<std::string_view> in_another_order{
@@ -144,7 +144,7 @@ TEST_CASE("a contracted form has the bits of compiled code that contracts", "[ta
 }
 #endif
 
-TEST_CASE("a contracted form is its tape in every arithmetic", "[tape][contraction]") {
+TEST_CASE("a contracted form equals its tape in every arithmetic", "[tape][contraction]") {
     const Format f32 = *find_format("f32"), f64 = *find_format("f64"), p24{"p24", binary32, Format::Engine::rounded};
     for (const char* const name : {"sphere.schoolbook", "box.embree_fma", "triangle.undivided", "torus.sturm"}) {
         const Intersector &form = form_named(name), &row = contracted_row(form);

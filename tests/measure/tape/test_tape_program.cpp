@@ -98,7 +98,7 @@ Hit<double> node_by_node(const Tape& tape, const Setting& s) {
 
 }  // namespace
 
-TEST_CASE("a form's tape over columns has its bits", "[tape]") {
+TEST_CASE("a form's tape run over columns has the bits of the form", "[tape]") {
     std::size_t same = 0;
     for (const char* name : {"f32", "f64"}) {
         const Format format = *find_format(name);
@@ -116,7 +116,7 @@ TEST_CASE("a form's tape over columns has its bits", "[tape]") {
     CHECK(same > 15'000);
 }
 
-TEST_CASE("wider operations have the bits of the tape that says so", "[tape]") {
+TEST_CASE("wider operations have the bits of a tape with those widths", "[tape]") {
     const Format format = *find_format("f32");
     Random random(7);
     std::size_t changed = 0;
@@ -140,7 +140,7 @@ TEST_CASE("wider operations have the bits of the tape that says so", "[tape]") {
     CHECK(changed > 5'000);
 }
 
-TEST_CASE("all in double a form keeps all bits of float but one, and with no operation wider it is the form",
+TEST_CASE("a form all in double keeps all but one bit of float, and without wider operations it is unchanged",
           "[tape]") {
     const Format format = *find_format("f32");
     const Intersector& form = test::form_named("sphere.half_b");
@@ -163,7 +163,7 @@ TEST_CASE("all in double a form keeps all bits of float but one, and with no ope
     CHECK(hits > 0);
 }
 
-TEST_CASE("what a program cannot be made of is refused in words", "[tape]") {
+TEST_CASE("a tape that cannot become a program is refused with the reason", "[tape]") {
     const Format format = *find_format("f32");
     CHECK_THROWS_WITH(tape_of(test::form_named("sdf.sphere_trace"), format), Catch::Contains("it marches"));
     const Intersector &filtered = test::form_named("triangle.filtered"), &box = test::form_named("box.signs");

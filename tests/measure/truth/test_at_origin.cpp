@@ -51,7 +51,7 @@ bool is_asked(const intersect::Info& info, double h) { return info.roots != inte
 
 }  // namespace
 
-TEST_CASE("of several spheres the one that the eye lies on is passed over alone", "[measure][truth]") {
+TEST_CASE("only the sphere on which the eye lies is skipped", "[measure][truth]") {
     const Ray<double> ray{{3, 0, 0}, {1, 0, 0}};
     const Primitive<double> two[] = {Primitive<double>(Sphere<double>{{0, 0, 0}, 3}),
                                      Primitive<double>(Sphere<double>{{10, 0, 0}, 2})};
@@ -67,7 +67,7 @@ TEST_CASE("of several spheres the one that the eye lies on is passed over alone"
     CHECK(measure::truth::condition(in, two[0], AtOrigin::miss) == Approx(10).epsilon(0x1p-19));
 }
 
-TEST_CASE("every sphere form without rounding decides eyes on the surface as its own word says", "[measure][truth]") {
+TEST_CASE("every unrounded sphere form decides eyes on the surface as its contract says", "[measure][truth]") {
     using Exact = BasicReal<2048>;
     // d·d is 1 or 2, so that 1/a is exact as well: a root that is 0 is computed as 0, and no rounding decides.
     std::vector<Vec<double>> directions;
@@ -116,7 +116,7 @@ TEST_CASE("every sphere form without rounding decides eyes on the surface as its
                                                   "sphere.newton_refined", "sphere.unified", "sphere.unified_unit"});
 }
 
-TEST_CASE("every box form without rounding meets a box that the eye lies on at t = 0", "[measure][truth]") {
+TEST_CASE("every unrounded box form hits a box at t = 0 if the eye lies on it", "[measure][truth]") {
     using Exact = BasicReal<2048>;
     const Primitive<double> box(Box<double>{{-1, -2, -3}, {1, 2, 3}});
     const Vec<double> eyes[] = {{1, 0.5, 1}, {-1, 0.5, -2}, {0.25, 2, 1}, {0.5, 1, -3}, {1, 2, 0.5}, {-1, -2, -3}};
@@ -141,7 +141,7 @@ TEST_CASE("every box form without rounding meets a box that the eye lies on at t
     CHECK((hits > 100 && misses > 20));
 }
 
-TEST_CASE("a form that passes over t = 0 is judged so by its own word, and not by another's", "[measure][truth]") {
+TEST_CASE("a form that skips t = 0 is judged by its own contract, not by another form's", "[measure][truth]") {
     const intersect::table::Intersector* const interval = &test::form_named("sphere.pbrt_interval");
     for (const OnSphere& x : on_sphere) {
         scene::rays::RayGroup group;
@@ -181,7 +181,7 @@ TEST_CASE("a form that passes over t = 0 is judged so by its own word, and not b
     }
 }
 
-TEST_CASE("what rounded inputs touch counts as what the ideal ones touch does", "[measure][truth]") {
+TEST_CASE("rounded inputs that touch a primitive follow the convention of the ideal ones", "[measure][truth]") {
     scene::rays::RayGroup group;
     group.rays.push({{-5, 1 - 0x1p-20, 0}, {1, 0, 0}});  // a tangent in bf16
     group.rays.width = 1;

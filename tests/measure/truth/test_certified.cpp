@@ -74,7 +74,7 @@ TEST_CASE("scaled_difference is accurate even where the words cancel") {
     }
 }
 
-TEST_CASE("scaled_difference goes to infinity and to zero with its scale") {
+TEST_CASE("scaled_difference overflows to infinity and underflows to zero with its scale") {
     const Certified x = exactly(3.0), y = exactly(1.0);
     CHECK(scaled_difference(x, y, -3000) == HUGE_VAL);
     CHECK(scaled_difference(y, x, -3000) == -HUGE_VAL);
@@ -85,7 +85,7 @@ TEST_CASE("scaled_difference goes to infinity and to zero with its scale") {
     CHECK(scaled_difference({}, {}, 0) == 0);
 }
 
-TEST_CASE("compare tells only what both bounds allow, and tells it where they are apart") {
+TEST_CASE("compare answers only where both bounds allow it, and always where they are disjoint") {
     Seeded rng(12);
     int told = 0, value_of = 0;
     for (int i = 0; i < 200'000; ++i) {
@@ -121,7 +121,7 @@ TEST_CASE("nearer encloses the smaller of any two numbers within the bounds") {
     }
 }
 
-TEST_CASE("both ends round correctly to any format, ties and tails of a thousand places included") {
+TEST_CASE("both ends round correctly to any format, also ties and tails of a thousand digits") {
     Seeded rng(14);
     static constexpr FloatFormat formats[] = {binary64, binary32, binary16, bfloat16, tensor_float32};
     int straddled = 0;
@@ -154,7 +154,7 @@ TEST_CASE("both ends round correctly to any format, ties and tails of a thousand
     CHECK(round_certified({}, binary16) == 0.0);
 }
 
-TEST_CASE("certify keeps what a ball or an interval encloses") {
+TEST_CASE("certify keeps the enclosure of a ball or an interval") {
     Seeded rng(15);
     for (int i = 0; i < 20'000; ++i) {
         const Ball exact = Ball(rng.signed_magnitude(-900, 890)) + Ball(rng.signed_magnitude(-1000, 890));
@@ -185,7 +185,7 @@ TEST_CASE("certify keeps what a ball or an interval encloses") {
     CHECK(certify(Interval(0))->is_zero());
 }
 
-TEST_CASE("a double is its own certified value, and its binade is known") {
+TEST_CASE("a double certifies itself, and its binade is known") {
     for (const double x : {1.0, -1.0, 1.5, 0x1p-1074, 0x1.8p-1073, 0x1.fffffffffffffp+1023, -0x1p-1022}) {
         const Certified c = exactly(x);
         CHECK(compare(Dyadic(c), Dyadic(x)) == 0);
@@ -200,7 +200,7 @@ TEST_CASE("a double is its own certified value, and its binade is known") {
     CHECK(Certified{-1, -0x1p-70, 0, 5}.floor_log2() == 5);
 }
 
-TEST_CASE("ordinals are the formats' own bit patterns") {
+TEST_CASE("ordinals are the bit patterns of the formats") {
     Seeded rng(16);
     for (int i = 0; i < 100'000; ++i) {
         const double x = std::bit_cast<double>(rng.bits(64));
@@ -221,7 +221,7 @@ TEST_CASE("ordinals are the formats' own bit patterns") {
     }
 }
 
-TEST_CASE("an infinite answer loses nothing where the truth rounds to infinity, and everything elsewhere") {
+TEST_CASE("an infinite answer loses nothing where the truth rounds to infinity, and all bits elsewhere") {
     using measure::truth::lost_bits;
     using measure::truth::ulp_error;
     for (const FloatFormat& format : {binary32, binary64, FloatFormat(binary16)}) {

@@ -50,7 +50,7 @@ std::vector<double> by_differences(const Ray<double>& ray, const Primitive<doubl
 
 }  // namespace
 
-TEST_CASE("towards a tangent the condition grows as one over the cosine, and on it it is infinite") {
+TEST_CASE("the condition number grows as one over the cosine towards a tangent, and is infinite on it") {
     // x = sin: the ray's offset; ∂t/∂x = x/√(1 − x²), and the other inputs add their own.
     for (int k = 2; k <= 50; k += 4) {
         const double x = 1 - std::ldexp(1, -k);
@@ -63,12 +63,12 @@ TEST_CASE("towards a tangent the condition grows as one over the cosine, and on 
     CHECK(std::isinf(measure::truth::condition(Ray<double>{{1, 0, 4}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, 1})));
 }
 
-TEST_CASE("on the surface the condition is infinite, for a miss there is none") {
+TEST_CASE("the condition number is infinite on the surface and undefined for a miss") {
     CHECK(std::isinf(measure::truth::condition(Ray<double>{{0, 0, 1}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, 1})));
     CHECK(std::isnan(measure::truth::condition(Ray<double>{{2, 0, 4}, {0, 0, -1}}, Sphere<double>{{0, 0, 0}, 1})));
 }
 
-TEST_CASE("the gradient agrees with central differences, and the condition is its sum, of every shape") {
+TEST_CASE("the gradient of every shape agrees with central differences, and gives the condition number") {
     for (const auto& distribution : scene::sweep::distributions()) {
         INFO(distribution.table);
         int asked = 0, compared = 0;
@@ -96,7 +96,7 @@ TEST_CASE("the gradient agrees with central differences, and the condition is it
     }
 }
 
-TEST_CASE("Real inputs have the condition of the same numbers") {
+TEST_CASE("Real inputs have the condition number of the same doubles") {
     const Ray<double> ray{{1.25, -2.5, 6}, {-0.25, 0.5, -1.5}};
     const Sphere<double> sphere{{0.5, -0.75, 1}, 1.5};
     const auto real = [](const Vec<double>& v) { return Vec<Real>(Real(v.x), Real(v.y), Real(v.z)); };
@@ -105,8 +105,7 @@ TEST_CASE("Real inputs have the condition of the same numbers") {
           Approx(measure::truth::condition(ray, sphere)).epsilon(1e-5));
 }
 
-TEST_CASE("where t = 0 it can reach as far as the surface can move from the origin, and nowhere from inside",
-          "[reach]") {
+TEST_CASE("t = 0 can move as far as the surface can move from the origin, and not at all from inside", "[reach]") {
     const Sphere<double> sphere{{0, 0, 0}, 1};
     const double half_ulp = 0x1p-24;
     // c = z² − 1 moves by 2 z² + 2 half ulps, along a ray by that over 2|h| = 2.
@@ -121,7 +120,7 @@ TEST_CASE("where t = 0 it can reach as far as the surface can move from the orig
                      binary32) < far / 64);
 }
 
-TEST_CASE("near a tangent fewer bits are excused than the condition says") {
+TEST_CASE("inherent bits near a tangent are fewer than the condition number says") {
     using measure::truth::inherent_bits;
     const Sphere<double> sphere{{0, 0, 0}, 1};
     const auto bits_at = [&](double x, double t) {
@@ -147,7 +146,7 @@ TEST_CASE("near a tangent fewer bits are excused than the condition says") {
     CHECK(bits_at(well, 4 - far) == Approx(by_condition(well)).margin(1.01));
 }
 
-TEST_CASE("an error is excused by what t can reach") {
+TEST_CASE("an error within the reach of t is excused") {
     using measure::truth::excess_bits;
     // A tangent at t = 8, which moves by 2^-11 of it for half an ulp: 8.002 is the inputs', 0 loses all bits beyond the
     // 13.

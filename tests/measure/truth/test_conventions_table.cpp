@@ -202,7 +202,7 @@ TEST_CASE("conventions: the truth answers each situation as the table says", "[m
     CHECK(passed > asked_of / 4);
 }
 
-TEST_CASE("conventions: every situation that a kind has is asked about", "[measure][truth]") {
+TEST_CASE("conventions: the table covers every situation of every kind", "[measure][truth]") {
     for (const ShapeRow& shape : shape_rows) {
         for (const Situation of : intersect::all_situations) {
             const bool has =
@@ -213,15 +213,14 @@ TEST_CASE("conventions: every situation that a kind has is asked about", "[measu
     }
 }
 
-TEST_CASE("conventions: a property on the origin that changes nothing is that of boxes that answer 0",
-          "[measure][truth]") {
+TEST_CASE("conventions: the origin property matters except for boxes that answer 0 inside", "[measure][truth]") {
     for (const ShapeRow& shape : shape_rows)
         for (const Inside inside : insides)
             CHECK(intersect::origin_matters(shape.shape, inside) !=
                   (shape.shape == Shape::box && intersect::answers_0_inside(shape.shape, inside)));
 }
 
-TEST_CASE("conventions: the forms that tell the next crossing find it where the range leaves the first out",
+TEST_CASE("conventions: forms that return the next crossing find it where the range excludes the first",
           "[measure][truth]") {
     scene::file::Scene scene = test::load("consistency-on-surface", 8, 6);
     scene.range.open.tmin = true;
@@ -240,7 +239,7 @@ TEST_CASE("conventions: the forms that tell the next crossing find it where the 
     CHECK(lose == 4);
 }
 
-TEST_CASE("conventions: docs/truth.md shows the table as it is", "[measure][truth]") {
+TEST_CASE("conventions: docs/truth.md shows the current table", "[measure][truth]") {
     std::ifstream file(std::string(LOSTBITS_DATA_DIR) + "/../docs/truth.md");
     std::ostringstream text;
     text << file.rdbuf();

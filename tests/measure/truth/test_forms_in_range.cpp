@@ -100,7 +100,7 @@ constexpr std::string_view open_at_the_end = "box.tinybvh";
 
 }  // namespace
 
-TEST_CASE("forms of both roots decide as the truth does in every range, forms of one lose the far root",
+TEST_CASE("forms with both roots decide as the truth in every range, and forms with one lose the far root",
           "[measure][range]") {
     std::size_t right = 0, lost = 0;
     for_each_form([&](const intersect::table::Intersector& form) {
@@ -132,7 +132,7 @@ TEST_CASE("forms of both roots decide as the truth does in every range, forms of
     CHECK(lost > 50);
 }
 
-TEST_CASE("a range of all that lies ahead changes nothing, whatever the ray", "[measure][range]") {
+TEST_CASE("a range of everything ahead changes no answer", "[measure][range]") {
     test::Seeded rng(1);
     for_each_form([&rng](const intersect::table::Intersector& form) {
         scene::rays::RayBlock rays;
@@ -157,7 +157,7 @@ TEST_CASE("a range of all that lies ahead changes nothing, whatever the ray", "[
     });
 }
 
-TEST_CASE("what is taken in a range is the same in packs and ray by ray", "[measure][range]") {
+TEST_CASE("answers in a range agree in packs and ray by ray", "[measure][range]") {
     test::Seeded rng(2);
     for_each_form([&rng](const intersect::table::Intersector& form) {
         scene::rays::RayBlock rays;
@@ -180,7 +180,7 @@ TEST_CASE("what is taken in a range is the same in packs and ray by ray", "[meas
     });
 }
 
-TEST_CASE("a root beyond every number of the format is no entry where a ray ends", "[range]") {
+TEST_CASE("a root beyond the format's largest number is not an entry where a ray ends", "[range]") {
     for (const Roots roots : {Roots::both, Roots::near_only}) {
         intersect::Info info = *test::form_named("sphere.unified").info;
         info.roots = roots;

@@ -115,7 +115,7 @@ const int rays_per_distribution = test::draws(2000);
 
 }  // namespace
 
-TEST_CASE("forward error is at most condition times backward error, of every shape", "[margin][forward]") {
+TEST_CASE("the forward error is at most condition number times backward error for every shape", "[margin][forward]") {
     for (const auto& distribution : scene::sweep::distributions())
         for (const auto& set : distribution.sets()) {
             INFO(distribution.table << ", " << set.name);

@@ -198,22 +198,22 @@ void check_distributions(Shape shape, std::initializer_list<FloatFormat> formats
 
 }  // namespace
 
-TEST_CASE("no change within the margin turns a decision, none within the backward error makes t right - spheres",
+TEST_CASE("no change within the margin changes a decision, nor one within the backward error corrects t - spheres",
           "[margin]") {
     check_distributions(Shape::sphere, {binary32, binary64});
 }
 
-TEST_CASE("no change within the margin turns a decision, none within the backward error makes t right - boxes",
+TEST_CASE("no change within the margin changes a decision, nor one within the backward error corrects t - boxes",
           "[margin]") {
     check_distributions(Shape::box, {binary32, binary64});
 }
 
-TEST_CASE("no change within the margin turns a decision, none within the backward error makes t right - triangles",
+TEST_CASE("no change within the margin changes a decision, nor one within the backward error corrects t - triangles",
           "[margin]") {
     check_distributions(Shape::triangle, {binary32});
 }
 
-TEST_CASE("no change within the margin turns a decision, of every shape", "[margin]") {
+TEST_CASE("no change within the margin changes a decision for any shape", "[margin]") {
     for (const auto& distribution : scene::sweep::distributions()) {
         INFO(distribution.table);
         Seeded rng(0x3a61);
@@ -314,7 +314,7 @@ void attack(Attacked& seen, const test::MarginProblem& problem, Seeded& rng) {
 
 }  // namespace
 
-TEST_CASE("margins are the least changes to a factor of two, of every shape", "[margin][attack]") {
+TEST_CASE("margins are the least changes to a factor of two for every shape", "[margin][attack]") {
     const int each = test::draws(100000, 40);
     for (const auto& row : shape_rows) {
         if (!is_primitive(row.shape)) continue;
@@ -341,7 +341,7 @@ TEST_CASE("margins are the least changes to a factor of two, of every shape", "[
     }
 }
 
-TEST_CASE("margins of rays across an axis, and of tori at a silhouette, do not collapse", "[margin]") {
+TEST_CASE("margins of rays across an axis and of tori at a silhouette do not collapse to zero", "[margin]") {
     // v·d is 0: its sign decides nothing. The ray passes 1/4 inside of the side: 1/4 over the numbers that move it.
     const Ray<double> across{{-4, 1, 0.75}, {1, 0, 0}};
     for (const Primitive<double>& primitive : {Primitive<double>(Cylinder<double>{{0, 0, 0}, {0, 2, 0}, 1}),
@@ -360,14 +360,14 @@ TEST_CASE("margins of rays across an axis, and of tori at a silhouette, do not c
     }
 }
 
-TEST_CASE("a margin that is not known to a factor of two is missing", "[margin]") {
+TEST_CASE("a margin that is not known to a factor of two is left out", "[margin]") {
     const Margin proved_alone{0x1p-20, HUGE_VAL}, twice{0x1p-20, 0x1p-19}, large{0x1p-9, HUGE_VAL};
     CHECK(!proved_alone.is_tight());
     CHECK(twice.is_tight());
     CHECK(large.is_tight());
 }
 
-TEST_CASE("a change within u turns a decision, or a proof says that none does", "[margin]") {
+TEST_CASE("whether a change within u changes a decision is found or proved", "[margin]") {
     using measure::stability::is_turned_within;
     const Ray<double> ray{{0, 0, 0}, {0, 0, 1}};
     const Sphere<double> grazed{{1 - 0x1p-20, 0, 4}, 1};  // margin 2^-21
@@ -399,7 +399,7 @@ TEST_CASE("the margin of a ray that misses several primitives is the nearest one
     }
 }
 
-TEST_CASE("margins and backward errors by hand", "[margin]") {
+TEST_CASE("margins and backward errors agree with those worked out by hand", "[margin]") {
     const Ray<double> ray{{0, 0, 0}, {0, 0, 1}};
     // d = 1 at distance 4 from a unit sphere whose centre is off the line by 1 - 2^-10: r and the centre move.
     const Sphere<double> grazed{{1 - 0x1p-10, 0, 4}, 1};

@@ -139,7 +139,7 @@ void check_ray(const Point& o, const Point& d, const std::vector<Corners>& mesh,
 
 }  // namespace
 
-TEST_CASE("crossings of rays with triangles are those of whole numbers, ties and rims included") {
+TEST_CASE("crossings of rays with triangles agree with integer arithmetic, also for ties and on rims") {
     Draw draw(17);
     std::size_t met = 0, ties = 0, rims = 0;
     for (int soup = 0; soup < 20; ++soup) {
@@ -167,7 +167,7 @@ TEST_CASE("crossings of rays with triangles are those of whole numbers, ties and
     CHECK(rims > 3000);
 }
 
-TEST_CASE("a range takes the crossings within it, its ends by their convention") {
+TEST_CASE("a range takes the crossings within it, and its ends follow their convention") {
     const std::vector<Corners> mesh{{{0, 0, 1}, {4, 0, 1}, {0, 4, 1}}, {{0, 0, 3}, {4, 0, 3}, {0, 4, 3}}};
     const PrimitiveList<double> primitives = primitives_of(mesh);
     const Ray<double> ray{{1, 1, 0}, {0, 0, 1}};
@@ -181,7 +181,7 @@ TEST_CASE("a range takes the crossings within it, its ends by their convention")
     CHECK(count({.tmin = 2, .tmax = 2.5}) == 0);
 }
 
-TEST_CASE("the side from which a line crosses a triangle, and the edges that it passes nearest to, are exact") {
+TEST_CASE("the side from which a line crosses a triangle and its nearest edges are exact") {
     const auto triangle = [](const Vec<double>& a, const Vec<double>& b, const Vec<double>& c) {
         return Primitive<double>(Triangle<double>{a, b, c});
     };
@@ -222,7 +222,7 @@ TEST_CASE("the side from which a line crosses a triangle, and the edges that it 
     CHECK(nearest(0, 0) == 0b110);
 }
 
-TEST_CASE("winding numbers of points are those of the boxes that a mesh is made of") {
+TEST_CASE("winding numbers of points agree with the boxes that a mesh is made of") {
     Draw draw(23);
     std::size_t on_surface = 0, deep = 0;
     for (int scene = 0; scene < 40; ++scene) {

@@ -33,7 +33,7 @@ Ray<double> aimed(Seeded& r, const Placement<double>& placed, const Vec<double>&
 
 }  // namespace
 
-TEST_CASE("packs settle rays at primitives under matrices as they are settled alone, and most of them") {
+TEST_CASE("packs decide most rays at primitives under matrices, as single rays do") {
     const auto stored = [](double x) { return test::stored(x, binary32); };
     for (const bool is_inverse : {false, true}) {
         CAPTURE(is_inverse);
@@ -93,7 +93,7 @@ Vec<double> turned(const Vec<double>& v) { return {-2 * v.y, 2 * v.x, 2 * v.z}; 
 
 }  // namespace
 
-TEST_CASE("a primitive under a matrix is the same as the primitive whose numbers were moved, for every shape") {
+TEST_CASE("a primitive under a matrix equals the primitive with moved numbers for every shape") {
     const Vec<double> shift(16, -32, 8);
     Seeded r(7);
     for (const ShapeRow& row : shape_rows) {
@@ -130,7 +130,7 @@ TEST_CASE("a primitive under a matrix is the same as the primitive whose numbers
     }
 }
 
-TEST_CASE("the condition of a primitive under a matrix counts the numbers of the matrix") {
+TEST_CASE("the condition number of a primitive under a matrix counts the numbers of the matrix") {
     // A unit sphere doubled about (10, 0, 0), seen from the origin along x: t = 10 − 2·1 = 8, with derivatives −1 by
     // o.x, −t by d.x, 1 by τ.x, −1 by the entry of the scale (the centre is 0) and −2 by the radius.
     Primitive<double> primitive(Sphere<double>{{0, 0, 0}, 1});

@@ -182,7 +182,7 @@ void check_tightness(const Tally& tally, int percent) {
 
 }  // namespace
 
-TEST_CASE("t moves no further than it can reach - spheres", "[reach]") {
+TEST_CASE("t moves no further than its reach - spheres", "[reach]") {
     using test::Wide;
     Tally tally;
     check_distributions(test::hard_distributions(Shape::sphere, {binary32}, Wide::yes), tally);
@@ -192,13 +192,13 @@ TEST_CASE("t moves no further than it can reach - spheres", "[reach]") {
     check_tightness(tally, 1);
 }
 
-TEST_CASE("t moves no further than it can reach - boxes", "[reach]") {
+TEST_CASE("t moves no further than its reach - boxes", "[reach]") {
     Tally tally;
     check_distributions(test::hard_distributions(Shape::box, {binary32, binary64}), tally);
     check_tightness(tally, 4);
 }
 
-TEST_CASE("t moves no further than it can reach - triangles", "[reach]") {
+TEST_CASE("t moves no further than its reach - triangles", "[reach]") {
     Tally tally;
     check_distributions(test::hard_distributions(Shape::triangle, {binary32}), tally);
     check_tightness(tally, 5);
@@ -226,7 +226,7 @@ std::optional<Wide> near_root_under(const std::array<Wide, 22>& x) {
 
 }  // namespace
 
-TEST_CASE("t moves no further than it can reach - under matrices whose numbers are far apart", "[reach]") {
+TEST_CASE("t moves no further than its reach - under matrices with widely spread numbers", "[reach]") {
     int trials = 0, known = 0, near = 0;
     for (const FloatFormat& format : {binary32, binary64}) {
         Seeded rng(0x5ca1e);

@@ -255,7 +255,7 @@ double inherent_bits(const Ray<double>& ray, const Primitive<double>& primitive,
 }  // namespace
 
 // A ray in the plane of a face of a box whose direction leaves that plane by 2^-900 of itself enters anywhere between.
-TEST_CASE("answers at every shape move no further than they can reach, and as far", "[reach]") {
+TEST_CASE("answers at every shape move as far as their reach and no further", "[reach]") {
     for (const ShapeRow& row : shape_rows) {
         for (const Kind kind : {Kind::random, Kind::whole, Kind::far})
             check_kind(row.shape, kind, test::draws(60), false, 6);
@@ -264,12 +264,12 @@ TEST_CASE("answers at every shape move no further than they can reach, and as fa
     }
 }
 
-TEST_CASE("answers at every exponent move no further than they can reach, and as far", "[reach]") {
+TEST_CASE("answers at every exponent move as far as their reach and no further", "[reach]") {
     for (const ShapeRow& row : shape_rows)
         for (const Kind kind : {Kind::random, Kind::whole}) check_kind(row.shape, kind, test::draws(20), true, 8);
 }
 
-TEST_CASE("inherent bits of rays across an axis, with tiny components and at the end of the exponents", "[reach]") {
+TEST_CASE("inherent bits are right for rays across an axis, tiny components and extreme exponents", "[reach]") {
     const Capsule<double> capsule{{0, 0, -1}, {0, 0, 1}, 1};
     const double across = inherent_bits({{-4, 0.125, 1.25}, {1, 0, 0}}, capsule);
     CHECK(across == Approx(2.1).margin(0.1));

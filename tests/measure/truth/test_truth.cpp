@@ -212,7 +212,7 @@ void check_in_ranges(const Families& distributions, const FloatFormat& storage, 
 
 }  // namespace
 
-TEST_CASE("truth in a range: the first root in it, by exact integers", "[range]") {
+TEST_CASE("truth in a range: it is the first root in the range, by exact integers", "[range]") {
     for (const FloatFormat& storage : {binary32, binary64}) {
         check_in_ranges(near_distributions, storage, 7);
         check_in_ranges(power_distributions, storage, 8);
@@ -220,7 +220,7 @@ TEST_CASE("truth in a range: the first root in it, by exact integers", "[range]"
     }
 }
 
-TEST_CASE("truth of boxes in a range: the first t of both, by fractions", "[box][range]") {
+TEST_CASE("truth in a range: for boxes it is the first of entry and exit, by fractions", "[box][range]") {
     for (const FloatFormat& storage : {binary32, binary64}) check_in_ranges(box_distributions, storage, 4);
 }
 
@@ -232,11 +232,11 @@ TEST_CASE("truth agrees with exact integers on binary64 inputs", "[near][binary6
     for (const RayDistribution& f : near_distributions) check(f, binary64, 2);
 }
 
-TEST_CASE("the binade of t and of the distance is decided at powers of two, on them and from both sides", "[power]") {
+TEST_CASE("the binade of t and of the distance is decided exactly at powers of two and on both sides", "[power]") {
     for (const RayDistribution& f : power_distributions) check(f, binary32, 5), check(f, binary64, 6);
 }
 
-TEST_CASE("truth agrees where exponents are wide and where t is a tie", "[wide]") {
+TEST_CASE("truth agrees with exact integers where exponents are wide and where t is a tie", "[wide]") {
     for (const RayDistribution& f : wide_distributions) check(f, binary32, 3), check(f, binary64, 4);
 }
 
@@ -244,7 +244,7 @@ TEST_CASE("truth of boxes agrees with fractions", "[box]") {
     for (const BoxDistribution& f : box_distributions) check(f, binary32, 1), check(f, binary64, 2);
 }
 
-TEST_CASE("a ray without length, and one that ends before it starts", "[box]") {
+TEST_CASE("truth decides rays without length and rays that end before they start", "[box]") {
     const Box<double> box{Vec<double>(-1), Vec<double>(1)};
     for (const Touching touching : {Touching::hit, Touching::miss}) {
         const auto shoot = [&](double x, double tmax) {

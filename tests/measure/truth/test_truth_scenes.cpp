@@ -30,7 +30,7 @@ Vec<Real> lifted(const Vec<double>& v, const Real& factor) {
 
 }  // namespace
 
-TEST_CASE("the nearest of many spheres is the minimum of single ones") {
+TEST_CASE("the nearest of many spheres is the minimum over single spheres") {
     Seeded rng(21);
     int hits = 0;
     for (int i = 0; i < 20'000; ++i) {
@@ -68,7 +68,7 @@ TEST_CASE("the nearest of many spheres is the minimum of single ones") {
     CHECK(hits > 5000);
 }
 
-TEST_CASE("where touching is a miss, a tangent goes on to what lies behind") {
+TEST_CASE("a tangent goes on to what lies behind where touching is a miss") {
     const Ray<double> ray{{3, 0, 0}, {0, 0, 0.5}};
     const std::vector<Primitive<double>> both{Sphere<double>{{0, 0, 5}, 3}, Sphere<double>{{3, 0, 20}, 1}};
     const Truth closed = find_truth(ray, both);
@@ -87,7 +87,7 @@ TEST_CASE("where touching is a miss, a tangent goes on to what lies behind") {
     CHECK(!find_truth(Ray<double>{{0, 0, -2}, {0, 0, 1}}, unit).touches);
 }
 
-TEST_CASE("a ray through the point where two spheres touch meets both there") {
+TEST_CASE("a ray through the point where two spheres touch hits both there") {
     Seeded rng(23);
     for (int i = 0; i < 2'000; ++i) {
         const Frame e = frame(rng, 20);
@@ -111,7 +111,7 @@ TEST_CASE("a ray through the point where two spheres touch meets both there") {
     }
 }
 
-TEST_CASE("one unresolved sphere leaves the scene unresolved, wherever it stands") {
+TEST_CASE("one unresolved sphere leaves the scene unresolved at any position of the list") {
     // A tangent that double-double cannot decide: 2 · 53 bits and more in every product.
     const RaySample hard{{{0x1.9000000000117p+60, 0x1.836p+16, 0}, {-4, -3, 0}},
                          {{-0x1p-60, -0x1.8p-61, 0}, 0x1.dfffffffffee3p+59}};
@@ -123,7 +123,7 @@ TEST_CASE("one unresolved sphere leaves the scene unresolved, wherever it stands
     }
 }
 
-TEST_CASE("the limit leaves a hard tangent unresolved that the default resolves") {
+TEST_CASE("a low precision limit leaves a hard tangent unresolved that the default resolves") {
     Seeded rng(24);
     int needed_more = 0;
     for (int i = 0; i < 3'000; ++i) {
@@ -174,7 +174,7 @@ TEST_CASE("truth agrees with exact integers on 256-bit inputs") {
     CHECK(beyond > 50);
 }
 
-TEST_CASE("inputs far beyond double's range keep their exponents") {
+TEST_CASE("inputs far beyond the range of double keep their exponents") {
     const Real huge = ldexp(Real(1), 5000), tiny = ldexp(Real(1), -5000);
     for (const Real& unit : {huge, tiny}) {
         const Ray<Real> ray{{Real(0), Real(0), Real(0)}, {Real(1), Real(0), Real(0)}};
@@ -188,7 +188,7 @@ TEST_CASE("inputs far beyond double's range keep their exponents") {
     }
 }
 
-TEST_CASE("what no precision within the limit proves is not guessed") {
+TEST_CASE("a decision that no precision within the limit proves is not guessed") {
     const Real tiny = ldexp(Real(1), -60'000);
     // f = (0, 5, 0) + τ·(3, 4, 0) and d = (3, 4, 0): a tangent of radius 3, seen as one only where 5 + 4τ is exact.
     const Ray<Real> along{{Real(0), Real(5), Real(0)}, {Real(-3), Real(-4), Real(0)}};

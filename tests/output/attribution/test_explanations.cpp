@@ -172,7 +172,7 @@ const std::regex& raw_number() {
 
 }  // namespace
 
-TEST_CASE("text, JSON and table of an explained ray have one verdict, whatever the ray, its range and the convention") {
+TEST_CASE("explained rays have the same verdict as text, JSON and table for every ray, range and convention") {
     std::map<std::string, int> seen;
     on_explained_rays(is_long() ? 40 : 2, 65, [&](const Asked&, const Shown& s) {
         INFO(s.text);
@@ -217,7 +217,7 @@ TEST_CASE("text, JSON and table of an explained ray have one verdict, whatever t
     CHECK(seen["no culprit"] > 100);
 }
 
-TEST_CASE("the range of a ray is among the inputs and on the tape, which decides as those do who ask the form") {
+TEST_CASE("the range of a ray is among the inputs and on the tape, and its decisions agree with the form") {
     int limits = 0, decided = 0, turned = 0;
     on_explained_rays(is_long() ? 40 : 2, 66, [&](const Asked& asked, const Shown& s) {
         INFO(s.text);
@@ -243,7 +243,7 @@ TEST_CASE("the range of a ray is among the inputs and on the tape, which decides
     CHECK(turned > 20);
 }
 
-TEST_CASE("no sentence of an explanation holds an infinity or a NaN as a number") {
+TEST_CASE("an explanation never prints an infinity or a NaN as a number") {
     std::map<std::string, int> seen;
     on_explained_rays(is_long() ? 40 : 2, 67, [&](const Asked&, const Shown& s) {
         const output::attribution::OperationView words(s.x);
@@ -264,7 +264,7 @@ TEST_CASE("no sentence of an explanation holds an infinity or a NaN as a number"
     CHECK(seen["not a number"] > 0);
 }
 
-TEST_CASE("shares, roundings and errors that are not finite are said to be none, and not written as numbers") {
+TEST_CASE("shares, roundings and errors that are not finite are reported as missing") {
     // Whatever of these overflows on a way that the tests do not find.
     int said = 0;
     on_explained_rays(1, 69, [&](const Asked&, const Shown& s) {
@@ -292,7 +292,7 @@ TEST_CASE("shares, roundings and errors that are not finite are said to be none,
     CHECK(said > 100);
 }
 
-TEST_CASE("what is marked as not on the way changes neither the decision nor t, whatever its value") {
+TEST_CASE("operations marked as not on the way change neither the decision nor t, whatever their value") {
     int changed = 0;
     on_explained_rays(1, 68, [&](const Asked& asked, const Shown& s) {
         if (asked.format.name == std::string("f64")) return;

@@ -54,7 +54,7 @@ output::image::ExrImage image_of(std::vector<float> x, std::vector<std::uint32_t
 
 }  // namespace
 
-TEST_CASE("diff: tables of earlier versions are compared by the names of today") {
+TEST_CASE("diff: tables of earlier versions are compared under today's names") {
     const auto before = table("form,wrong_object,fault_outcome\nx,3,wrong_object\n");
     const auto now = table("form,wrong_primitive,fault_outcome\nx,3,wrong_primitive\n");
     CHECK(output::diff::compare(before, now, {}).same());
@@ -62,7 +62,7 @@ TEST_CASE("diff: tables of earlier versions are compared by the names of today")
           1);
 }
 
-TEST_CASE("without a tolerance numbers compare by exact value and text by bytes", "[difference]") {
+TEST_CASE("diff: without a tolerance, numbers are compared by exact value and text by bytes", "[difference]") {
     for (const auto& [a, b] :
          {std::pair{"1e3", "1000"}, {"nan", "NaN"}, {"inf", "Infinity"}, {"a b", "a b"}, {"", ""}}) {
         INFO(a << " " << b);
@@ -80,7 +80,7 @@ TEST_CASE("without a tolerance numbers compare by exact value and text by bytes"
     CHECK(cells("a", "A").columns[0].kinds == 0);
 }
 
-TEST_CASE("NaN, infinities, nothing and text are never forgiven", "[difference]") {
+TEST_CASE("diff: a tolerance never covers NaN, infinities, missing values and text", "[difference]") {
     const auto generous = within({"*=1e300,1e300"});
     REQUIRE(cells("1", "1e200", generous).same());
     const char* kinds[] = {"1", "nan", "", "inf", "-inf", "text"};
@@ -95,7 +95,7 @@ TEST_CASE("NaN, infinities, nothing and text are never forgiven", "[difference]"
     }
 }
 
-TEST_CASE("a tolerance is absolute or relative, symmetric, and met without rounding", "[difference]") {
+TEST_CASE("diff: a tolerance is absolute or relative, symmetric, and compared without rounding", "[difference]") {
     // In double, 0.4 - 0.3 is more than 0.1.
     CHECK(cells("0.3", "0.4", within({"x=0.1"})).same());
     CHECK(cells("0.3", "0.4000000000000000000000000001", within({"x=0.1"})).count == 1);
@@ -112,7 +112,7 @@ TEST_CASE("a tolerance is absolute or relative, symmetric, and met without round
     CHECK(cells("1", "2", within({"x=0.5", "*=1"})).same());
 }
 
-TEST_CASE("numbers far apart are judged as exact fractions judge them", "[difference]") {
+TEST_CASE("diff: numbers far apart are compared as exact fractions are", "[difference]") {
     using Fraction = boost::multiprecision::cpp_rational;
     using boost::multiprecision::cpp_int;
     std::mt19937 random(3);
@@ -155,7 +155,7 @@ TEST_CASE("numbers far apart are judged as exact fractions judge them", "[differ
     CHECK(cells("-1e-9999", "1e9999", within({"x=1e9999"})).count == 1);
 }
 
-TEST_CASE("of shuffled columns the fewest have moved", "[difference]") {
+TEST_CASE("diff: as few columns as possible are reported as moved", "[difference]") {
     std::mt19937 random(4);
     const std::string names = "abcdefg";
     const auto header = [](const std::string& order) {
@@ -178,7 +178,7 @@ TEST_CASE("of shuffled columns the fewest have moved", "[difference]") {
     }
 }
 
-TEST_CASE("hex twins are exact text unless a tolerance names them", "[difference]") {
+TEST_CASE("diff: hexadecimal columns are exact text unless a tolerance names them", "[difference]") {
     CHECK(cells("0x1p+1", "0x2p+0", {}, "t_hex").count == 1);
     CHECK(cells("0x1p+1", "0x2p+0", {}, "t_hexed").same());
     CHECK(cells("0x1p+1", "0x2p+0", within({"t=1"}), "t_hex").count == 1);
@@ -187,7 +187,7 @@ TEST_CASE("hex twins are exact text unless a tolerance names them", "[difference
     CHECK(cells("0x1p+1", "0x1.8p+1", within({"t_hex=0.5"}), "t_hex").count == 1);
 }
 
-TEST_CASE("a tolerance that is none is refused", "[difference]") {
+TEST_CASE("diff: a wrong tolerance is refused", "[difference]") {
     for (const char* bad : {"x", "=1", "x=", "x=-1", "x=nan", "x=inf", "x=1,", "x=1,-2", "x=1,2,3", "x=1e"}) {
         INFO(bad);
         CHECK_THROWS_AS(output::diff::parse_tolerance(bad), InputError);
@@ -198,7 +198,7 @@ TEST_CASE("a tolerance that is none is refused", "[difference]") {
     CHECK(t.relative.approximate() == 1e-3);
 }
 
-TEST_CASE("headers: missing, added and moved columns, and the rest compared by name", "[difference]") {
+TEST_CASE("diff: missing, added and moved columns are reported, and the others compared by name", "[difference]") {
     const output::file::CsvTable a = table("a,b,c,d,e\n1,2,3,4,5\n");
     const output::diff::Comparison c = compare(a, table("a,c,d,b,f\n1,3,9,2,6\n"), {});
     CHECK(c.count == 4);
@@ -212,7 +212,7 @@ TEST_CASE("headers: missing, added and moved columns, and the rest compared by n
     CHECK(compare(a, a, {}).same());
 }
 
-TEST_CASE("rows are matched by position, and their number counts", "[difference]") {
+TEST_CASE("diff: rows are matched by position, and different numbers of rows are reported", "[difference]") {
     const output::diff::Comparison c = compare(table("x\n1\n2\n3\n"), table("x\n1\n5\n"), {});
     CHECK(c.count == 2);
     CHECK(says(c, "rows: 3 != 2; the first 2 are compared"));
@@ -220,7 +220,7 @@ TEST_CASE("rows are matched by position, and their number counts", "[difference]
     CHECK(c.differences[0].line == 3);
 }
 
-TEST_CASE("lines are those of the first file, text is shown on one line", "[difference]") {
+TEST_CASE("diff: line numbers are those of the first file, and text is shown on one line", "[difference]") {
     const output::diff::Comparison c = compare(table("t,x\n\"a\nb\",1\nc,2\n"), table("t,x\n\"a\nB\",1\nc,\n"), {});
     REQUIRE(c.count == 2);
     CHECK(c.differences[0].line == 2);
@@ -229,7 +229,8 @@ TEST_CASE("lines are those of the first file, text is shown on one line", "[diff
     CHECK(c.differences[1].what == "x: 2 != (empty)");
 }
 
-TEST_CASE("the largest differences and their places, and no more lines than asked", "[difference]") {
+TEST_CASE("diff: the largest differences and their places are shown, up to the requested number of lines",
+          "[difference]") {
     std::string a = "x,y\n", b = a;
     for (int i = 1; i <= 50; ++i) {
         a += std::to_string(i) + ",0\n";
@@ -258,7 +259,8 @@ TEST_CASE("the largest differences and their places, and no more lines than aske
     CHECK(cells("1", "1.00000000000000000001").columns[0].absolute.value == Approx(1e-20));
 }
 
-TEST_CASE("EXR samples compare bit by bit, any NaN equals any, and a tolerance is for floats", "[difference]") {
+TEST_CASE("diff: EXR samples are compared bit by bit, NaNs are equal, and a tolerance is for floats only",
+          "[difference]") {
     const float payload = std::bit_cast<float>(0x7FC01234u);
     REQUIRE(std::isnan(payload));
     CHECK(compare(image_of({1, not_a_number, inf, 0}), image_of({1, payload, inf, 0}), {}).same());
@@ -284,7 +286,7 @@ TEST_CASE("EXR samples compare bit by bit, any NaN equals any, and a tolerance i
     CHECK(compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3, 4}, {1, 7, 3, 4}), within({}, {"class.*"})).same());
 }
 
-TEST_CASE("EXR sizes, channels, types and attributes", "[difference]") {
+TEST_CASE("diff: EXR sizes, channels, types and attributes are compared", "[difference]") {
     const output::image::ExrImage a = image_of({1, 2, 3, 4});
     output::image::ExrImage b = image_of({9, 2, 3, 4});
     b.width = 4, b.height = 1;
@@ -314,7 +316,7 @@ TEST_CASE("EXR sizes, channels, types and attributes", "[difference]") {
     CHECK(says(compare(a, b, {}), "attribute lostbits:form: \"sphere.press\" != (absent)"));
 }
 
-TEST_CASE("PNG pixels and other bytes", "[difference]") {
+TEST_CASE("diff: PNG files are compared by pixels and other files by bytes", "[difference]") {
     const output::image::PngImage a{2, 1, {{1, 2, 3}, {4, 5, 6}}};
     CHECK(compare(a, a, {}).same());
     const output::diff::Comparison c = compare(a, {2, 1, {{1, 2, 3}, {4, 5, 57}}}, {});

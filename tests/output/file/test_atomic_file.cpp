@@ -47,7 +47,7 @@ void remove_at_signal() {
 
 }  // namespace
 
-TEST_CASE("a file has its final name only after commit, and one writer", "[atomic_file]") {
+TEST_CASE("a file gets its final name only on commit, and has one writer", "[atomic_file]") {
     const Scratch folder;
     AtomicFile file(folder / "a.csv");
     REQUIRE(folder.entries() == 1);
@@ -63,7 +63,7 @@ TEST_CASE("a file has its final name only after commit, and one writer", "[atomi
     REQUIRE_THROWS_AS(file.commit(), std::logic_error);
 }
 
-TEST_CASE("an abandoned file leaves the old one as it was", "[atomic_file]") {
+TEST_CASE("an abandoned write leaves the old file unchanged", "[atomic_file]") {
     const Scratch folder;
     { AtomicFile(folder / "a").write("lost"); }
     REQUIRE(folder.entries() == 0);
@@ -73,7 +73,7 @@ TEST_CASE("an abandoned file leaves the old one as it was", "[atomic_file]") {
     REQUIRE(folder.entries() == 1);
 }
 
-TEST_CASE("seek overwrites across the buffer's edge and tell follows", "[atomic_file]") {
+TEST_CASE("seek can overwrite across the buffer's edge, and tell follows", "[atomic_file]") {
     const Scratch folder;
     std::string expected(600000, 'x');
     AtomicFile file(folder / "a");
@@ -90,7 +90,7 @@ TEST_CASE("seek overwrites across the buffer's edge and tell follows", "[atomic_
     REQUIRE(contents(folder / "a") == expected);
 }
 
-TEST_CASE("missing folders are made, and what cannot be written is refused at once", "[atomic_file]") {
+TEST_CASE("missing folders are created, and a path that cannot be written is refused at once", "[atomic_file]") {
     const Scratch folder;
     AtomicFile(folder / "x/y/z.csv").commit();
     REQUIRE(fs::exists(folder / "x/y/z.csv"));
@@ -121,7 +121,7 @@ TEST_CASE("an unwritable folder or file is refused before any work", "[atomic_fi
     REQUIRE(folder.entries() == 1);
 }
 
-TEST_CASE("a full disk is reported and leaves nothing", "[atomic_file]") {
+TEST_CASE("a full disk is reported and leaves no file", "[atomic_file]") {
     const Scratch folder;
     const auto fill = [&](std::size_t bytes) {
         return in_child([&] {
@@ -152,7 +152,7 @@ TEST_CASE("a device is written in place, never replaced", "[atomic_file]") {
     REQUIRE(fs::is_character_file("/dev/null"));
 }
 
-TEST_CASE("a symbolic link stays and its target is replaced", "[atomic_file]") {
+TEST_CASE("a symbolic link is kept and its target is replaced", "[atomic_file]") {
     const Scratch folder;
     { AtomicFile(folder / "real/target").commit(); }
     fs::create_symlink("real/target", folder / "link");
@@ -161,7 +161,7 @@ TEST_CASE("a symbolic link stays and its target is replaced", "[atomic_file]") {
     REQUIRE(contents(folder / "real/target") == "new");
 }
 
-TEST_CASE("nobody takes a file that is being written for abandoned, up to its last moment", "[atomic_file]") {
+TEST_CASE("a file that is being written is never taken for abandoned", "[atomic_file]") {
     const Scratch folder;
     std::atomic<bool> done = false;
     std::thread remover([&] {
@@ -179,7 +179,7 @@ TEST_CASE("nobody takes a file that is being written for abandoned, up to its la
     CHECK(contents(folder / "a") == "new");
 }
 
-TEST_CASE("as many files as the machine allows may be open, and a signal handler removes them all", "[atomic_file]") {
+TEST_CASE("a signal handler removes all partial files, as many as the machine allows", "[atomic_file]") {
     const Scratch folder;
     const int answer = in_child([&] {
         raise_open_file_limit();
@@ -212,7 +212,7 @@ TEST_CASE("a signal handler removes the partial files and keeps the finished one
     REQUIRE(fs::exists(folder / "finished"));
 }
 
-TEST_CASE("commit after the signal handler ran says interrupted", "[atomic_file]") {
+TEST_CASE("commit after the signal handler ran reports an interruption", "[atomic_file]") {
     const Scratch folder;
     const int answer = in_child([&] {
         AtomicFile file(folder / "a");
@@ -229,7 +229,7 @@ TEST_CASE("commit after the signal handler ran says interrupted", "[atomic_file]
     REQUIRE(folder.entries() == 0);
 }
 
-TEST_CASE("no thread makes a file behind the back of the signal handler", "[atomic_file]") {
+TEST_CASE("no thread creates a file while the signal handler runs", "[atomic_file]") {
     const Scratch folder;
     for (int k = 0; k < 50; ++k) {
         const int answer = in_child([&] {
@@ -250,7 +250,7 @@ TEST_CASE("no thread makes a file behind the back of the signal handler", "[atom
     }
 }
 
-TEST_CASE("a folder says that it is not finished from the first result to the last", "[result_folder]") {
+TEST_CASE("a folder is marked as unfinished from the first result to the last", "[result_folder]") {
     const Scratch folder;
     const auto unfinished = [&] { return ResultFolder::unfinished_in(folder.path()); };
     const auto write = [&](const std::string& name) { write_file(folder / name, name); };
@@ -284,7 +284,7 @@ TEST_CASE("a folder says that it is not finished from the first result to the la
     CHECK(folder.entries() == 2);
 }
 
-TEST_CASE("the limit on open files rises to the hard one", "[atomic_file]") {
+TEST_CASE("the limit on open files is raised to the hard limit", "[atomic_file]") {
     REQUIRE(in_child([] {
                 rlimit limit{};
                 ::getrlimit(RLIMIT_NOFILE, &limit);

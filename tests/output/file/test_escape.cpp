@@ -131,7 +131,7 @@ bool has_markup(const std::string& line) {
 
 }  // namespace
 
-TEST_CASE("a terminal and a log of a job obey nothing", "[escape]") {
+TEST_CASE("escaped text never controls a terminal or a job's log", "[escape]") {
     for_texts(many, [](const std::string& text) {
         const std::string line = terminal_line(text), lines = terminal_text(text);
         REQUIRE(valid_utf8(line) == line);
@@ -158,7 +158,7 @@ TEST_CASE("a terminal and a log of a job obey nothing", "[escape]") {
     CHECK(terminal_text("a\n ::error::x") == "a\n \\x3a:error::x");
 }
 
-TEST_CASE("every XML that is written can be read, and says the same", "[escape]") {
+TEST_CASE("every XML file that is written can be parsed back to the same text", "[escape]") {
     for_texts(many, [](const std::string& text) {
         const std::string safe = xml_text(text);
         pugi::xml_document written;
@@ -182,7 +182,7 @@ TEST_CASE("every XML that is written can be read, and says the same", "[escape]"
     CHECK(xml_text("a\xEF\xBF\xBF\x01z\r\n") == "a\xEF\xBF\xBD\xEF\xBF\xBDz\n");
 }
 
-TEST_CASE("text in HTML is text", "[escape]") {
+TEST_CASE("escaped text in HTML is plain text", "[escape]") {
     for_texts(many, [](const std::string& text) {
         const std::string page = output::page::html(text);
         REQUIRE(page.find_first_of("<>\"") == std::string::npos);
@@ -190,7 +190,7 @@ TEST_CASE("text in HTML is text", "[escape]") {
     });
 }
 
-TEST_CASE("text in JSON reads back, and ends no script of a page", "[escape]") {
+TEST_CASE("text in JSON reads back, and cannot end a script element", "[escape]") {
     for_texts(many, [](const std::string& text) {
         const std::string json = output::page::text_of(output::page::Json(text));
         REQUIRE(json.find('<') == std::string::npos);
@@ -199,7 +199,7 @@ TEST_CASE("text in JSON reads back, and ends no script of a page", "[escape]") {
     });
 }
 
-TEST_CASE("text in Markdown stays in its cell and marks nothing up", "[escape]") {
+TEST_CASE("text in Markdown stays in its cell and is not markup", "[escape]") {
     for_texts(many, [](const std::string& text) {
         const std::string inside = markdown_text(text), code = markdown_code(text);
         REQUIRE(inside.find_first_of("\r\n") == std::string::npos);
@@ -221,7 +221,7 @@ TEST_CASE("text in Markdown stays in its cell and marks nothing up", "[escape]")
     CHECK(markdown_path("pictures/a-b_0.5.png") == "pictures/a-b_0.5.png");
 }
 
-TEST_CASE("GitHub's runner reads back what a command says, and no other command", "[escape]") {
+TEST_CASE("GitHub's runner reads a command's text back and no other command", "[escape]") {
     for_texts(many, [](const std::string& text) {
         const std::string data = workflow_text(text), value = workflow_value(text);
         REQUIRE(data.find_first_of("\r\n") == std::string::npos);
@@ -233,7 +233,7 @@ TEST_CASE("GitHub's runner reads back what a command says, and no other command"
     });
 }
 
-TEST_CASE("a cell of a table reads back, and no spreadsheet works it out", "[escape]") {
+TEST_CASE("a cell of a table reads back, and no spreadsheet evaluates it", "[escape]") {
     const Scratch folder;
     std::mt19937 random(6);
     std::vector<std::string> texts;
@@ -258,7 +258,7 @@ TEST_CASE("a cell of a table reads back, and no spreadsheet works it out", "[esc
         CHECK(csv_text(text) == std::string("'") + text);
 }
 
-TEST_CASE("nothing ends a comment of C but its end", "[escape]") {
+TEST_CASE("text cannot end a comment in C", "[escape]") {
     for_texts(many, [](const std::string& text) {
         const std::string comment = "/* " + c_comment(text) + ". */";
         REQUIRE(comment.find("*/") == comment.size() - 2);
@@ -268,7 +268,8 @@ TEST_CASE("nothing ends a comment of C but its end", "[escape]") {
     });
 }
 
-TEST_CASE("a compiler reads back every literal of C, with trigraphs and without, and no comment goes on", "[escape]") {
+TEST_CASE("a compiler reads back every string literal, with and without trigraphs, and no comment continues",
+          "[escape]") {
     const Scratch folder;
     std::string source = "#include <stdio.h>\nint lines = 0;\nstatic const char* const texts[] = {\n", expected,
                 counted;
@@ -304,7 +305,7 @@ TEST_CASE("a compiler reads back every literal of C, with trigraphs and without,
                    "2") == "\"a\\\"b\\\\c\\012?\\?/\\0012\"");
 }
 
-TEST_CASE("a reader of TOML reads back every string", "[escape]") {
+TEST_CASE("a TOML parser reads back every string", "[escape]") {
     const Scratch folder;
     std::string file;
     std::vector<std::string> texts;
@@ -321,7 +322,7 @@ TEST_CASE("a reader of TOML reads back every string", "[escape]") {
     }
 }
 
-TEST_CASE("names that a stranger gave to operations, and words about a form, are text in all code", "[escape]") {
+TEST_CASE("untrusted names of operations and texts of forms are plain text in all generated code", "[escape]") {
     static const std::vector<std::string> hostile{"\\pwned{}$%&#~^_",
                                                   "\"}; int pwned = 1; //",
                                                   "*/ int pwned; /*",
@@ -387,7 +388,7 @@ TEST_CASE("names that a stranger gave to operations, and words about a form, are
     CHECK(depth == 0);
 }
 
-TEST_CASE("a shell reads back every word", "[escape]") {
+TEST_CASE("a shell reads back every quoted argument", "[escape]") {
     const Scratch folder;
     std::mt19937 random(7);
     std::string script = "printf '%s\\0'", expected;

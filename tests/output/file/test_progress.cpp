@@ -32,7 +32,7 @@ std::string written(Work work) {
 
 }  // namespace
 
-TEST_CASE("a line of progress says how far and how long", "[progress]") {
+TEST_CASE("a progress line shows how much is done and how long it takes", "[progress]") {
     CHECK(progress_line("map", 1, 4, 30, 80) ==
           "map [##########..............................]  25%  30s elapsed, 1m30s left");
     CHECK(progress_line("map", 0, 4, 1, 36) == "map   0%  1s elapsed, ? left");
@@ -43,14 +43,14 @@ TEST_CASE("a line of progress says how far and how long", "[progress]") {
     }
 }
 
-TEST_CASE("durations", "[progress]") {
+TEST_CASE("durations are written in fitting units", "[progress]") {
     CHECK(duration_text(7) == "7s");
     CHECK(duration_text(125) == "2m05s");
     CHECK(duration_text(3780) == "1h03m");
     CHECK(duration_text(-1) == "?");
 }
 
-TEST_CASE("nothing is drawn on a pipe, when quiet, or when told not to", "[progress]") {
+TEST_CASE("progress is not drawn on a pipe, when quiet, or when switched off", "[progress]") {
     const auto run = [](Progress::Mode mode, bool quiet) {
         return written([&](int fd) {
             Progress bar(2, "map", mode, quiet, fd);
@@ -65,7 +65,7 @@ TEST_CASE("nothing is drawn on a pipe, when quiet, or when told not to", "[progr
     CHECK_FALSE(run(Progress::Mode::bar, false).empty());
 }
 
-TEST_CASE("the bar counts from all threads and erases itself", "[progress]") {
+TEST_CASE("the progress bar counts from all threads and erases itself", "[progress]") {
     const std::string out = written([](int fd) {
         Progress bar(4000, "map", Progress::Mode::bar, false, fd);
         bar.advance(0);
@@ -89,7 +89,7 @@ TEST_CASE("the bar counts from all threads and erases itself", "[progress]") {
     CHECK(out.find_first_not_of(' ', last + 1) == out.size() - 1);  // the last thing on the screen is blank
 }
 
-TEST_CASE("an estimate comes from a first piece, and on long runs alone") {
+TEST_CASE("a time estimate comes from the first part of the work, and on long runs only") {
     CHECK(estimate_text("s", {1, 1}, {2, 3}, 100) == "lostbits: s will take about 3m19s: its first 2 % took 3s");
     CHECK(estimate_text("s", {1, 0}, {2, 2}, 16) == "lostbits: s will take about 30s: its first 12 % took 2s");
     // A slow start is none of the pace: once, or once a band.
@@ -102,7 +102,7 @@ TEST_CASE("an estimate comes from a first piece, and on long runs alone") {
     CHECK_FALSE(estimate_text("s", {1, 0}, {100, 90}, 100));   // over
 }
 
-TEST_CASE("a short run hears no estimate, nor does a quiet one") {
+TEST_CASE("a short or quiet run prints no time estimate") {
     CHECK(written([](int fd) {
               Progress progress(1000, "s", Progress::Mode::none, false, fd);
               Estimate estimate(progress, "s", 1000, false);

@@ -29,7 +29,7 @@ CsvTable table(const std::string& text) { return parse_csv(text, "t.csv"); }
 
 }  // namespace
 
-TEST_CASE("numbers are written as the shortest decimal and exactly in C's hexadecimal form", "[number_text]") {
+TEST_CASE("numbers are written as the shortest decimal and as exact C hexadecimal", "[number_text]") {
     const struct {
         double x;
         const char *decimal, *hex;
@@ -53,7 +53,7 @@ TEST_CASE("numbers are written as the shortest decimal and exactly in C's hexade
     CHECK(decimal(-std::numeric_limits<float>::infinity()) == "-inf");
 }
 
-TEST_CASE("text is read with a dot, whatever the locale says, and nothing but a number is one", "[number_text]") {
+TEST_CASE("numbers are read with a dot in every locale, and other text is refused", "[number_text]") {
     CHECK(std::isnan(number_in("nan").value_or(0)));
     for (const char* text : {"", "-", "--1", "1,5", "1.5x", " 1", "0x", "0x-1", "1e400", "0x1p+5000", "+1"}) {
         INFO(text);
@@ -82,7 +82,7 @@ TEST_CASE("every bit pattern reads back from its text", "[number_text]") {
     }
 }
 
-TEST_CASE("a CSV file has exactly these bytes", "[csv]") {
+TEST_CASE("a CSV file has exactly the expected bytes", "[csv]") {
     const Scratch folder;
     CsvWriter csv(folder / "t.csv", {{"form", "string", "", "the form"},
                                      {"rays", "integer", "", "rays"},
@@ -110,7 +110,7 @@ TEST_CASE("a CSV file has exactly these bytes", "[csv]") {
     CHECK(contents(folder / "lone.csv") == "only\n\"\"\n1\n");
 }
 
-TEST_CASE("wrong rows are faults of the program", "[csv]") {
+TEST_CASE("rows of the wrong length are program errors", "[csv]") {
     const Scratch folder;
     CsvWriter csv(folder / "t.csv", {{"a", "integer", "", ""}, {"b", "number", "", ""}});
     CHECK_THROWS_AS(csv.add("text"), std::logic_error);
@@ -125,7 +125,7 @@ TEST_CASE("wrong rows are faults of the program", "[csv]") {
     CHECK_FALSE(fs::exists(folder / "u.csv"));
 }
 
-TEST_CASE("UTF-8 is kept and anything else replaced", "[csv]") {
+TEST_CASE("valid UTF-8 is kept and anything else is replaced", "[csv]") {
     const std::string good = "a\xC2\x80\xE0\xA0\x80\xEF\xBF\xBF\xF0\x90\x80\x80\xF4\x8F\xBF\xBF";
     CHECK(valid_utf8(good) == good);
     const std::string mark = "\xEF\xBF\xBD";
@@ -160,7 +160,7 @@ TEST_CASE("a data package describes its columns", "[datapackage]") {
     CHECK(text.find("\"profile\"") < text.find("\"resources\""));
 }
 
-TEST_CASE("a CSV is read as RFC 4180 and its dialects write it", "[read_csv]") {
+TEST_CASE("CSV is read by RFC 4180 and in its common dialects", "[read_csv]") {
     for (const char* text : {"name,x\n\"a,b\",1\n\"say \"\"so\"\"\",2\n\"two\nlines\",3\n,\"\"\n",
                              "name,x\r\n\"a,b\",1\r\n\"say \"\"so\"\"\",2\r\n\"two\nlines\",3\r\n,\"\"\r\n",
                              "\xEF\xBB\xBFname,\"x\"\n\"a,b\",\"1\"\n\"say \"\"so\"\"\",2\n\"two\nlines\",3\n,"}) {
@@ -182,7 +182,7 @@ TEST_CASE("a CSV is read as RFC 4180 and its dialects write it", "[read_csv]") {
     CHECK(to.columns[0].cells[0] == "7");
 }
 
-TEST_CASE("what is no CSV is refused with its line, and what is no file", "[read_csv]") {
+TEST_CASE("a malformed CSV file is refused with its line, and a path that is not a file too", "[read_csv]") {
     const struct {
         std::string text;
         const char *place, *why;
@@ -215,7 +215,7 @@ TEST_CASE("what is no CSV is refused with its line, and what is no file", "[read
     CHECK_THROWS_AS(read_csv(folder.path()), InputError);
 }
 
-TEST_CASE("a cell's value is exact and does not depend on how it is written", "[read_csv]") {
+TEST_CASE("the value of a cell is exact, however it is written", "[read_csv]") {
     for (const char* same : {"1000", "1e3", "1000.0", "+1E+03", "0001000", "0x1.f4p+9", "0X3E8", "10000e-1"}) {
         INFO(same);
         CHECK(read_cell(same) == read_cell("1000"));

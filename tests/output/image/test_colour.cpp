@@ -46,7 +46,7 @@ std::vector<Rgb8> grey_ramp() {
 
 }  // namespace
 
-TEST_CASE("the ramps rise from dark to light and are the published ones", "[colour]") {
+TEST_CASE("colour ramps rise from dark to light and match the published ones", "[colour]") {
     const auto viridis = backend().ramp("viridis", 256);
     REQUIRE(viridis.size() == 256);
     const auto near = [](Rgb8 a, Rgb8 b) {
@@ -67,7 +67,7 @@ TEST_CASE("the ramps rise from dark to light and are the published ones", "[colo
     CHECK_THROWS_AS(backend().ramp("jet", 3), lostbits::InputError);
 }
 
-TEST_CASE("no outcome looks like a value, and what no width suffices for like neither", "[colour]") {
+TEST_CASE("the colours of outcomes and of insufficient widths differ from those of values", "[colour]") {
     const auto drawn = std::span(outcome_colours).first(lostbits::measure::answer::outcomes_without_mesh).subspan(1);
     const auto ramp = backend().ramp("viridis", 256);
     // 0.02 is a just noticeable difference in OKLab: five of them at the very least, for every eye.
@@ -89,7 +89,7 @@ TEST_CASE("no outcome looks like a value, and what no width suffices for like ne
             CHECK((&one == &other || std::abs(oklab(linear(one))[0] - oklab(linear(other))[0]) > 0.07));
 }
 
-TEST_CASE("a thousand categories have a colour each, the first of them the clearest", "[colour]") {
+TEST_CASE("a thousand categories have distinct colours, the first of them the clearest", "[colour]") {
     std::vector<Vector> seen;
     for (const Rgb8 c : outcome_colours) seen.push_back(oklab(linear(c)));
     for (std::size_t i = 0; i < 1000; ++i) {
@@ -105,7 +105,7 @@ TEST_CASE("a thousand categories have a colour each, the first of them the clear
     CHECK(distinct_colour(1000) == distinct_colour(0));
 }
 
-TEST_CASE("a scale clamps, and refuses what has no colour", "[colour]") {
+TEST_CASE("a colour scale clamps its values and refuses a value that has no colour", "[colour]") {
     const double inf = std::numeric_limits<double>::infinity();
     const ColourScale scale("grey", grey_ramp(), 0, 24);
     CHECK(scale.map(0) == Rgb8{0, 0, 0});
@@ -133,7 +133,7 @@ TEST_CASE("a scale clamps, and refuses what has no colour", "[colour]") {
     CHECK_FALSE(root.is_as(ColourScale("grey", grey_ramp(), 0, 16)));
 }
 
-TEST_CASE("ticks are round, within the range and few", "[colour]") {
+TEST_CASE("ticks of a colour bar are round, within the range and few", "[colour]") {
     const auto labels = [](const ColourScale& scale, int most) {
         std::string out;
         for (const auto& tick : scale.ticks(most)) {
@@ -168,7 +168,7 @@ TEST_CASE("ticks are round, within the range and few", "[colour]") {
     }
 }
 
-TEST_CASE("linear light goes there and back", "[colour]") {
+TEST_CASE("converting to linear light and back returns the same byte", "[colour]") {
     for (int i = 0; i < 256; ++i) {
         CHECK(srgb_byte(linear_light(static_cast<std::uint8_t>(i))) == i);
     }
@@ -210,7 +210,7 @@ std::vector<Rgb8> colours_of(const std::vector<pixel::Category>& categories) {
 
 }  // namespace
 
-TEST_CASE("CIEDE2000 is that of its authors' test data", "[colour]") {
+TEST_CASE("CIEDE2000 agrees with its authors' test data", "[colour]") {
     // Sharma, Wu and Dalal 2005, table 1: pairs 1, 4, 7, 9, 17, 20, 25 and 33.
     struct Pair {
         Vector one, other;
@@ -228,7 +228,7 @@ TEST_CASE("CIEDE2000 is that of its authors' test data", "[colour]") {
     }
 }
 
-TEST_CASE("every eye tells the classes of a picture apart", "[colour]") {
+TEST_CASE("people with any kind of colour vision can tell the classes of a picture apart", "[colour]") {
     const auto meshes = outcome_colours.begin() + lostbits::measure::answer::outcomes_without_mesh;
     check_apart("outcomes", {outcome_colours.begin(), meshes});
     // No colours are left that are as far from all of the ramp and from each other for all eyes.
@@ -249,7 +249,7 @@ TEST_CASE("every eye tells the classes of a picture apart", "[colour]") {
     check_apart("shadows", colours_of(picture::shadow_categories()));
 }
 
-TEST_CASE("an outcome has a colour and a name, the last one too", "[colour]") {
+TEST_CASE("every outcome has a colour and a name", "[colour]") {
     const auto& lost_bits = *lostbits::measure::metric::find_metric("lost_bits");
     const auto legend = map::MetricPaint(lost_bits, lostbits::binary32).look(true).widest_legend(1);
     REQUIRE(legend.size() == outcome_colours.size());

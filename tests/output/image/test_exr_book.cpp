@@ -84,7 +84,7 @@ void check_part(const ExrPart& part, const ExrImage& image) {
 
 }  // namespace
 
-TEST_CASE("each part reads back under its name, bit for bit", "[exr]") {
+TEST_CASE("each part of an EXR book reads back under its name, bit for bit", "[exr]") {
     const Scratch folder;
     const auto parts = three_parts();
     ExrBook book(folder / "a.exr", parts);
@@ -96,7 +96,7 @@ TEST_CASE("each part reads back under its name, bit for bit", "[exr]") {
     CHECK_THROWS_AS(backend().read_exr(folder / "a.exr", 3), InputError);
 }
 
-TEST_CASE("a book of one part without a name is a file without parts", "[exr]") {
+TEST_CASE("an EXR book of one unnamed part is a file without parts", "[exr]") {
     const Scratch folder;
     auto parts = three_parts();
     for (auto& part : parts) {
@@ -110,7 +110,7 @@ TEST_CASE("a book of one part without a name is a file without parts", "[exr]") 
     }
 }
 
-TEST_CASE("a book's bytes are the same whichever part is served first, and by how many threads", "[exr]") {
+TEST_CASE("the bytes of an EXR book do not depend on the order of parts or the number of threads", "[exr]") {
     const Scratch folder;
     const auto parts = three_parts();
     const auto write = [&](const char* name, const auto& serve_all) {
@@ -137,7 +137,7 @@ TEST_CASE("a book's bytes are the same whichever part is served first, and by ho
     CHECK(contents(folder / "a.exr") == contents(folder / "c.exr"));
 }
 
-TEST_CASE("a book appears only when closed, and refuses what no reader would take", "[exr]") {
+TEST_CASE("an EXR book appears only when closed, and refuses what no reader would accept", "[exr]") {
     const Scratch folder;
     const auto parts = three_parts();
     {
@@ -165,7 +165,7 @@ TEST_CASE("a book appears only when closed, and refuses what no reader would tak
     CHECK(folder.entries() == 0);
 }
 
-TEST_CASE("a full disk stops a book, every part is told so, and nothing is left", "[exr]") {
+TEST_CASE("a full disk stops an EXR book, is reported to every part, and leaves no file", "[exr]") {
     const Scratch folder;
     const auto parts = three_parts();
     const auto attempt = [&](rlim_t limit_bytes) {
@@ -202,7 +202,7 @@ TEST_CASE("a full disk stops a book, every part is told so, and nothing is left"
     CHECK(folder.entries() == 1);
 }
 
-TEST_CASE("other programs read every part of a book", "[exr]") {
+TEST_CASE("other programs can read every part of an EXR book", "[exr]") {
     INFO("oiiotool comes with openimageio-tools");
     REQUIRE(std::system("oiiotool --version >/dev/null 2>&1") == 0);
     const Scratch folder;

@@ -17,7 +17,7 @@ using namespace lostbits::output;
 using namespace lostbits::output::image;
 using namespace lostbits::output::test;
 
-TEST_CASE("a full disk stops a PNG, and nothing is left", "[png]") {
+TEST_CASE("a full disk stops a PNG file and leaves nothing", "[png]") {
     const Scratch folder;
     backend();  // loaded here: the child must not start it under the limit
     std::mt19937 random(5);
@@ -49,7 +49,7 @@ TEST_CASE("a full disk stops a PNG, and nothing is left", "[png]") {
     CHECK(folder.entries() == 1);
 }
 
-TEST_CASE("a PNG reads back and its bytes repeat", "[png]") {
+TEST_CASE("a PNG file reads back, and its bytes are reproducible", "[png]") {
     const Scratch folder;
     std::vector<Rgb8> pixels(50 * 30);
     for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -72,7 +72,7 @@ TEST_CASE("a PNG reads back and its bytes repeat", "[png]") {
     CHECK_THROWS_AS(backend().read_exr(folder / "none.exr"), InputError);
 }
 
-TEST_CASE("text keeps its baseline, measures its spaces and survives any byte", "[text]") {
+TEST_CASE("drawn text keeps its baseline, measures its spaces and accepts any byte", "[text]") {
     const TextBitmap a = backend().render_text("ag|", 16);
     const TextBitmap b = backend().render_text("x", 16);
     CHECK(a.height == b.height);
@@ -94,7 +94,7 @@ TEST_CASE("text keeps its baseline, measures its spaces and survives any byte", 
     }
 }
 
-TEST_CASE("letters beyond ASCII are themselves, and what the font lacks is a box", "[text]") {
+TEST_CASE("letters beyond ASCII are drawn, and a box where the font lacks one", "[text]") {
     std::set<std::vector<std::uint8_t>> seen;
     const std::vector<const char*> letters{"?", "e", "é", "×", "°", "²", "≤", "−", "…", "→", "θ", "ä", "\xE7\x90\x83"};
     for (const char* letter : letters) {
@@ -109,7 +109,7 @@ TEST_CASE("letters beyond ASCII are themselves, and what the font lacks is a box
           backend().render_text("2", 16).width + backend().render_text("²", 16).width);
 }
 
-TEST_CASE("exponents are raised within the line box, and the names of forms and files stay as they are", "[text]") {
+TEST_CASE("exponents are raised within the line, and names of forms and files are unchanged", "[text]") {
     for (const int size : {9, 11, 13, 18}) {
         INFO(size);
         const auto drawn = [size](const char* text) { return backend().render_text(text, size); };
@@ -156,7 +156,7 @@ TEST_CASE("a line of text may be longer than any picture", "[text]") {
 }
 
 // Hidden: it needs a process in which no test has loaded the module yet. The next test starts one.
-TEST_CASE("in a process of its own, a missing module says what to do", "[.missing_module]") {
+TEST_CASE("a missing image module says what to do in a child process", "[.missing_module]") {
     std::string text;
     try {
         static_cast<void>(image_backend());
@@ -168,7 +168,7 @@ TEST_CASE("in a process of its own, a missing module says what to do", "[.missin
     CHECK(text.find("lostbits_image`") != std::string::npos);
 }
 
-TEST_CASE("a missing module says what to do", "[image]") {
+TEST_CASE("a missing image module says what to do", "[image]") {
     const std::string program = fs::read_symlink("/proc/self/exe").string();
     const std::string tail = "' '[.missing_module]' >/dev/null 2>&1";
     CHECK(std::system(("LOSTBITS_IMAGE_MODULE=/nonexistent/lostbits_image.so '" + program + tail).c_str()) == 0);

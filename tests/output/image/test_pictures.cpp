@@ -85,7 +85,7 @@ TEST_CASE("a heatmap shows every sample of the field, enlarged by a whole factor
     }
 }
 
-TEST_CASE("nothing in a heatmap is cut off, however long the words", "[heatmap]") {
+TEST_CASE("text in a heatmap is never cut off, however long", "[heatmap]") {
     const Scratch folder;
     const std::string sentence =
         "A title of ninety letters or more that says what was measured, of what and in which "
@@ -106,7 +106,7 @@ TEST_CASE("nothing in a heatmap is cut off, however long the words", "[heatmap]"
     }
 }
 
-TEST_CASE("text is broken and shortened between letters of any size", "[text]") {
+TEST_CASE("text is wrapped and shortened between letters of any size", "[text]") {
     const std::string text = [] {
         std::string many;
         for (int i = 0; i < 40; ++i) many += i % 2 == 0 ? "≤" : "²";
@@ -135,12 +135,12 @@ TEST_CASE("text is broken and shortened between letters of any size", "[text]") 
     }
 }
 
-TEST_CASE("a title of several lines is one", "[text]") {
+TEST_CASE("a title of several lines is drawn as one title", "[text]") {
     const std::array<std::string, 1> lines{"c\td"}, line{"c d"};
     CHECK(std::ranges::equal(heading("a\nb", lines, 400).pixels(), heading("a b", line, 400).pixels()));
 }
 
-TEST_CASE("the legend shows what occurred and nothing else, the bar is there when a scale is", "[heatmap]") {
+TEST_CASE("the legend shows only what occurs, and a colour bar where there is a scale", "[heatmap]") {
     const Scratch folder;
     const auto make = [&](std::vector<LegendEntry> entries, bool bar) {
         HeatmapSpec spec{.title = "T",
@@ -169,7 +169,7 @@ TEST_CASE("the legend shows what occurred and nothing else, the bar is there whe
     CHECK(count_of(make({}, false), ramp[200]) == 0);
 }
 
-TEST_CASE("a heatmap is whole or not there, and repeats its bytes", "[heatmap]") {
+TEST_CASE("a heatmap is complete or absent, and its bytes are reproducible", "[heatmap]") {
     const Scratch folder;
     const HeatmapSpec spec{.title = "T",
                            .subtitle = {},
@@ -236,7 +236,7 @@ PngImage sheet_of(const fs::path& path, std::size_t forms, std::size_t formats, 
 
 }  // namespace
 
-TEST_CASE("a contact sheet shows every cell once, whole, with nothing cut off", "[contact_sheet]") {
+TEST_CASE("a contact sheet shows every cell once and complete", "[contact_sheet]") {
     const Scratch folder;
     for (const auto& [forms, formats] : {std::pair<std::size_t, std::size_t>{22, 3}, {1, 1}, {8, 2}, {7, 1}}) {
         INFO(forms << " x " << formats);
@@ -251,7 +251,7 @@ TEST_CASE("a contact sheet shows every cell once, whole, with nothing cut off", 
     }
 }
 
-TEST_CASE("where formats differ each line of a sheet has a bar of its own", "[contact_sheet]") {
+TEST_CASE("each row of a contact sheet has its own colour bar where formats differ", "[contact_sheet]") {
     const Scratch folder;
     const auto ramp = backend().ramp("viridis", 256);
     const auto sheet = [&](const char* name, std::size_t forms, std::vector<ColourScale> scales) {
@@ -278,7 +278,7 @@ TEST_CASE("where formats differ each line of a sheet has a bar of its own", "[co
     CHECK_THROWS_AS(sheet("three.png", 2, {viridis(), viridis(), viridis()}), std::logic_error);
 }
 
-TEST_CASE("a cell without data is drawn as such, and a wrong one refused", "[contact_sheet]") {
+TEST_CASE("a cell without data is drawn as empty, and a wrong cell is refused", "[contact_sheet]") {
     const Scratch folder;
     const SheetSpec spec{.title = "T",
                          .subtitle = {},

@@ -49,7 +49,7 @@ TEST_CASE("a thumbnail averages in linear light, exactly and in any order of row
     }
 }
 
-TEST_CASE("a thumbnail of categories has no colour that the field has not", "[thumbnail]") {
+TEST_CASE("a thumbnail of categories has only colours of the field", "[thumbnail]") {
     const std::array<Rgb8, 3> names{Rgb8{200, 0, 0}, Rgb8{0, 0, 200}, Rgb8{0, 150, 0}};
     for (const auto& size : {std::pair{333, 211}, {161, 160}, {1024, 3}, {160, 400}}) {
         const int width = size.first, height = size.second;
@@ -78,7 +78,7 @@ TEST_CASE("a thumbnail of categories has no colour that the field has not", "[th
     }
 }
 
-TEST_CASE("thumbnails of odd shapes", "[thumbnail]") {
+TEST_CASE("thumbnails of unusual shapes are right", "[thumbnail]") {
     const auto size = [](int w, int h) {
         Thumbnail t(w, h);
         t.add_rows(0, std::vector<Rgb8>(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), Rgb8{9, 8, 7}));

@@ -31,7 +31,7 @@ plot::Series with_look(int k, std::size_t look) {
 
 }  // namespace
 
-TEST_CASE("a line keeps the look that is its own, and no two lines look alike", "[looks]") {
+TEST_CASE("a line keeps its own style, and no two lines share one", "[looks]") {
     using Look = std::tuple<int, int, int, int, std::vector<double>>;
     const auto look_of = [](const plot::PlotLine& line) {
         return Look{line.colour.r, line.colour.g, line.colour.b, line.marker, {line.dashes.begin(), line.dashes.end()}};
@@ -57,7 +57,7 @@ TEST_CASE("a line keeps the look that is its own, and no two lines look alike", 
     }
 }
 
-TEST_CASE("while there are colours for all, no two lines that ask for a look share one", "[looks]") {
+TEST_CASE("lines that want the same style get different ones while there are colours left", "[looks]") {
     // Three of one colour, and one that keeps its own.
     const auto lines =
         plot::plot_lines(std::vector{with_look(1, 3), with_look(2, 11), with_look(3, 0), with_look(4, 19)});
@@ -69,7 +69,7 @@ TEST_CASE("while there are colours for all, no two lines that ask for a look sha
     CHECK(lines[1].marker == 1);  // of the look that it asks for
 }
 
-TEST_CASE("a form has its look by its place in the catalogue, one from outside by its name", "[looks]") {
+TEST_CASE("the style of a form follows from its place in the catalogue, or from its name if external", "[looks]") {
     std::map<Shape, std::set<std::size_t>> looks;
     for (const Intersector& form : intersect::table::catalogue()) {
         const std::size_t look = plot::form_look(form);
@@ -96,7 +96,7 @@ TEST_CASE("a form has its look by its place in the catalogue, one from outside b
     CHECK(from_outside("mine.sphere", Shape::sphere) != from_outside("glm.sphere", Shape::sphere));
 }
 
-TEST_CASE("no two entries of a legend share a colour, whatever a map draws", "[looks]") {
+TEST_CASE("no two entries of a legend share a colour in any map", "[looks]") {
     for (const measure::metric::Metric& metric : measure::metric::metrics()) {
         if (metric.by_run) continue;  // its operations have a test of their own
         CAPTURE(metric.name);
@@ -109,7 +109,7 @@ TEST_CASE("no two entries of a legend share a colour, whatever a map draws", "[l
     }
 }
 
-TEST_CASE("every key of speed against accuracy looks another way, and times are said to be those of easy rays",
+TEST_CASE("every key in speed-accuracy plots has its own style, and the plot says that times are for easy rays",
           "[looks]") {
     std::vector<measure::speed::TradeKernel> kernels;
     for (const auto& row :
@@ -150,7 +150,7 @@ TEST_CASE("every key of speed against accuracy looks another way, and times are 
     }
 }
 
-TEST_CASE("a form without a title has a caption", "[looks]") {
+TEST_CASE("a form without a title still has a caption", "[looks]") {
     CHECK(map::title_of({.name = "a.b", .title = "its own", .source = "x"}) == "its own");
     CHECK(map::title_of({.name = "a.b", .title = "", .source = "libfar 1.2"}) == "a form from outside: libfar 1.2");
     CHECK(map::title_of({.name = "a.b", .title = "", .source = ""}) == "a form from outside");

@@ -66,7 +66,7 @@ std::string glance(const FormSummary& s, const lostbits::FloatFormat& format = b
 
 }  // namespace
 
-TEST_CASE("a colour is a share of the significand, in every format", "[metric_paint]") {
+TEST_CASE("the colour of lost bits is a share of the significand in every format", "[metric_paint]") {
     const Metric& lost = *find_metric("lost_bits");
     const auto single = metric_scale(lost, binary32), wide = metric_scale(lost, binary64);
     CHECK(single.hi() == 24);
@@ -80,7 +80,7 @@ TEST_CASE("a colour is a share of the significand, in every format", "[metric_pa
     CHECK_FALSE(MetricPaint(lost, binary32).shares_with(*find_metric("correct_bits")));
 }
 
-TEST_CASE("magnitudes fit the format", "[metric_paint]") {
+TEST_CASE("scales of magnitudes fit the format", "[metric_paint]") {
     for (const char* name : {"ulp_error", "model_error", "input_error", "rounding_error"}) {
         CHECK(metric_scale(*find_metric(name), binary32).hi() == 0x1p24);
         CHECK(metric_scale(*find_metric(name), binary64).hi() == 0x1p53);
@@ -94,7 +94,7 @@ TEST_CASE("magnitudes fit the format", "[metric_paint]") {
     CHECK(bits.map(4) == bits.at(0.5));
 }
 
-TEST_CASE("decisions lead, and the hits behind a quantile are counted", "[metric_paint]") {
+TEST_CASE("captions begin with decisions and count the hits behind a quantile", "[metric_paint]") {
     CHECK(glance(summary_of(12, {{Outcome::agree_hit, 400}, {Outcome::agree_miss, 600}})) ==
           "p99 12.0 of 24 lost, 12 kept\nof 400 agreed hits");
     CHECK(glance(summary_of(22.75, {{Outcome::agree_hit, 400}, {Outcome::agree_miss, 600}}), binary64) ==
@@ -121,7 +121,7 @@ TEST_CASE("decisions lead, and the hits behind a quantile are counted", "[metric
     CHECK(MetricPaint(*find_metric("apart"), binary32).quantile_note().empty());
 }
 
-TEST_CASE("how far two forms are apart has a unit, a count, and a legend for where they are not both hits",
+TEST_CASE("the difference of two forms has a unit, a count, and a legend where they do not both hit",
           "[metric_paint]") {
     const Metric& apart = *find_metric("apart");
     const MetricPaint paint(apart, binary32);
@@ -170,7 +170,7 @@ TEST_CASE("every metric is a number with a scale or a category with a name, and 
     }
 }
 
-TEST_CASE("shares of culprits are of the rays that have one, and the picture says so", "[metric_paint]") {
+TEST_CASE("shares of culprits are of the rays that have a culprit, and the picture says so", "[metric_paint]") {
     static constexpr std::array<std::string_view, 3> operations{"no rounding", "b*b - c", "sqrt(d)"};
     Metric culprit = *find_metric("culprit");
     culprit.categories = operations;
@@ -194,7 +194,7 @@ TEST_CASE("shares of culprits are of the rays that have one, and the picture say
     CHECK(has_word(paint.note(), "of the rays that have a culprit"));
 }
 
-TEST_CASE("a sheet says which formats got the inputs rounded too", "[metric_paint]") {
+TEST_CASE("a sheet marks the formats that also got rounded inputs", "[metric_paint]") {
     lostbits::scene::file::Scene scene;
     const auto note = [&scene](std::initializer_list<const char*> formats) {
         std::vector<lostbits::measure::evaluate::TestedForm> rows;
@@ -209,14 +209,14 @@ TEST_CASE("a sheet says which formats got the inputs rounded too", "[metric_pain
     CHECK(note({"f32"}).starts_with("each format rounds the ideal scene itself"));
 }
 
-TEST_CASE("nothing is written as 0", "[metric_paint]") {
+TEST_CASE("a quantile of zero is written as 0", "[metric_paint]") {
     CHECK(glance(summary_of(0, {{Outcome::agree_hit, 1000}}), binary32, "excess_bits") ==
           "p99 0 bits\nof 1000 agreed hits");
     CHECK(glance(summary_of(0.25, {{Outcome::agree_hit, 1000}}), binary32, "relative_error") ==
           "p99 0.25\nof 1000 agreed hits");
 }
 
-TEST_CASE("a hit without a value has its outcome's colour, and the legend names it", "[metric_paint]") {
+TEST_CASE("a hit without a value has the colour of its outcome, and the legend names it", "[metric_paint]") {
     const MetricPaint paint(*find_metric("lost_bits"), binary32);
     CHECK(paint.colour(Outcome::agree_hit, none) == image::outcome_colours[0]);
     CHECK(legend_of(paint, {{Outcome::agree_hit, 3, 600}, {Outcome::agree_miss, none, 400}}).size() == 1);
@@ -229,8 +229,7 @@ TEST_CASE("a hit without a value has its outcome's colour, and the legend names 
     CHECK(paint.colour(Outcome::wrong_primitive, 0) == image::outcome_colours[6]);
 }
 
-TEST_CASE("a sheet has the forms with the fewest wrong decisions first, then those with the least p99",
-          "[metric_paint]") {
+TEST_CASE("a sheet is sorted by fewest wrong decisions, then by smallest 99th percentile", "[metric_paint]") {
     const auto of = [](double lost, std::uint64_t missed) {
         FormSummary s = summary_of(lost, {{Outcome::agree_hit, 900 - missed}, {Outcome::false_miss, missed}});
         for (auto& metric : s.metrics) metric.seal();

@@ -35,7 +35,7 @@ bool says(const std::string& row, const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("a claim on the page says what its verdict rests on") {
+TEST_CASE("a claim on the page shows what its verdict rests on") {
     constexpr auto holds = Claim::Verdict::holds, refuted = Claim::Verdict::refuted;
     CHECK(says(row_of(Evidence::proof, holds), "holds: proved: e &lt; 4u"));
     CHECK(says(row_of(Evidence::proof, refuted), "refuted: refuted by proof: e &lt; 4u"));
@@ -48,7 +48,7 @@ TEST_CASE("a claim on the page says what its verdict rests on") {
     CHECK(row_of(Evidence::none, holds).find("evidence") == std::string::npos);
 }
 
-TEST_CASE("a claim that came out otherwise rests on nothing, but still says how many floats were tried") {
+TEST_CASE("a claim that failed rests on nothing, but still shows how many floats were tried") {
     Claim claim;
     claim.subject = lostbits::scene::claim::TableSubject{.name = "arithmetic"};
     claim.evidence = Evidence::sample;

@@ -10,19 +10,19 @@ namespace test_json {
 using namespace lostbits::output;
 using namespace lostbits::output::page;
 
-TEST_CASE("numbers of the page are the CSV's own decimals", "[json]") {
+TEST_CASE("numbers on the page are the CSV's decimals", "[json]") {
     for (const double x : {1.0, -0.0, 0.1, 12.818665731680333, 1e300, 0x1p-1074, 5e-324, 1e23, 9007199254740993.0})
         CHECK(page::text_of(number_json(x)) == file::decimal(x));
 }
 
-TEST_CASE("what is not a finite number is null or a word", "[json]") {
+TEST_CASE("a number that is not finite is null or a word in JSON", "[json]") {
     constexpr double inf = std::numeric_limits<double>::infinity();
     CHECK(page::text_of(number_json(std::nan(""))) == "null");
     CHECK(page::text_of(number_json(inf)) == "\"inf\"");
     CHECK(page::text_of(number_json(-inf)) == "\"-inf\"");
 }
 
-TEST_CASE("JSON of the page may stand inside a script element, and keeps the order of its members", "[json]") {
+TEST_CASE("JSON of the page is safe inside a script element and keeps the order of its members", "[json]") {
     const Json json{
         {"</script>", "a < b & \"c\"\n"}, {"b", Json::array({true, 1, 2.5, nullptr})}, {"a", Json::object()}};
     const std::string text = page::text_of(json);

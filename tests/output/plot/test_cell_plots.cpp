@@ -41,7 +41,7 @@ PngImage plotted(const Scratch& folder, const MatrixPlotSpec& spec) {
 
 }  // namespace
 
-TEST_CASE("a matrix shows every cell in its place, groups apart", "[matrix_plot]") {
+TEST_CASE("a matrix plot shows every cell in its place, with groups apart", "[matrix_plot]") {
     const Scratch folder;
     const auto image = plotted(folder, matrix());
     const auto first = find_block(image, colour(0, 0), 25, 21);
@@ -59,7 +59,7 @@ TEST_CASE("a matrix shows every cell in its place, groups apart", "[matrix_plot]
     CHECK(contents(folder / "m.png") == contents(folder / "again.png"));
 }
 
-TEST_CASE("a word in a cell is dark on light and light on dark", "[matrix_plot]") {
+TEST_CASE("text in a cell is dark on light and light on dark", "[matrix_plot]") {
     const Scratch folder;
     const auto plain = plotted(folder, matrix());
     const auto at = find_block(plain, colour(0, 0), 25, 21).value();
@@ -88,7 +88,7 @@ TEST_CASE("a word in a cell is dark on light and light on dark", "[matrix_plot]"
     }
 }
 
-TEST_CASE("legend and colour bar stand beside the cells, long names and many rows fit", "[matrix_plot]") {
+TEST_CASE("legend and colour bar are beside the cells, and long names and many rows fit", "[matrix_plot]") {
     const Scratch folder;
     auto spec = matrix();
     spec.legend = {{"false hit", outcome_colours[2], "3"}};
@@ -108,7 +108,7 @@ TEST_CASE("legend and colour bar stand beside the cells, long names and many row
     CHECK(rim_is_blank(plotted(folder, spec)));
 }
 
-TEST_CASE("not one cell a row and column is refused", "[matrix_plot]") {
+TEST_CASE("a matrix plot with missing or extra cells is refused", "[matrix_plot]") {
     const Scratch folder;
     auto spec = matrix();
     spec.cells.pop_back();
@@ -154,7 +154,8 @@ image::PngImage plotted(const Scratch& folder, const PlanePlotSpec& spec) {
 
 }  // namespace
 
-TEST_CASE("a plane shows every cell, equal steps as equal rectangles, the first row at the foot", "[plane_plot]") {
+TEST_CASE("a plane plot shows every cell, equal steps as equal rectangles, with the first row at the bottom",
+          "[plane_plot]") {
     const Scratch folder;
     const auto image = plotted(folder, plane(40, 30));
     for (int j = 0; j < 30; ++j) {
@@ -172,7 +173,7 @@ TEST_CASE("a plane shows every cell, equal steps as equal rectangles, the first 
     CHECK(contents(folder / "p.png") == contents(folder / "again.png"));
 }
 
-TEST_CASE("values take the ramp, outcomes their colour, and what is neither is hatched", "[plane_plot]") {
+TEST_CASE("values have ramp colours, outcomes their own, and other cells are hatched", "[plane_plot]") {
     const Scratch folder;
     auto spec = plane(2, 2);
     const auto ramp = backend().ramp("viridis", 256);
@@ -193,7 +194,7 @@ TEST_CASE("values take the ramp, outcomes their colour, and what is neither is h
     CHECK(rim_is_blank(hatched));
 }
 
-TEST_CASE("a line runs around outlined cells and between none of them", "[plane_plot]") {
+TEST_CASE("an outline runs around marked cells and not between them", "[plane_plot]") {
     const Scratch folder;
     auto spec = plane(4, 3);
     const auto bare = plotted(folder, spec);
@@ -213,7 +214,7 @@ TEST_CASE("a line runs around outlined cells and between none of them", "[plane_
     CHECK(rim_is_blank(png));
 }
 
-TEST_CASE("planes of odd shapes, and those that are refused", "[plane_plot]") {
+TEST_CASE("planes of unusual shapes are drawn, and impossible ones are refused", "[plane_plot]") {
     const Scratch folder;
     for (const auto& [columns, rows] : {std::pair{1, 1}, {1, 30}, {200, 1}, {3, 700}}) {
         auto spec = plane(columns, rows);

@@ -32,7 +32,7 @@ std::vector<std::string> labels(const AxisRange& range, int most) {
 
 }  // namespace
 
-TEST_CASE("ticks are round values at their places", "[plot]") {
+TEST_CASE("ticks are round values at their positions", "[plot]") {
     using Scale = AxisSpec::Scale;
     using Labels = std::vector<std::string>;
     CHECK(labels(AxisRange({"", Scale::log2, 1.0, std::exp2(30)}, {}), 8) ==
@@ -57,7 +57,7 @@ TEST_CASE("ticks are round values at their places", "[plot]") {
     CHECK_FALSE(range.has_place(no_value));
 }
 
-TEST_CASE("on a log axis 0 has a place of its own, below the low end, and times are decimals", "[plot]") {
+TEST_CASE("on a log axis 0 has a position below the low end, and times are decimals", "[plot]") {
     using Scale = AxisSpec::Scale;
     using Labels = std::vector<std::string>;
     const AxisRange shares({"", Scale::log10, 1e-3, 1.0, true}, {0, 0.5});
@@ -79,7 +79,7 @@ TEST_CASE("on a log axis 0 has a place of its own, below the low end, and times 
           Labels{"0.01", "0.1", "1", "10", "100"});
 }
 
-TEST_CASE("every range has ticks that differ, and they lie on it", "[plot]") {
+TEST_CASE("every range has distinct ticks that lie on it", "[plot]") {
     using Scale = AxisSpec::Scale;
     const double huge = std::numeric_limits<double>::max(), tiny = std::numeric_limits<double>::denorm_min();
     const std::vector<std::vector<double>> data{
@@ -104,7 +104,7 @@ TEST_CASE("every range has ticks that differ, and they lie on it", "[plot]") {
     CHECK_THROWS_AS(AxisRange({"", Scale::linear, {}, inf}, {}), std::invalid_argument);
 }
 
-TEST_CASE("things stay in order and apart, each as near to its wanted place as the others allow", "[plot]") {
+TEST_CASE("labels keep their order and do not overlap", "[plot]") {
     using Places = std::vector<double>;
     const Places tens(3, 10.0);
     CHECK(places_near(Places{5, 40, 90}, tens, 0, 200) == Places{5, 40, 90});
@@ -124,7 +124,7 @@ bool is_half(Rgb8 p) { return p.r == p.g && p.g == p.b && std::abs(p.r - 128) <=
 
 }  // namespace
 
-TEST_CASE("coverage is exact on the grid and not doubled at joints", "[plot]") {
+TEST_CASE("coverage is exact on the pixel grid and not doubled at joints", "[plot]") {
     Canvas canvas(20, 9, {255, 255, 255});
     Stroke stroke({0, 0, 20, 9});
     const std::vector<Point> line{{-5, 4.5}, {10, 4.5}, {25, 4.5}};
@@ -155,7 +155,7 @@ TEST_CASE("coverage is exact on the grid and not doubled at joints", "[plot]") {
     CHECK(filled.row(3)[3] == Rgb8{255, 255, 255});
 }
 
-TEST_CASE("a figure is seen where it is, whatever is drawn around it, and nothing leaves the box", "[plot]") {
+TEST_CASE("a marker is visible where it is, and nothing is drawn outside the box", "[plot]") {
     const auto drawn = [](const PixelBox& box, double at) {
         Canvas canvas(40, 40, {255, 255, 255});
         Stroke stroke(box);

@@ -88,7 +88,7 @@ image::PngImage plotted(const Scratch& folder, const LinePlotSpec& spec) {
 
 }  // namespace
 
-TEST_CASE("a level line has its colour in the row of its value", "[line_plot]") {
+TEST_CASE("a horizontal line has its colour in the row of its value", "[line_plot]") {
     const Scratch folder;
     int exact = 0;
     for (const double value : {0.0, 5.0, 10.0, 26.5, 31.0, 42.0, 53.0}) {
@@ -112,7 +112,7 @@ TEST_CASE("a level line has its colour in the row of its value", "[line_plot]") 
     CHECK(exact >= 3);
 }
 
-TEST_CASE("a NaN leaves a gap", "[line_plot]") {
+TEST_CASE("a NaN leaves a gap in a line", "[line_plot]") {
     const Scratch folder;
     auto series = level("a", 21);
     series.y[20] = no_value;
@@ -131,7 +131,7 @@ TEST_CASE("a NaN leaves a gap", "[line_plot]") {
     CHECK(missing(21, 30) == 0);
 }
 
-TEST_CASE("series that agree share a line and an entry, the others have looks of their own", "[line_plot]") {
+TEST_CASE("equal series share a line and a legend entry, and different ones have distinct styles", "[line_plot]") {
     const Scratch folder;
     auto broken = level("c", 10), twin = level("d", 10);
     broken.y[3] = twin.y[3] = no_value;
@@ -159,7 +159,8 @@ TEST_CASE("series that agree share a line and an entry, the others have looks of
     CHECK(family[1].dashes.size() != family[3].dashes.size());
 }
 
-TEST_CASE("names stand where their lines end, as near as the others allow, those of no line last", "[line_plot]") {
+TEST_CASE("names are at the ends of their lines, moved as little as possible, with nameless lines last",
+          "[line_plot]") {
     const Scratch folder;
     auto low = level("starts high, ends low", 3);
     low.y.front() = 50;
@@ -180,7 +181,7 @@ TEST_CASE("names stand where their lines end, as near as the others allow, those
     CHECK(rim_is_blank(png));
 }
 
-TEST_CASE("a shade lies behind the lines over its part of the axis, and the legend names it", "[line_plot]") {
+TEST_CASE("a shaded range is behind the lines on its part of the axis, and the legend names it", "[line_plot]") {
     const Scratch folder;
     auto spec = spec_of({level("a", 10)});
     const auto bare = plotted(folder, spec);
@@ -201,7 +202,7 @@ TEST_CASE("a shade lies behind the lines over its part of the axis, and the lege
     CHECK(frame_of(plotted(folder, spec)).height < frame.height);
 }
 
-TEST_CASE("marks stand at their places and their labels do not run into each other", "[line_plot]") {
+TEST_CASE("marks are at their positions and their labels do not overlap", "[line_plot]") {
     const Scratch folder;
     std::vector<MarkLabels::Mark> marks;
     for (const double x : {100.0, 104.0, 130.0, 390.0, 150.0}) marks.push_back({x, "2^12: a label that is long"});
@@ -231,7 +232,7 @@ TEST_CASE("marks stand at their places and their labels do not run into each oth
     CHECK(dark < frame.height * 9 / 10);
 }
 
-TEST_CASE("nothing in a line plot is cut off, however much there is, and bytes repeat", "[line_plot]") {
+TEST_CASE("a line plot never cuts anything off, and its bytes are reproducible", "[line_plot]") {
     const Scratch folder;
     const std::string sentence = "a label with more words in it than any legend has room for, and then 2^10 more";
     for (const int count : {0, 1, 45, 120}) {
@@ -253,7 +254,7 @@ TEST_CASE("nothing in a line plot is cut off, however much there is, and bytes r
     CHECK(plotted(folder, spec_of({level("a", 3)})).height == 620);
 }
 
-TEST_CASE("the envelope is grey below its line and the page above", "[line_plot]") {
+TEST_CASE("the envelope is grey below its line and page-coloured above", "[line_plot]") {
     const Scratch folder;
     auto spec = spec_of({});
     spec.envelope = level("conditioning", 25);
@@ -266,7 +267,7 @@ TEST_CASE("the envelope is grey below its line and the page above", "[line_plot]
     CHECK(in_legend(image, envelope_fill) > 200);
 }
 
-TEST_CASE("degenerate series are drawn as far as they can be", "[line_plot]") {
+TEST_CASE("degenerate series are drawn as far as possible", "[line_plot]") {
     const Scratch folder;
     using Scale = AxisSpec::Scale;
     const auto draw = [&](Series series, Scale x, Scale y) {

@@ -51,7 +51,7 @@ int column_of(const PngImage& image, Rgb8 colour, int least) {
 
 }  // namespace
 
-TEST_CASE("labels lie on no other label and on nothing that is taken", "[scatter_plot]") {
+TEST_CASE("labels never cover other labels or occupied space", "[scatter_plot]") {
     std::mt19937_64 random(1);
     const auto unit = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
     std::size_t placed = 0, requested = 0;
@@ -82,8 +82,7 @@ TEST_CASE("labels lie on no other label and on nothing that is taken", "[scatter
     CHECK(placed > requested * 9 / 10);
 }
 
-TEST_CASE("a label lies beside its point, where it covers least, and nowhere when there is no space",
-          "[scatter_plot]") {
+TEST_CASE("a label is beside its point where it covers least, and left out where there is no space", "[scatter_plot]") {
     const Box2 limits{0, 0, 300, 100};
     const LabelRequest request{{150, 50}, 50, 14};
     const auto free = place_labels({&request, 1}, {limits, {}, {}});
@@ -107,7 +106,7 @@ TEST_CASE("a label lies beside its point, where it covers least, and nowhere whe
     CHECK_FALSE(nowhere[0].has_value());
 }
 
-TEST_CASE("a scatter plot shows points, names and front where they belong", "[scatter_plot]") {
+TEST_CASE("a scatter plot shows points, names and the Pareto front where they belong", "[scatter_plot]") {
     const Scratch folder;
     const auto image = plotted(folder, small());
     CHECK(rim_is_blank(image));
@@ -127,7 +126,7 @@ TEST_CASE("a scatter plot shows points, names and front where they belong", "[sc
     CHECK(count_of(bare, {120, 120, 126}) < count_of(image, {120, 120, 126}));
 }
 
-TEST_CASE("what has no value is left out and counted", "[scatter_plot]") {
+TEST_CASE("a point without a value is left out and counted", "[scatter_plot]") {
     const Scratch folder;
     auto spec = small();
     const auto with = plotted(folder, spec);

@@ -30,7 +30,7 @@ void read(const std::string& bits) {
 
 }  // namespace
 
-TEST_CASE("shard: a list that claims more than the file has is refused", "[output]") {
+TEST_CASE("shard: a list that declares more entries than the file holds is refused", "[output]") {
     for (const std::uint64_t size :
          {std::uint64_t{2}, std::uint64_t{1} << 61, std::numeric_limits<std::uint64_t>::max()}) {
         const std::string bits = bits_of(size, std::uint64_t{1});
@@ -41,7 +41,7 @@ TEST_CASE("shard: a list that claims more than the file has is refused", "[outpu
     }
 }
 
-TEST_CASE("shard: a claimed list takes memory for what is there of it alone", "[output]") {
+TEST_CASE("shard: a list takes memory only for the entries that the file holds", "[output]") {
     using Summaries = std::vector<measure::evaluate::FormSummary>;
     const std::uint64_t claimed = 30 << 20;  // where a summary takes hundreds of bytes, gigabytes
     std::string bits = bits_of(claimed);
@@ -57,7 +57,7 @@ TEST_CASE("shard: a claimed list takes memory for what is there of it alone", "[
     CHECK(setrlimit(RLIMIT_AS, &limit) == 0);
 }
 
-TEST_CASE("shard: a bool is yes or no", "[output]") {
+TEST_CASE("shard: a bool other than 0 or 1 is refused", "[output]") {
     bool answer = false;
     BitReader reader(bits_of(true));
     reader(answer);

@@ -64,7 +64,7 @@ TEST_CASE("study: shards of every study add up to the bits of the whole", "[outp
                                               .rows = {row("sphere.half_b", "f32")}});
 }
 
-TEST_CASE("study: bands are blocks of 16 lines, and no share has half of one", "[output][study]") {
+TEST_CASE("study: bands are blocks of 16 lines, and shards never split one", "[output][study]") {
     const auto scene = load("near-benign", 4, 70);
     measure::consistency::ConsistencyStudy study{
         .scene = scene, .rows = {row("sphere.press", "f32")}, .checks = measure::consistency::all_checks()};
@@ -78,7 +78,7 @@ TEST_CASE("study: bands are blocks of 16 lines, and no share has half of one", "
     CHECK(measure::study::lines_of_band(70000, 32768) == 16);
 }
 
-TEST_CASE("study: lists of different sizes do not add up", "[output][study]") {
+TEST_CASE("study: lists of different sizes cannot be added", "[output][study]") {
     std::vector<std::uint64_t> all{1, 2};
     CHECK_THROWS_AS(add_up(all, std::vector<std::uint64_t>{1}), std::out_of_range);
     add_up(all, std::vector<std::uint64_t>{3, 4});

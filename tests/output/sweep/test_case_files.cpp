@@ -59,7 +59,7 @@ std::string cell(const output::file::CsvTable& table, const char* column, std::s
 
 }  // namespace
 
-TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
+TEST_CASE("cases.csv and matrix.png show what each form makes of each case") {
     const Scratch folder;
     const TextFile text(cases_text);
     const scene::sweep::CaseFile file(text.path());
@@ -154,7 +154,7 @@ TEST_CASE("cases.csv and matrix.png say what each form makes of each case") {
     CHECK(contents(folder / "alone.png") == contents(folder / "matrix.png"));
 }
 
-TEST_CASE("what a search leaves can be run again: hard.toml has the rays to the bit") {
+TEST_CASE("results of a search can be run again: hard.toml has the rays bit for bit") {
     const Scratch folder;
     const TextFile text(R"(schema = "lostbits-sweep/1"
 title = 'Rays that are "hard" \ wrong'

@@ -48,7 +48,7 @@ std::vector<std::string> labels(const std::vector<Series>& series) {
 
 }  // namespace
 
-TEST_CASE("a picture has a level stretch a binade, no wider than what was tried, and 64 wrong floats are seen") {
+TEST_CASE("a plot has one flat segment per binade, limited to what was tried, and 64 wrong floats are visible") {
     const Ran ran(sweep_text("ray.origin.x", "from = \"0x1.fp-1\"\nto = \"0x1.08p0\"", sphere),
                   {row("sphere.schoolbook", "f32"), row("sphere.hearn_baker", "f32")});
     const auto plots = ran.plots();
@@ -75,7 +75,7 @@ TEST_CASE("a picture has a level stretch a binade, no wider than what was tried,
     CHECK(open.plots()->wrong.subtitle.front() == "A test, judged by the open primitive");
 }
 
-TEST_CASE("both signs are told apart, subnormal numbers have a place, and what has none is said") {
+TEST_CASE("both signs are drawn apart, subnormal numbers have a place, and missing numbers are reported") {
     const std::string around_zero = "from = \"-0x1.00002p-126\"\nto = \"0x1.00002p-126\"";
     for (const bool falls : {false, true}) {
         std::string range = around_zero;
@@ -96,7 +96,7 @@ TEST_CASE("both signs are told apart, subnormal numbers have a place, and what h
     }
 }
 
-TEST_CASE("a sweep within a binade has no pictures") {
+TEST_CASE("a sweep within one binade has no plots") {
     const Ran narrow(sweep_text("ray.origin.x", "from = 1\nto = \"0x1.00001p0\"", sphere),
                      {row("sphere.schoolbook", "f32")});
     CHECK_FALSE(narrow.plots().has_value());

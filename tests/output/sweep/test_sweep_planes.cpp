@@ -73,7 +73,7 @@ bool same(float a, float b) { return a == b || (std::isnan(a) && std::isnan(b));
 
 }  // namespace
 
-TEST_CASE("a plane's channels are the table's numbers, columns rising, the highest line on top") {
+TEST_CASE("the channels of a plane are the numbers of the table, columns rising, the highest row on top") {
     const std::pair<const char*, const char*> pairs[] = {
         {"bits.lost_p50", "lost_bits_p50"},          {"bits.lost_p99", "lost_bits_p99"},
         {"bits.lost_max", "lost_bits_max"},          {"condition.inherent_p99", "inherent_bits_p99"},
@@ -137,9 +137,7 @@ TEST_CASE("a plane's channels are the table's numbers, columns rising, the highe
     }
 }
 
-TEST_CASE(
-    "a plane's picture takes the ramp, an outline where the form is to blame, an outcome's colour where most are "
-    "wrong, and the sheet is paler where the problem is") {
+TEST_CASE("a plane's picture marks wrong forms by outline and outcome colour, and its sheet pales hard problems") {
     const Planes planes(false, false);
     const std::size_t lost = 0, excess = 2;
     const auto sheet = backend().read_png(planes.folder / "contact.png");

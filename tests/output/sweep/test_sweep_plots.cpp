@@ -86,7 +86,7 @@ Found find(const image::PngImage& image, image::Rgb8 colour) {
 
 }  // namespace
 
-TEST_CASE("a single false miss of a thousand rays stands clear of none, and is no false hit") {
+TEST_CASE("a single false miss among a thousand rays is visible apart from none and from a false hit") {
     const Scratch folder;
     Made made;
     const image::Rgb8 line = plot::look_colour(plot::form_look(*made.request.rows[0].form));
@@ -119,7 +119,7 @@ TEST_CASE("a single false miss of a thousand rays stands clear of none, and is n
           Outcomes{Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number});
 }
 
-TEST_CASE("an envelope is drawn beside the line of a form, and not of one that tells no t") {
+TEST_CASE("an envelope is drawn for a form that returns t, and not for one that does not") {
     const Scratch folder;
     for (const bool tells : {true, false}) {
         Made made;
@@ -136,7 +136,7 @@ TEST_CASE("an envelope is drawn beside the line of a form, and not of one that t
     }
 }
 
-TEST_CASE("an ulp of the distance is as wide as a sphere from 2^p radii on", "[too_far]") {
+TEST_CASE("an ulp of the distance is as wide as the sphere from 2^p radii on", "[too_far]") {
     // In [2^24, 2^25) an ulp of a float is 2, the width of a unit sphere; before that it is 1.
     const std::string text = sweep_of("rays = 2\nradius = 1", "distance", "4", "\"0x1p40\"");
     const auto single = part_of(text, binary32);
@@ -157,7 +157,7 @@ TEST_CASE("an ulp of the distance is as wide as a sphere from 2^p radii on", "[t
     CHECK((falling->from == single->from && falling->to == single->to));
 }
 
-TEST_CASE("a quantile over too few agreed hits is a gap", "[too_far]") {
+TEST_CASE("a quantile over too few agreed hits leaves a gap", "[too_far]") {
     measure::evaluate::FormSummary s;
     s.rays = s.true_hits = 100;
     s.metrics.resize(1);

@@ -40,7 +40,7 @@ Table<Row> row_table() {
 
 }  // namespace
 
-TEST_CASE("a table writes what its columns say, and nothing for a part that is missing", "[table]") {
+TEST_CASE("a table writes the values of its columns, and nothing for a missing part", "[table]") {
     const Scratch folder;
     const Part shared{0.75, 9};
     TableFile<Row> file(folder / "", "rows.csv", "One row per row", row_table());
@@ -71,13 +71,13 @@ TEST_CASE("a table writes what its columns say, and nothing for a part that is m
     CHECK(exact.at("description") == "the same, exactly");
 }
 
-TEST_CASE("a cell of another type than its column's is refused", "[table]") {
+TEST_CASE("a cell of the wrong type for its column is refused", "[table]") {
     const Table<Row> table{{"name", "integer", "", "no number", &Row::name}};
     lostbits::output::file::CsvWriter csv(table.columns());
     CHECK_THROWS_AS(table.add_row(csv, Row{"text", {}, nullptr}), std::logic_error);
 }
 
-TEST_CASE("a meaning is said of the column that is there", "[table]") {
+TEST_CASE("meanings are given for existing columns only", "[table]") {
     Table<Row> table = row_table();
     table.set_meaning("own_count", "another");
     table.set_meaning("no_such", "nothing");

@@ -90,7 +90,7 @@ const Planes planes[] = {
 
 }  // namespace
 
-TEST_CASE("without rounding every way makes the ray of the pixel, as fractions have it") {
+TEST_CASE("every ray generator gives the exact ray of the pixel when nothing is rounded") {
     for (const Planes& p : planes) {
         const file::Scene plain = loaded(scene_of("100, -20, 7", "102, -17, 13", p.text));
         const auto numbers = rays::camera_numbers(plain);
@@ -108,7 +108,7 @@ TEST_CASE("without rounding every way makes the ray of the pixel, as fractions h
     }
 }
 
-TEST_CASE("the ideal rays are those of the fractions, from the eye or from the near plane") {
+TEST_CASE("ideal rays agree with fractions, from the eye or from the near plane") {
     for (const RayGenerator& generator : ray_generators()) {
         const file::Scene scene =
             with_rays(loaded(scene_of("100, -20, 7", "102, -17, 13", "near = 0.25\nfar = 64")), generator);
@@ -120,7 +120,7 @@ TEST_CASE("the ideal rays are those of the fractions, from the eye or from the n
     }
 }
 
-TEST_CASE("floats and doubles of the machine and rounded numbers of their formats make the same rays") {
+TEST_CASE("ray generators give the same rays in machine floats and in emulated formats") {
     const file::Scene plain = loaded(scene_of("7401.3, 5921.1, 7896.7", "7399, 5930, 7890", "near = 0.1\nfar = 1000"));
     const auto numbers = rays::camera_numbers(plain);
     for (const RayGenerator& generator : ray_generators()) {
@@ -145,7 +145,7 @@ TEST_CASE("floats and doubles of the machine and rounded numbers of their format
     }
 }
 
-TEST_CASE("the tape of a way makes the ray that the way makes, of the camera's numbers that it takes") {
+TEST_CASE("the tape of a ray generator gives its rays from the camera's numbers") {
     const file::Scene plain = loaded(scene_of("7401.3, 5921.1, 7896.7", "7399, 5930, 7890", "near = 0.1\nfar = 1000"));
     for (const RayGenerator& generator : ray_generators()) {
         const file::Scene scene = with_rays(plain, generator);
@@ -174,7 +174,7 @@ TEST_CASE("the tape of a way makes the ray that the way makes, of the camera's n
     }
 }
 
-TEST_CASE("ways that turn a direction of the camera's space make the same one wherever the camera stands") {
+TEST_CASE("generators that rotate a direction in camera space give the same rays for every camera position") {
     const auto directions = [](const RayGenerator& generator, const std::string& eye, const std::string& look_at) {
         const file::Scene scene = with_rays(loaded(scene_of(eye, look_at, "near = 0.125\nfar = 1024")), generator);
         const rays::RayBlock block = rays::MadeRays(scene).in(binary32, 0, height);
@@ -189,7 +189,7 @@ TEST_CASE("ways that turn a direction of the camera's space make the same one wh
     }
 }
 
-TEST_CASE("of shared inputs the camera that the rays are of is the one that binary32 stores") {
+TEST_CASE("shared inputs round the camera itself to binary32") {
     const std::string text = scene_of("0.1, 0.2, 0.3", "0.7, 5, 9", "near = 0.1\nfar = 1000.1");
     const file::Scene scene = with_rays(loaded(text), *camera::find_ray_generator("three"));
     CHECK(scene.inputs == file::Inputs::own);
@@ -201,7 +201,7 @@ TEST_CASE("of shared inputs the camera that the rays are of is the one that bina
     CHECK(own.camera.eye.x == scene::test::real("0.1"));
 }
 
-TEST_CASE("depths whose w is 0 give no ray: a far plane at infinity, and z = 0 where it is reversed") {
+TEST_CASE("no ray is made where w is 0: an infinite far plane, or z = 0 with reversed depth") {
     for (const auto& [planes_text, name] : {std::pair("near = 2\ndepth = \"reversed\"", "dxr"),
                                             {"near = 2\ndepth = \"reversed\"", "glm"},
                                             {"near = 2", "glm"}}) {

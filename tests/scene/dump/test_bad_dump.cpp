@@ -138,7 +138,7 @@ const BadFile bad_files[] = {
 
 }  // namespace
 
-TEST_CASE("a bad file of rays is refused with its place and a remedy") {
+TEST_CASE("a bad file of rays is refused with its line and advice") {
     for (const BadFile& bad : bad_files) {
         const std::string fault = fault_of(bad.name, bad.bytes, bad.options);
         INFO(bad.bytes.substr(0, 200) << "\n" << fault);
@@ -148,7 +148,7 @@ TEST_CASE("a bad file of rays is refused with its place and a remedy") {
     CHECK(fault_of("a.csv", head + good).empty());
 }
 
-TEST_CASE("a cell of many lines is read in a time that goes with its bytes") {
+TEST_CASE("a cell of many lines is read in time proportional to its bytes") {
     // Half a million lines in one cell: counting its quotes anew at each of them takes a minute.
     const std::string many(500'000, '\n');
     CHECK(fault_of("a.csv", "note," + head + "\"" + many + "\"," + good).empty());

@@ -71,7 +71,7 @@ void require_reads(const std::string& name, const std::string& bytes, const Dump
 
 }  // namespace
 
-TEST_CASE("the same rays come out of every container") {
+TEST_CASE("every file format of rays gives the same rays") {
     const Columns columns = sphere_columns(257);
     const std::string names = columns.joined_names();
     const auto hex = [](double x) { return output::file::hex(x); };
@@ -105,7 +105,7 @@ TEST_CASE("the same rays come out of every container") {
     }
 }
 
-TEST_CASE("fields of an array have their own types, and fields of three numbers are vectors") {
+TEST_CASE("fields of an array keep their types, and fields of three numbers are vectors") {
     const Columns columns = sphere_columns(100);
     std::string bytes;
     for (std::size_t i = 0; i < columns.rows(); ++i) {
@@ -129,7 +129,7 @@ TEST_CASE("fields of an array have their own types, and fields of three numbers 
     CHECK(read_all(*dump, 10)[1].kept[3] == "-37");
 }
 
-TEST_CASE("decimals are rounded once to the format, and what it does not hold is counted") {
+TEST_CASE("decimals are rounded once to the format, and values that it cannot hold are counted") {
     const NumberParser f32(*find_format("f32")), f64(*find_format("f64")), p5(*find_format("p5"));
     // Between two floats, a bit above the middle: rounded to double first it is the middle, and goes to even.
     const std::string above = "1.00000005960464477539062500000000001";
@@ -164,7 +164,7 @@ const std::string head = "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,hit,t\n";
 
 }  // namespace
 
-TEST_CASE("what a t means where no column says whether it is a hit") {
+TEST_CASE("a t means a hit or a miss as declared where no column says so") {
     const auto hits = [](const std::string& t, std::optional<MissRule> miss) {
         const DumpFile file("a.csv", "ox,oy,oz,dx,dy,dz,t\n0,0,-5,0,0,1," + t + "\n");
         const auto dump =
@@ -199,7 +199,7 @@ std::vector<int> squares_of(const ShapeRow& row) {
 
 }  // namespace
 
-TEST_CASE("the columns of each shape, in either order, are its numbers") {
+TEST_CASE("the columns of each shape give its numbers in either order") {
     for (const ShapeRow& row : shape_rows) {
         CAPTURE(row.name);
         const std::vector<int> numbers = squares_of(row);
@@ -219,7 +219,7 @@ TEST_CASE("the columns of each shape, in either order, are its numbers") {
     }
 }
 
-TEST_CASE("numbers of another shape that lacks some are columns of the user's own, and one may be left out") {
+TEST_CASE("numbers of a shape with missing columns are the user's own columns") {
     const std::string first = "ox,oy,oz,dx,dy,dz,cx,cy,cz,nx,ny,nz,";
     const DumpFile spheres("a.csv", first + "radius,t\n0,0,-5,0,0,1,1,2,3,0,0,1,2,4\n");
     const auto dump = open_dump(spheres.path(), {.keep = true});
@@ -231,7 +231,7 @@ TEST_CASE("numbers of another shape that lacks some are columns of the user's ow
           Primitive<double>(Disc<double>{{1, 2, 3}, {0, 0, 1}, 2, 0}).numbers);
 }
 
-TEST_CASE("a hit at NaN is an answer, and the t of a miss is not looked at") {
+TEST_CASE("a hit at NaN is an answer, and the t of a miss is ignored") {
     const DumpFile file("a.csv",
                         head + "0,0,-5,0,0,1,0,0,0,1,1,nan\n0,0,-5,0,0,1,0,0,0,1,0,\n0,0,-5,0,0,1,0,0,0,1,false,nan\n");
     const Chunk chunk = read_all(*open_dump(file.path(), {})).front();
@@ -241,7 +241,7 @@ TEST_CASE("a hit at NaN is an answer, and the t of a miss is not looked at") {
     CHECK(chunk.t[2] == 0);
 }
 
-TEST_CASE("cells in quotes may hold commas and lines, which places count") {
+TEST_CASE("quoted cells may hold commas and newlines, and line numbers count them") {
     const std::string text = "note,\"ox\",oy,oz,dx,dy,dz\n\"a, \"\"b\"\"\nc\",\"1\", 2 ,3,4,5,6\n\nx,1,2,3,4,5,six\n";
     CHECK(fault_of("a.csv", text, {.primitive = Shape::sphere}).starts_with("a.csv:5:13: dz \"six\" is not a number"));
     const DumpFile file("a.csv", text.substr(0, text.find("x,1,2")));
@@ -250,7 +250,7 @@ TEST_CASE("cells in quotes may hold commas and lines, which places count") {
     CHECK(chunk.rays.dz == std::vector<double>{6});
 }
 
-TEST_CASE("columns called as the project's tables call them are known, and hexadecimal twins are preferred") {
+TEST_CASE("columns named as in the project's tables are recognised, and hexadecimal ones are preferred") {
     const std::string text =
         "t,t_hex,origin_x_hex,ORIGIN_Y,origin_z,direction_x,direction_y,direction_z,centre_x,centre_y,centre_z,radius\n"
         "9,0x1p2,0x1p1,0,0,1,0,0,0,0,0,1\n";

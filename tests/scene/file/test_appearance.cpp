@@ -52,7 +52,7 @@ bool equal(const Vec<Real>& v, double x, double y, double z) { return v.x == x &
 
 }  // namespace
 
-TEST_CASE("a scene says nothing and asks for nothing") {
+TEST_CASE("a scene without appearance keys asks for no stage") {
     const Scene s = loaded(good_scene);
     CHECK(s.appearance.furthest() == Stage::visible);
     REQUIRE(s.appearance.materials.size() == 1);
@@ -63,7 +63,7 @@ TEST_CASE("a scene says nothing and asks for nothing") {
     CHECK(equal(s.appearance.background, 0, 0, 0));
 }
 
-TEST_CASE("light, shadows and paint are read, a sphere's own words before the material's") {
+TEST_CASE("a sphere's own appearance keys override those of its material") {
     const Scene s = loaded(painted);
     const Appearance& look = s.appearance;
     CHECK(look.furthest() == Stage::phong);
@@ -91,7 +91,7 @@ TEST_CASE("light, shadows and paint are read, a sphere's own words before the ma
     CHECK(eps.appearance.shadows->background == Real(1) / 4);
 }
 
-TEST_CASE("a scene asks for the stages it has the means for, and no stage stands in for a later one") {
+TEST_CASE("a scene asks for every stage that it has the inputs for, and stages do not replace each other") {
     const Appearance phong = loaded(painted).appearance;
     for (const Stage s : {Stage::visible, Stage::diffuse, Stage::shadows, Stage::phong})
         CHECK(phong.last_up_to(s) == s);
@@ -104,7 +104,7 @@ TEST_CASE("a scene asks for the stages it has the means for, and no stage stands
     CHECK(plain.last_up_to(Stage::shadows) == Stage::diffuse);
 }
 
-TEST_CASE("what light and paint cannot be is said with its place") {
+TEST_CASE("wrong values of light and paint are refused with their line") {
     CHECK(broken("[0.25, 0.5, 1]", "[0.25, 0.5, 255]") ==
           "scene.toml:4:14: background is not between 0 and 1; a colour is [red, green, blue], each from 0 to 1 (a "
           "byte divided by 255)");
@@ -126,7 +126,7 @@ TEST_CASE("what light and paint cannot be is said with its place") {
         broken("ulps = 4", "ulps = 4\nbackground = 2").starts_with("scene.toml:15:14: shadows.background is above 1"));
 }
 
-TEST_CASE("rays of the pixel plane go from the eye through the middles of pixels at z = 0, where t = 1") {
+TEST_CASE("rays of the pixel plane run from the eye through pixel centres at z = 0, where t = 1") {
     const Scene s = loaded(painted);  // 8 × 4 pixels over [-4, 4] × [-1, 3]: one unit each
     const auto frame = make_frame<double>(s);
     for (const auto& [x, y] : {std::pair{0, 0}, {7, 3}, {3, 1}}) {
@@ -143,7 +143,7 @@ TEST_CASE("rays of the pixel plane go from the eye through the middles of pixels
     CHECK(pixel_point(make_frame<double>(oblong), 1, 0) == Vec<double>(0.75, 7, 0));
 }
 
-TEST_CASE("what the pixel plane cannot be is said with its place") {
+TEST_CASE("wrong values of the pixel plane are refused with their line") {
     CHECK(broken("eye = [1, 2, 10]", "eye = [1, 2, 0]")
               .starts_with("scene.toml:7:7: camera.eye lies in the plane of the pixels"));
     CHECK(broken("eye = [1, 2, 10]", "eye = [1, 2, 1e-60]")

@@ -49,7 +49,7 @@ double hit_fraction(const Scene& scene) {
 
 }  // namespace
 
-TEST_CASE("every scene is described and shows hits and misses") {
+TEST_CASE("every scene in data has a description, and shows hits and misses") {
     for (const Scene& each : all_scenes()) {
         CAPTURE(each.id);
         CHECK_FALSE(each.title.empty());

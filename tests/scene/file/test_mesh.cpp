@@ -81,7 +81,7 @@ double apart(const Vec<double>& a, const Vec<double>& b) { return length(a - b);
 
 }  // namespace
 
-TEST_CASE("closed meshes are closed, wound outward, and of the genus of their shape", "[mesh]") {
+TEST_CASE("closed meshes are closed, wound outward and of the right genus", "[mesh]") {
     for (int levels = 0; levels < 5; ++levels) {
         const Mesh mesh = tidied(scene::triangle::make_icosphere(levels, {0, 0, 0}, 1));
         const Edges edges(mesh);
@@ -102,7 +102,7 @@ TEST_CASE("closed meshes are closed, wound outward, and of the genus of their sh
     CHECK(six_volumes(tube) / 6 == Approx(2 * 9.8696 * 2 * 0.25).epsilon(0.05));  // 2π² R r²
 }
 
-TEST_CASE("edges are counted, and borders marked, as by comparing all faces with all", "[mesh]") {
+TEST_CASE("edges and borders agree with a comparison of all pairs of faces", "[mesh]") {
     std::mt19937 random(5);
     std::size_t borders = 0, duplicates = 0, many = 0;
     for (int k = 0; k < 60; ++k) {
@@ -175,7 +175,7 @@ TEST_CASE("open meshes have the border of their outline", "[mesh]") {
     CHECK(area == Approx(3).epsilon(0.01));  // of a regular twelve-gon
 }
 
-TEST_CASE("equal vertices become one, and faces without area are named", "[mesh]") {
+TEST_CASE("equal vertices are merged, and faces without area are named", "[mesh]") {
     Mesh mesh;
     mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, -0.0, 0}, {0, 1, -0.0}, {2, 0, 0}};
     mesh.faces = {{0, 1, 2}, {3, 5, 4}, {0, 1, 6}, {1, 4, 2}};
@@ -189,14 +189,14 @@ TEST_CASE("equal vertices become one, and faces without area are named", "[mesh]
     CHECK(mesh.share_a_vertex(0, 1));
 }
 
-TEST_CASE("a format can flatten a face", "[mesh]") {
+TEST_CASE("rounding to a format can flatten a face", "[mesh]") {
     const Mesh mesh = tidied(scene::triangle::make_grid(4, 4, {1, 1, 0}, {0x1p-20, 0x1p-20, 0}, 0));
     CHECK(flat_faces(mesh, binary64) == 0);
     CHECK(flat_faces(mesh, binary32) == 0);
     CHECK(flat_faces(mesh, binary16) == mesh.faces.size());
 }
 
-TEST_CASE("faces without area are told of, those of rounding where it rounds", "[mesh]") {
+TEST_CASE("faces without area are reported, those caused by rounding only where the format rounds", "[mesh]") {
     const Scratch folder;
     folder.write("thin.obj",
                  "v 0 0 0\nv 1e6 0 0\nv 1000000.001 1 0\nv 1000000.005 2 0\nv 2e6 0 0\n"
@@ -212,7 +212,7 @@ TEST_CASE("faces without area are told of, those of rounding where it rounds", "
     CHECK(remarks("shared").size() == 2);
 }
 
-TEST_CASE("meshes come after the other primitives, and stored numbers are those of the scene's format", "[mesh]") {
+TEST_CASE("meshes come after the other primitives, and their numbers are stored in the scene's format", "[mesh]") {
     const std::string text = with_mesh("make = \"icosphere\"\nlevels = 1\n[[mesh]]\nmake = \"fan\"\ncount = 8\n");
     const auto scene = loaded(text);
     REQUIRE(scene.mesh);
@@ -230,7 +230,7 @@ TEST_CASE("meshes come after the other primitives, and stored numbers are those 
     CHECK_FALSE(scene.mesh->share_a_vertex(0, 80));
 }
 
-TEST_CASE("a mesh that cannot be made says why", "[mesh]") {
+TEST_CASE("a mesh that cannot be made is refused with the reason", "[mesh]") {
     CHECK(has(error_of_mesh("make = \"icosphere\"\nlevels = 10\n"), "mesh[0].levels"));
     CHECK(has(error_of_mesh("make = \"fan\"\ncount = 7\n"), "must be a multiple of 4; write 8"));
     CHECK(has(error_of_mesh("make = \"tube\"\nradius = 3\n"), "must be less than ring_radius"));
@@ -251,7 +251,7 @@ TEST_CASE("a sphereflake has nine times as many spheres a level") {
     CHECK(spheres_of({.levels = 4}).size() == Sphereflake{.levels = 4}.size());
 }
 
-TEST_CASE("children touch their parent, six about its equator and three above it") {
+TEST_CASE("children of a sphereflake touch their parent: six around its equator, three above it") {
     const auto all = spheres_of({.levels = 1, .centre = {1, 2, 3}, .radius = 0.75, .axis = {0.2, 0.9, 0.4}});
     REQUIRE(all.size() == 10);
     const Vec<double> w = Vec<double>(0.2, 0.9, 0.4) / std::sqrt(0.04 + 0.81 + 0.16);
@@ -265,7 +265,7 @@ TEST_CASE("children touch their parent, six about its equator and three above it
     CHECK(apart(all[7].centre, all[8].centre) == Approx(1.0).epsilon(1e-14));  // 120 degrees on the smaller circle
 }
 
-TEST_CASE("the flake of two levels is the one that the scene of ninety-one spheres writes out") {
+TEST_CASE("the sphereflake of two levels equals the scene that lists its ninety-one spheres") {
     const Scene written = load_scene(fs::path(LOSTBITS_DATA_DIR) / "scenes/rtg-fig-7-6-near.toml").front();
     const auto all = spheres_of({.levels = 2, .axis = {0.2, 0.9, 0.4}});
     REQUIRE(written.listed.size() == all.size());
@@ -276,7 +276,7 @@ TEST_CASE("the flake of two levels is the one that the scene of ninety-one spher
     }
 }
 
-TEST_CASE("a flake stands behind the other spheres of its scene, and is refused with its place") {
+TEST_CASE("a sphereflake comes after the other spheres, and a wrong one is refused with its line") {
     const std::string text = replaced(good_scene, "[[sphere]]", "[sphereflake]\nlevels = 1\nradius = 0.5\n[[sphere]]");
     const Scene s = loaded(text);
     CHECK(s.shapes() == std::vector{Shape::sphere});
@@ -296,8 +296,7 @@ TEST_CASE("a flake stands behind the other spheres of its scene, and is refused 
     CHECK(has(broken("radius = 0.5", "axis = [0, 0, 0]"), "sphereflake.axis is not a direction"));
 }
 
-TEST_CASE(
-    "the constants of a march have the seed's values where they are not given, and are refused with their place") {
+TEST_CASE("constants of a march default to the seed's values, and wrong ones are refused with their line") {
     const std::string text = replaced(good_scene, "[[sphere]]", "[march]\nhit_eps = 0.01\n[[sphere]]");
     const Scene s = loaded(text);
     REQUIRE(s.march);

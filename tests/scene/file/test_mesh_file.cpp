@@ -1,4 +1,4 @@
-// Files of meshes: vertices arrive with the bits of the file, and what is no mesh is told by its place.
+// Mesh files: vertices keep the bits of the file, and a file that is not a mesh is refused with its position.
 #include "catch.hpp"
 #include "counts.hpp"
 #include "scene/file/mesh_text.hpp"
@@ -10,7 +10,7 @@ using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::test;
 
-TEST_CASE("vertices arrive with the bits of the file", "[mesh]") {
+TEST_CASE("vertices keep the bits of the file", "[mesh]") {
     const Scratch folder;
     const auto arrives = [&](const char* name, const Mesh& mesh, const std::string& bytes) {
         INFO(name);
@@ -32,7 +32,7 @@ TEST_CASE("vertices arrive with the bits of the file", "[mesh]") {
     arrives("narrow.gltf", narrow, as_gltf(narrow, R"(, "uri": "narrow.bin")"));
 }
 
-TEST_CASE("a file without indices is as closed as the mesh that was written", "[mesh]") {
+TEST_CASE("a file without indices gives a mesh as closed as the one written", "[mesh]") {
     Mesh ball = scene::triangle::make_icosphere(2, {0, 0, 0}, 1);
     for (auto& v : ball.vertices)
         for (int k = 0; k < 3; ++k) v[k] = static_cast<float>(v[k]);
@@ -46,7 +46,7 @@ TEST_CASE("a file without indices is as closed as the mesh that was written", "[
     }
 }
 
-TEST_CASE("a polygon is a fan around its first corner, and a face on a line is named", "[mesh]") {
+TEST_CASE("a polygon becomes a fan around its first corner, and a degenerate face is named", "[mesh]") {
     const Scratch folder;
     const Mesh mesh =
         read_mesh_file(folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nf 1 2 5\nf 1 2 3 4\n"));
@@ -56,7 +56,7 @@ TEST_CASE("a polygon is a fan around its first corner, and a face on a line is n
     CHECK(mesh.first_left_out.ends_with("a.obj:6"));
 }
 
-TEST_CASE("a line of an OBJ goes on behind a backslash at its end", "[mesh]") {
+TEST_CASE("a line of an OBJ file continues after a backslash at its end", "[mesh]") {
     const Scratch folder;
     const std::string corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
     const Mesh plain = read_mesh_file(folder.write("plain.obj", corners + "f 1 2 3 4\nf 1/1/1 2/2/2 4/4/4\n"));
@@ -87,7 +87,7 @@ TEST_CASE("a line of an OBJ goes on behind a backslash at its end", "[mesh]") {
     CHECK(has(error_of_file("a.stl", "solid a \\\nfacet"), "a.stl:2"));  // no other kind of file continues lines
 }
 
-TEST_CASE("what is no mesh is told by its place", "[mesh]") {
+TEST_CASE("a file that is not a mesh is refused with its line or offset", "[mesh]") {
     const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     CHECK(error_of_file("a.obj", three + "f 1 2 4\n") ==
           "a.obj:4:7: names vertex 4, but 3 are defined above; vertices count from 1, and a face follows its vertices");
@@ -122,7 +122,7 @@ TEST_CASE("what is no mesh is told by its place", "[mesh]") {
     CHECK(has(error_of_file("a.ply", other_order), "is the byte order the one that the format line says?"));
 }
 
-TEST_CASE("what would hide a line or a face of a text is refused", "[mesh]") {
+TEST_CASE("text that would hide a line or a face is refused", "[mesh]") {
     const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n", face = three + "f 1 2 3\n";
     CHECK(error_of_file("a.obj", face + std::string("\0f 1 3 2\n", 10)) == "a.obj:5:1: has a byte 0; is it text?");
     CHECK(error_of_file("a.obj", face + std::string("f 1 3\0 2\n", 9)) == "a.obj:5:6: has a byte 0; is it text?");
@@ -176,7 +176,7 @@ TEST_CASE("what would hide a line or a face of a text is refused", "[mesh]") {
     CHECK(has(error_of_file("a.ply", bytes + "abc"), ": 3 bytes follow the last element that the header names"));
 }
 
-TEST_CASE("a byte order mark is not a part of the text behind it", "[mesh]") {
+TEST_CASE("a byte order mark is skipped", "[mesh]") {
     const Scratch folder;
     const Mesh ball = scene::triangle::make_icosphere(1, {0, 0, 0}, 1);
     const std::string mark = "\xEF\xBB\xBF";
@@ -210,7 +210,7 @@ TEST_CASE("a number too small for its type is rounded as any other", "[mesh]") {
     CHECK(has(error_of_file("a.ply", replaced(text, "1e-60", "1e60")), "x is \"1e60\", which overflows"));
 }
 
-TEST_CASE("a vertex that the scene cannot hold is refused at its place", "[mesh]") {
+TEST_CASE("a vertex that the scene cannot hold is refused with its position in the file", "[mesh]") {
     const Scratch folder;
     Mesh vast = scene::triangle::make_fan(4, {0, 0, 0}, 1);
     vast.vertices[2].y = 0x1.ffffffp127;  // half an ulp above the largest: binary32 rounds it to infinity
@@ -235,7 +235,7 @@ TEST_CASE("a vertex that the scene cannot hold is refused at its place", "[mesh]
         CHECK(error_with(binary32, name, bytes) == "no error");
 }
 
-TEST_CASE("files that are cut or have other bits are read or refused", "[mesh]") {
+TEST_CASE("truncated or corrupted mesh files are read or refused without a crash", "[mesh]") {
     const Mesh ball = scene::triangle::make_icosphere(1, {0, 0, 0}, 1);
     const Scratch folder;
     lostbits::test::Random random(5);

@@ -15,7 +15,7 @@ using namespace lostbits;
 using namespace lostbits::scene;
 using namespace lostbits::scene::test;
 
-TEST_CASE("what is no file is refused at once", "[mesh]") {
+TEST_CASE("a path that is not a regular file is refused at once", "[mesh]") {
     const Scratch folder;
     for (const char* name : {"a.obj", "a.ply", "a.stl", "a.gltf", "a.glb"}) {
         INFO(name);
@@ -37,7 +37,7 @@ TEST_CASE("what is no file is refused at once", "[mesh]") {
     }
 }
 
-TEST_CASE("a count of a header is held to the file before anything is made of it", "[mesh]") {
+TEST_CASE("a count in a header is checked against the file size before memory is taken", "[mesh]") {
     const std::string header = "ply\nformat binary_little_endian 1.0\nelement junk 4294967295\n",
                       rest =
                           "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
@@ -72,7 +72,7 @@ std::string small_buffer() {
 
 }  // namespace
 
-TEST_CASE("a glTF that moves its mesh, or whose buffer is elsewhere, is refused", "[mesh]") {
+TEST_CASE("a glTF file that transforms its mesh or refers to a remote buffer is refused", "[mesh]") {
     const Scratch folder;
     const Mesh ball = scene::triangle::make_icosphere(0, {0, 0, 0}, 1);
     const std::string buffer = R"(, "uri": "a.bin")", bytes = buffer_of_gltf(ball);
@@ -119,7 +119,7 @@ TEST_CASE("a glTF that moves its mesh, or whose buffer is elsewhere, is refused"
     CHECK(error_with("{}", bytes) == "a.gltf: has no asset");
 }
 
-TEST_CASE("a glTF is read in a time and in memory that go with its bytes", "[mesh]") {
+TEST_CASE("a glTF file is read in time and memory proportional to its bytes", "[mesh]") {
     const Scratch folder;
     folder.write("a.bin", small_buffer());
     const auto error = [&](const std::string& json) {
@@ -164,7 +164,7 @@ TEST_CASE("a glTF is read in a time and in memory that go with its bytes", "[mes
     CHECK(has(error(small_gltf("\"count\": 3", "\"count\": -3")), "accessors[0].count: is not a whole number"));
 }
 
-TEST_CASE("a glTF opens what lies beside it and nothing else", "[mesh]") {
+TEST_CASE("a glTF file opens files in its own folder only", "[mesh]") {
     const Scratch folder;
     folder.write("outside.bin", small_buffer());
     folder.write("in/a.bin", small_buffer());
@@ -199,7 +199,7 @@ TEST_CASE("a glTF opens what lies beside it and nothing else", "[mesh]") {
     CHECK(has(error_with("pipe.png"), "is a pipe or a device"));
 }
 
-TEST_CASE("every reader of meshes ends where the work is asked to", "[mesh]") {
+TEST_CASE("every mesh reader stops when it is asked to", "[mesh]") {
     using scene::triangle::MeshBytes;
     const Scratch folder;
     const Mesh ball = scene::triangle::make_icosphere(5, {0, 0, 0}, 1);

@@ -87,7 +87,7 @@ bool is_at(const std::string& error, std::size_t line) {
 
 }  // namespace
 
-TEST_CASE("a value that no key can have is told at its place, by the name of the key, with what to write") {
+TEST_CASE("a wrong value is reported with its position, its key and advice") {
     const std::set<std::string> texts{"title", "source", "note", "name", "unit", "label", "format", "metric"};
     for_each_key([&](const Sample& sample, std::size_t i) {
         const auto& [text, key, table] = sample.lines[i];
@@ -105,7 +105,7 @@ TEST_CASE("a value that no key can have is told at its place, by the name of the
     });
 }
 
-TEST_CASE("a key that is missing, misspelt or there twice is told, or has a value of its own") {
+TEST_CASE("a missing, misspelt or repeated key is reported or has a default") {
     // Without these nothing else has a meaning, or keys beside them have none and are told first.
     const std::set<std::string> leading{"schema", "make", "kind", "all"};
     for_each_key([&](const Sample& sample, std::size_t i) {
@@ -122,7 +122,7 @@ TEST_CASE("a key that is missing, misspelt or there twice is told, or has a valu
     });
 }
 
-TEST_CASE("every key that a scene or a sweep may have stands in data/README.md") {
+TEST_CASE("every key of a scene or a sweep is documented in data/README.md") {
     std::ifstream file(fs::path(LOSTBITS_DATA_DIR) / "README.md");
     const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
     const std::size_t of_sweeps = text.find("## sweeps/"), end = text.find("## hard/");

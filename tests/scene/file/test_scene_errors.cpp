@@ -21,9 +21,9 @@ std::string pinhole(const std::string& line) {
 
 }  // namespace
 
-TEST_CASE("the good scene is good") { CHECK(scene_error(good_scene) == "no error"); }
+TEST_CASE("the scene that the error cases start from is valid") { CHECK(scene_error(good_scene) == "no error"); }
 
-TEST_CASE("a radius is a positive number, also in binary32 when inputs are shared") {
+TEST_CASE("a radius must be positive, also in binary32 when inputs are shared") {
     CHECK(broken("radius = 1", "radius = 0") ==
           "scene.toml:15:10: sphere[0].radius must be greater than 0; write a positive number");
     CHECK(broken("radius = 1", "radius = -1e-3") ==
@@ -39,7 +39,7 @@ TEST_CASE("a radius is a positive number, also in binary32 when inputs are share
     CHECK(loaded(replaced(own, "radius = 1", "radius = 1e39")).listed[0].sphere().radius > 0);
 }
 
-TEST_CASE("every other number is finite in binary32 when inputs are shared") {
+TEST_CASE("every other number must be finite, in binary32 too when inputs are shared") {
     CHECK(broken("centre = [0, 0, -10]", "centre = [0, 0, -1e39]")
               .starts_with("scene.toml:14:10: sphere[0].centre overflows binary32"));
     CHECK(broken("eye = [0, 0, 0]", "eye = [0, 4e38, 0]").starts_with("scene.toml:9:7: camera.eye overflows binary32"));
@@ -51,7 +51,7 @@ TEST_CASE("every other number is finite in binary32 when inputs are shared") {
               .starts_with("scene.toml:13:9: camera.shift overflows binary32"));
 }
 
-TEST_CASE("a camera looks somewhere, the right way up") {
+TEST_CASE("a camera needs a view direction and an up vector that is not parallel to it") {
     CHECK(broken("look_at = [0, 0, -1]", "look_at = [0, 0, 0]") ==
           "scene.toml:10:11: camera.look_at equals camera.eye, which gives no direction; move one of them");
     CHECK(broken("up = [0, 1, 0]", "up = [0, 0, 7]") ==
@@ -64,7 +64,7 @@ TEST_CASE("a camera looks somewhere, the right way up") {
     CHECK(broken("up = [0, 1, 0]\n", "") == "no error");
 }
 
-TEST_CASE("a camera's window has a size of its own kind") {
+TEST_CASE("the size of a camera's window must fit its projection") {
     CHECK(broken("width = 2.5", "width = 0") ==
           "scene.toml:12:9: camera.width must be greater than 0; write a positive number");
     CHECK(broken("width = 2.5", "width = 1e-46").starts_with("scene.toml:12:9: camera.width becomes 0 in binary32"));
@@ -81,7 +81,7 @@ TEST_CASE("a camera's window has a size of its own kind") {
           "view in degrees");
 }
 
-TEST_CASE("a picture has a sane size") {
+TEST_CASE("the size of a picture must be within its limits") {
     CHECK(broken("size = [8, 4]", "size = [0, 4]") ==
           "scene.toml:6:9: size[0] is the integer 0, but a whole number from 1 to 65536 is expected here");
     CHECK(broken("size = [8, 4]", "size = [8, 65537]") ==
@@ -95,7 +95,7 @@ TEST_CASE("a picture has a sane size") {
           "--size 0x5: size[0] is the integer 0, but a whole number from 1 to 65536 is expected here");
 }
 
-TEST_CASE("a triangle has an area") {
+TEST_CASE("a triangle must have an area") {
     const auto read = [](const char* c) {
         return broken("[[sphere]]\ncentre = [0, 0, -10]\nradius = 1\n",
                       std::string("[[triangle]]\na = [0.1, 0.2, 0.3]\nb = [0.2, 0.4, 0.6]\nc = ") + c + "\n");
@@ -132,7 +132,7 @@ TEST_CASE("a triangle has an area") {
               .starts_with("scene.toml:15:9: ellipsoid[0].radii must be greater than 0"));
 }
 
-TEST_CASE("a scene has a camera and a primitive, and nothing unknown") {
+TEST_CASE("a scene needs a camera and a primitive, and unknown keys are refused") {
     CHECK(broken("schema = \"lostbits-scene/1\"", "").starts_with("scene.toml:1:1: schema is missing"));
     CHECK(broken("[camera]", "[camra]") ==
           "scene.toml:7:2: camera is missing, but there is camra; did you mean \"camera\"?");
@@ -156,7 +156,7 @@ TEST_CASE("a scene has a camera and a primitive, and nothing unknown") {
               "\"transform\"");
 }
 
-TEST_CASE("variants are named once, with names that fit into file names") {
+TEST_CASE("variants need unique names that are valid in file names") {
     const auto with = [](const std::string& text) { return scene_error(good_scene + text); };
     CHECK(with("[[variant]]\nname = \"a\"\nset = {}\n") == "no error");
     CHECK(has(with("[[varient]]\nname = \"a\"\nset = {}\n"), "unknown key varient; did you mean \"variant\"?"));
@@ -178,7 +178,7 @@ TEST_CASE("variants are named once, with names that fit into file names") {
           "scene.toml:16:1: variant is a table, but an array of tables, [[variant]], is expected here");
 }
 
-TEST_CASE("a variant's mistakes are reported where the variant makes them") {
+TEST_CASE("errors in a variant are reported at the line of the variant") {
     const auto with = [](const std::string& set) {
         return scene_error(good_scene + "[[variant]]\nname = \"a\"\nset = { " + set + " }\n");
     };
@@ -195,7 +195,7 @@ TEST_CASE("a variant's mistakes are reported where the variant makes them") {
                   "scene.toml:18:9: unknown path \"variant[0].name\": the file has no \"variant\"; known here:"));
 }
 
-TEST_CASE("planes of a projection lie in front of the eye, one behind the other, also in binary32") {
+TEST_CASE("near and far planes must be in front of the eye and in order, in binary32 too") {
     const auto planes = [](const std::string& text) {
         return scene_error(pinhole("fov_deg = 40\n[camera.projection]\n" + text));
     };
@@ -219,7 +219,7 @@ TEST_CASE("planes of a projection lie in front of the eye, one behind the other,
               .starts_with("scene.toml:12:11: camera.fov_deg overflows binary32"));
 }
 
-TEST_CASE("rays are made by a way that there is, of a pinhole with planes whose axis is in the middle") {
+TEST_CASE("a ray generator must exist, and needs a centred pinhole camera with planes") {
     const std::string planes = "\n[camera.projection]\nnear = 0.1";
     CHECK(scene_error(pinhole("fov_deg = 40\nrays = \"three\"" + planes)) == "no error");
     CHECK(scene_error(pinhole("fov_deg = 40\nrays = \"thre\"" + planes))

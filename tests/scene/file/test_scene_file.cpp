@@ -38,7 +38,7 @@ std::string set_error(const std::string& assignment) {
 
 }  // namespace
 
-TEST_CASE("what a scene leaves out has its default") {
+TEST_CASE("omitted keys of a scene have their defaults") {
     std::string text = good_scene;
     for (const std::string line :
          {"note = \"nothing\"\n", "inputs = \"shared\"\n", "size = [8, 4]\n", "up = [0, 1, 0]\n"})
@@ -54,14 +54,14 @@ TEST_CASE("what a scene leaves out has its default") {
     CHECK(s.camera.normalise);
 }
 
-TEST_CASE("numbers are ideal: decimals as written, in every notation") {
+TEST_CASE("numbers keep their exact decimal value in every notation") {
     const Scene s = loaded(replaced(good_scene, "centre = [0, 0, -10]", "centre = [0.1, \"0.1\", \"0x1.8p+3\"]"));
     CHECK(s.listed[0].sphere().centre.x == real("0.1"));
     CHECK(s.listed[0].sphere().centre.x == s.listed[0].sphere().centre.y);
     CHECK(s.listed[0].sphere().centre.z == 12);
 }
 
-TEST_CASE("a file with variants gives a scene for each, in order, and none without") {
+TEST_CASE("a file gives one scene per variant in order, or one scene without variants") {
     const std::vector<Scene> all = all_loaded(two_variants);
     REQUIRE(all.size() == 2);
     CHECK(all[0].id == "scene.small");
@@ -145,14 +145,14 @@ TEST_CASE("overrides apply in order, after the variant's, and the size last") {
     CHECK(result.height == 32);
 }
 
-TEST_CASE("a file is parsed once and interpreted under many overrides") {
+TEST_CASE("one parsed file can be read under many overrides") {
     const Scratch folder;
     const SceneFile file(folder.write("scene.toml", good_scene));
     CHECK(file.load(set("sphere[0].radius=2")).at(0).listed[0].sphere().radius == 2);
     CHECK(file.load(set("camera.width=3")).at(0).listed[0].sphere().radius == 1);
 }
 
-TEST_CASE("an override of an unknown path says what is there") {
+TEST_CASE("an override of an unknown path lists the known ones") {
     CHECK(
         set_error("sphre[0].radius=2") ==
         R"(--set sphre[0].radius=2: unknown path "sphre[0].radius": the file has no "sphre"; did you mean "sphere"?)");
@@ -180,7 +180,7 @@ TEST_CASE("an override of an unknown path says what is there") {
           R"(array of 3; indices go from 0 to 2)");
 }
 
-TEST_CASE("a malformed override says how one is written") {
+TEST_CASE("a malformed override is refused with the right syntax") {
     const std::string advice = "; write path=value, as in sphere[0].radius=1e3";
     CHECK(set_error("radius") == "--set radius: is not an assignment" + advice);
     CHECK(set_error("=3") == "--set =3: is not an assignment" + advice);
@@ -199,7 +199,7 @@ TEST_CASE("a malformed override says how one is written") {
           "--set sphere[0]radius=1: the path \"sphere[0]radius\" continues after an index without a dot" + keys);
 }
 
-TEST_CASE("primitives are numbered in the order of the file, whatever their kinds") {
+TEST_CASE("primitives of all shapes are numbered in the order of the file") {
     const std::string scene = replaced(good_scene, good_scene.substr(good_scene.find("[[sphere]]")), "");
     const std::string text =
         scene + "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n" +
@@ -243,7 +243,7 @@ TEST_CASE("a variant's overrides apply in the order of writing") {
     CHECK(loaded(narrow_last).listed[0].sphere().centre.x == 9);
 }
 
-TEST_CASE("a range can be given to the rays of any scene, of all rays that lie ahead before") {
+TEST_CASE("a range can be given to the rays of any scene") {
     CHECK(loaded(good_scene).range.is_whole());
     LoadOptions options;
     options.overrides.push_back(parse_override("rays.tmin=4.5"));

@@ -93,7 +93,7 @@ std::uint64_t digest(scene::box::BoxDistribution::Aim aim, double gap) {
 
 }  // namespace
 
-TEST_CASE("a gap inward is a hit of about that depth, outward a miss, at edges and corners") {
+TEST_CASE("at edges and corners of a box, an inward gap is a hit of about that depth and an outward gap a miss") {
     for (const auto aim : {scene::box::BoxDistribution::Aim::edge, scene::box::BoxDistribution::Aim::corner}) {
         for (const double gap : {-0x1p-8, 0x1p-8}) {
             scene::box::BoxDistribution distribution;
@@ -113,7 +113,7 @@ TEST_CASE("a gap inward is a hit of about that depth, outward a miss, at edges a
     }
 }
 
-TEST_CASE("adjoining boxes fill one box and share its planes, and the rays go through what they share") {
+TEST_CASE("adjoining boxes fill one box and share faces, and the rays pass through shared edges") {
     for (const auto aim : {scene::box::BoxDistribution::Aim::face, scene::box::BoxDistribution::Aim::edge,
                            scene::box::BoxDistribution::Aim::corner}) {
         scene::box::BoxDistribution distribution;
@@ -142,7 +142,7 @@ TEST_CASE("adjoining boxes fill one box and share its planes, and the rays go th
     }
 }
 
-TEST_CASE("rays at the inside of triangles hit them, from as far as was asked for") {
+TEST_CASE("rays aimed inside triangles hit them from the requested distance") {
     for (const double distance : {4.0, 4096.0}) {
         TriangleDistribution f = distribution_of("views = 64\nrays = 4\n");
         f.distance = distance;
@@ -160,7 +160,7 @@ TEST_CASE("rays at the inside of triangles hit them, from as far as was asked fo
     }
 }
 
-TEST_CASE("rays at edges pass them by roundings alone, and those at vertices both edges that meet there") {
+TEST_CASE("rays aimed at an edge miss it by rounding only, and rays at a vertex both of its edges") {
     for (const auto& [aim, least] : {std::pair("edge", 1), std::pair("vertex", 2)}) {
         for (const RayGroup& g : distribution_of(std::string("aim = \"") + aim + "\"\nviews = 64\nrays = 2\n").draw()) {
             const Triangle<double> t = g.primitives.front().triangle();
@@ -175,7 +175,7 @@ TEST_CASE("rays at edges pass them by roundings alone, and those at vertices bot
     }
 }
 
-TEST_CASE("every shape has a ray distribution, with a table of its own and an easy set") {
+TEST_CASE("every shape has a ray distribution with its own table, and an easy set") {
     CHECK(scene::sweep::distributions().size() == shape_rows.size());
     for (const auto& row : scene::sweep::distributions()) {
         INFO(row.table);
@@ -195,7 +195,7 @@ TEST_CASE("every shape has a ray distribution, with a table of its own and an ea
     }
 }
 
-TEST_CASE("what rays are aimed at lies on the surface, and lines touch it") {
+TEST_CASE("targets of rays lie on the surface, and lines at silhouettes touch it") {
     const std::set<std::string_view> on_surface{"rim", "seam", "edge", "corner", "vertex", "generator", "flat", "apex"};
     std::set<std::string_view> seen;
     for (const auto& row : scene::sweep::distributions()) {
@@ -228,7 +228,7 @@ TEST_CASE("what rays are aimed at lies on the surface, and lines touch it") {
     CHECK(seen.size() == 15);
 }
 
-TEST_CASE("the ray distribution of every shape with places reads which of them rays are aimed at") {
+TEST_CASE("ray distributions of shapes with several targets read the target that is asked for") {
     const scene::test::Scratch folder;
     const auto drawn = [&folder](const scene::sweep::DistributionRow& row, std::string_view aim) {
         const auto path = folder.write("f.toml", "views = 3\naim = \"" + std::string(aim) + "\"\n");
@@ -247,7 +247,7 @@ TEST_CASE("the ray distribution of every shape with places reads which of them r
 
 // A compiler chooses the order in which arguments are evaluated. Three draws in one list of them gave other rays by
 // clang than by gcc, of the same sphere and the same statistics, and so other measured numbers.
-TEST_CASE("a seed gives the same rays by every compiler") {
+TEST_CASE("a seed gives the same rays with every compiler") {
     using enum SphereDistribution::Projection;
     using enum SphereDistribution::Views;
     using enum SphereDistribution::Weighting;

@@ -63,7 +63,7 @@ TEST_CASE("an axis-aligned orthographic camera is exact") {
     CHECK(equal(ideal.direction, 0, 0, -1));
 }
 
-TEST_CASE("all six axes, with every perpendicular axis upright, give exact frames without negative zeros") {
+TEST_CASE("views along all six axes give exact frames without negative zeros") {
     const char* axes[] = {"[1, 0, 0]", "[-1, 0, 0]", "[0, 1, 0]", "[0, -1, 0]", "[0, 0, 1]", "[0, 0, -1]"};
     for (int view = 0; view < 6; ++view) {
         for (int up = 0; up < 6; ++up) {
@@ -100,7 +100,7 @@ TEST_CASE("double and ideal rays agree to 1e-15") {
     }
 }
 
-TEST_CASE("a pinhole's directions are unit only if they are normalised") {
+TEST_CASE("directions of a pinhole camera have unit length only if they are normalised") {
     const Scene unit = loaded(oblique_pinhole);
     const Scene raw = loaded(replaced(oblique_pinhole, "fov_deg = 50", "fov_deg = 50\nnormalise = false"));
     const Ray<double> a = ray(make_frame<double>(unit), 1, 1);

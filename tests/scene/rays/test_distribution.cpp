@@ -55,7 +55,7 @@ std::string distribution_error(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("tilted views leave an axis by the angle asked for, each another way, the centre on the direction") {
+TEST_CASE("tilted views differ from an axis by the given angle and stay centred") {
     for (const double tilt : {0.0, 0x1p-24, 0x1p-7, 0.3, 1.0}) {
         for (const double distance : {4.0, 1000.0, 777.7}) {
             scene::sphere::SphereDistribution f =
@@ -86,7 +86,7 @@ TEST_CASE("tilted views leave an axis by the angle asked for, each another way, 
     }
 }
 
-TEST_CASE("a silhouette gap puts every line at 1 - gap radii, from both projections") {
+TEST_CASE("a silhouette gap g puts every line at 1 - g radii, computed from both projections") {
     for (const char* projection : {"parallel", "point"}) {
         for (const double gap : {0.5, 0x1p-5, 0x1p-10}) {
             for (const double radius : {1.0, 48.0}) {
@@ -121,7 +121,7 @@ TEST_CASE("a silhouette gap puts every line at 1 - gap radii, from both projecti
     CHECK(most > 0.95);
 }
 
-TEST_CASE("rays away leave the centre behind, those that do not are the same, turned") {
+TEST_CASE("rays pointing away leave the centre behind, the others are the same rays reversed") {
     for (const double height : {1.0, 0.0, -0x1p-6, -0.5}) {
         scene::sphere::SphereDistribution f =
             distribution_of("projection = \"point\"\nimpact_to = 0.5\nradius = 1\nviews = 6\nrays = 16\n");
@@ -147,7 +147,7 @@ TEST_CASE("rays away leave the centre behind, those that do not are the same, tu
     }
 }
 
-TEST_CASE("what a ray distribution cannot be is refused where it is written") {
+TEST_CASE("wrong keys of a ray distribution are refused with their line") {
     CHECK(distribution_error("tilt = 0.5\nsilhouette_gap = 1\naway = true\ndirections = \"tilted\"") == "no error");
     CHECK(distribution_error("radius = 1\ntilt = 1.5").starts_with("f.toml:2:8: tilt must lie between 0"));
     CHECK(distribution_error("tilt = -0.5").starts_with("f.toml:1:8: tilt must lie between"));

@@ -92,7 +92,7 @@ TEST_CASE("shared rays are the camera's doubles rounded once to binary32") {
     CHECK(rounded > 16);
 }
 
-TEST_CASE("a band of rows is that part of the picture") {
+TEST_CASE("a band of rows has the rays of that part of the picture") {
     const Scene s = loaded(pinhole_scene);
     const RayBlock whole = make_shared_rays(s, 0, 4);
     const RayBlock band = make_shared_rays(s, 1, 3);
@@ -107,7 +107,7 @@ TEST_CASE("a band of rows is that part of the picture") {
     CHECK(make_own_rays(s, 1, 3).size() == 16);
 }
 
-TEST_CASE("own rays are the ideal ones, rounded once to each format") {
+TEST_CASE("own inputs are the ideal rays rounded once to each format") {
     const Scene s = loaded(pinhole_scene);
     const IdealRayBlock ideal = make_own_rays(s, 0, 4);
     const RayBlock single = round_rays(ideal, binary32);
@@ -135,7 +135,7 @@ TEST_CASE("input rays follow the scene's inputs and the format") {
     CHECK(same(input_rays(own, 0, 4, binary64), round_rays(make_own_rays(own, 0, 4), binary64)));
 }
 
-TEST_CASE("a block of rays is rounded to a narrower format, its subnormals and overflow included") {
+TEST_CASE("a block of rays is rounded to a narrower format, also at subnormals and overflow") {
     const RayBlock block{.width = 3,
                          .y0 = 0,
                          .y1 = 1,
@@ -156,7 +156,7 @@ TEST_CASE("a block of rays is rounded to a narrower format, its subnormals and o
     CHECK(half.y1 == 1);
 }
 
-TEST_CASE("a list with a flake as columns holds the numbers of the primitives one by one") {
+TEST_CASE("a list with a sphereflake in columns holds the same numbers as its single primitives") {
     for (const char* inputs : {"shared", "own"}) {
         const file::Scene scene = flake_scene(inputs);
         const bool own = scene.inputs == file::Inputs::own;
@@ -185,7 +185,7 @@ TEST_CASE("a list with a flake as columns holds the numbers of the primitives on
     }
 }
 
-TEST_CASE("the copies of a list share the flake, and its columns are read where they stand") {
+TEST_CASE("copies of a list share the sphereflake, and its columns are read in place") {
     const PrimitiveList<double> list = shared_primitive_list(flake_scene("shared")),
                                 copy = round_primitives(list, binary64);
     CHECK(copy.flake() == list.flake());
@@ -195,7 +195,7 @@ TEST_CASE("the copies of a list share the flake, and its columns are read where 
     CHECK(list.flake()->stored<double>() == nullptr);
 }
 
-TEST_CASE("a radius is lost from half of the smallest number down, and from half an ulp above the largest up") {
+TEST_CASE("a radius is lost at half the smallest number and below, and half an ulp above the largest") {
     // Halves: the smallest is 2^-24, and 2^-25 ties to 0; the largest is 65504, and 65520 ties to infinity.
     CHECK(lost({ball(0, 0x1p-24), ball(0, std::nextafter(0x1p-25, 1.0))}, "fp16").empty());
     CHECK(lost({ball(0, 65504), ball(0, std::nextafter(65520.0, 0.0))}, "fp16").empty());
@@ -209,7 +209,7 @@ TEST_CASE("a radius is lost from half of the smallest number down, and from half
     CHECK(lost({ball(0, 1e-42)}, "f32").empty());
 }
 
-TEST_CASE("a coordinate is lost at infinity, not at 0, a box where it has no thickness left") {
+TEST_CASE("a coordinate is lost when it becomes infinite, and a box when it has no thickness left") {
     CHECK(lost({ball(1e-9, 1)}, "fp16").empty());
     CHECK(lost({ball(-1e6, 1)}, "fp16") == Lines{"a coordinate of centre = -1e+06 rounds to infinity (solid 0)"});
     const auto box = [](double lo, double hi) { return Primitive<double>(Box<double>{{0, lo, 0}, {1, hi, 1}}); };
@@ -221,7 +221,7 @@ TEST_CASE("a coordinate is lost at infinity, not at 0, a box where it has no thi
                                                      "a coordinate of hi = 1e+06 rounds to infinity (solid 0)"});
 }
 
-TEST_CASE("the lengths of a scene: its primitives, its eye, in the words of --set") {
+TEST_CASE("the lengths of a scene are listed by their --set paths: primitives and eye") {
     const auto of = [](const std::string& text, const char* format) {
         return lost_lengths(loaded(text), shape_of(format));
     };

@@ -63,7 +63,7 @@ TEST_CASE("cases are read in order, each with its rays and primitives") {
     CHECK(loaded_cases("right_within_bits = 0.5\n" + good_cases).right_within_bits == 0.5);
 }
 
-TEST_CASE("each format gets a case in its own numbers, lengths scale lengths, directions directions") {
+TEST_CASE("each format rounds a case itself, and a scale multiplies lengths but not directions") {
     const CaseFile file = loaded_cases(good_cases);
     for (const FloatFormat& f : {binary16, bfloat16, binary32, binary64}) {
         const auto group = file.rays(1, f).at(0);
@@ -90,7 +90,7 @@ TEST_CASE("each format gets a case in its own numbers, lengths scale lengths, di
           Numbers{5 * 0x1p31, 6 * 0x1p31, 7 * 0x1p31, 1, 1.125, 1.25, 0x1p31, 0x1p32, 3 * 0x1p31, 0x1p33});
 }
 
-TEST_CASE("a symmetric case comes under 48 symmetries, ray and primitive alike") {
+TEST_CASE("a symmetric case is run under 48 symmetries of ray and primitive") {
     const auto groups =
         loaded_cases(replaced(good_cases, "name = \"one\"", "name = \"one\"\nsymmetric = true")).rays(0, binary32);
     REQUIRE(groups.size() == 48);
@@ -114,7 +114,7 @@ TEST_CASE("a symmetric case comes under 48 symmetries, ray and primitive alike")
     CHECK(numbers_of(groups.front()) == Numbers{5, 6, 7, 8, 9, 10, 1, 2, 3, 4});
 }
 
-TEST_CASE("the image of a box is a box, its ends in order") {
+TEST_CASE("a mirrored box is a box with its ends in order") {
     const std::string boxes = sweep_head + R"([[case]]
 name = "b"
 symmetric = true
@@ -148,7 +148,7 @@ rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
     CHECK(ended.rays(0, binary32)[0].rays.tmax == std::vector{4.0});
 }
 
-TEST_CASE("the corners of a box keep the zeros of the file, whichever way round") {
+TEST_CASE("the corners of a box keep the signed zeros of the file in either order") {
     const auto corners = [](const std::string& lo, const std::string& hi, bool symmetric) {
         const CaseFile file =
             loaded_cases(sweep_head + "[[case]]\nname = \"b\"\n" + std::string(symmetric ? "symmetric = true\n" : "") +
@@ -181,7 +181,7 @@ TEST_CASE("the corners of a box keep the zeros of the file, whichever way round"
     }
 }
 
-TEST_CASE("corners that rounding puts in the wrong order change places") {
+TEST_CASE("corners that rounding puts in the wrong order are exchanged") {
     const CaseFile file = loaded_cases(sweep_head + R"([[case]]
 name = "b"
 boxes = [{ lo = ["1 + ulp", 1, 2], hi = [1.0001, 1, 2] }]
@@ -193,7 +193,7 @@ rays = [{ origin = [0, 0, 0], direction = [1, 1, 4] }]
     CHECK(file.rays_before(0, find_format("bf16")->parameters)[0].primitives[0].box().hi.x == 1.0001);
 }
 
-TEST_CASE("the rays of a case have ranges, whatever the shape") {
+TEST_CASE("the rays of a case have ranges for every shape") {
     const auto file = loaded_cases(sweep_head + R"([[case]]
 name = "a"
 open_ends = "tmin"
@@ -208,7 +208,7 @@ rays = [{ origin = [0, 0, 0], direction = [1, 0, 0], tmin = 0.5, tmax = "3 - ulp
     CHECK(has(broken("title", "open_ends = \"tmin\"\ntitle"), "open_ends"));
 }
 
-TEST_CASE("a range without any t is refused in a case, as in a scene") {
+TEST_CASE("an empty range is refused in a case as in a scene") {
     const auto error = [](const std::string& ends, const std::string& open = "none") {
         return case_error(sweep_head + "[[case]]\nname = \"a\"\nopen_ends = \"" + open +
                           "\"\nspheres = [{ centre = [0, 0, 0], radius = 1 }]\n"
@@ -232,7 +232,7 @@ TEST_CASE("a range without any t is refused in a case, as in a scene") {
     CHECK(error("tmin = 4, tmax = 4.000000000001", "both") == "no error");  // there are doubles between
 }
 
-TEST_CASE("what is no file of cases is refused where it is wrong") {
+TEST_CASE("a wrong file of cases is refused with its line") {
     CHECK(broken("title", "title") == "no error");
     CHECK(broken("lostbits-sweep/1", "lostbits-scene/1").starts_with("c.toml:1:10: "));
     CHECK(broken("name = \"two\"", "name = \"one\"") ==
@@ -252,7 +252,7 @@ TEST_CASE("what is no file of cases is refused where it is wrong") {
     CHECK(has(case_error(good_cases + "[[axis]]\n"), "unknown key axis"));
 }
 
-TEST_CASE("the tables of a sweep tell its kind") {
+TEST_CASE("the tables of a sweep file determine its kind") {
     const Scratch folder;
     CHECK(sweep_kind(folder.write("a.toml", "[[axis]]\n")) == SweepKind::axes);
     CHECK(sweep_kind(folder.write("e.toml", "[axis]\n")) == SweepKind::every_float);
@@ -261,7 +261,7 @@ TEST_CASE("the tables of a sweep tell its kind") {
     CHECK(sweep_kind(folder.write("s.toml", "[search]\n")) == SweepKind::search);
 }
 
-TEST_CASE("a misspelt table of a sweep is told as one, whatever kind the file then seems to be") {
+TEST_CASE("a misspelt table of a sweep file is reported as misspelt, for every kind of sweep") {
     const Scratch folder;
     const auto error = [&folder](const std::string& text) {
         const fs::path file = folder.write("s.toml", text);

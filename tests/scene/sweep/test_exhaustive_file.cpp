@@ -46,7 +46,7 @@ std::string error(const std::string& what, const std::string& by, const std::str
 
 }  // namespace
 
-TEST_CASE("a sweep over every float between two: its ray and primitive with the axis at a float") {
+TEST_CASE("a sweep over every float between two sets its ray and primitive to each float") {
     const ExhaustiveFile sweep = swept(good_sweep);
     CHECK(sweep.ranges().size() == 1);
     CHECK(sweep.floats() == (1 << 23) + (1 << 22) + 1);
@@ -64,7 +64,7 @@ TEST_CASE("a sweep over every float between two: its ray and primitive with the 
     CHECK(swept(replaced(good_sweep, "[axis]", "[[axis]]")).ranges() == sweep.ranges());
 }
 
-TEST_CASE("all = true takes every bit pattern, from each zero outwards") {
+TEST_CASE("all = true visits every bit pattern, from each zero outwards") {
     const ExhaustiveFile sweep = swept(replaced(good_sweep, "from = 1\nto = \"0x1.8p+1\"", "all = true"));
     CHECK(sweep.floats() == std::uint64_t{1} << 32);
     REQUIRE(sweep.ranges().size() == 2);
@@ -73,7 +73,7 @@ TEST_CASE("all = true takes every bit pattern, from each zero outwards") {
     CHECK(sweep.ranges()[1].falls());
 }
 
-TEST_CASE("several numbers move together, also of the primitive, a range may fall, and -0 is not 0") {
+TEST_CASE("a sweep moves several numbers together, a range may fall, and -0 differs from 0") {
     const ExhaustiveFile both =
         swept(replaced(good_sweep, "\"ray.origin.z\"", "[\"ray.origin.z\", \"ray.direction.x\", \"sphere.radius\"]"));
     CHECK(both.ray_places == std::vector<std::size_t>{2, 3});
@@ -86,7 +86,7 @@ TEST_CASE("several numbers move together, also of the primitive, a range may fal
     CHECK(falls.ranges().front().last == index_of(-0.0F));
 }
 
-TEST_CASE("a narrowed sweep has the floats between two others") {
+TEST_CASE("a narrowed sweep visits the floats between two others") {
     ExhaustiveFile sweep = swept(good_sweep);
     const toml::Where where{"c.toml", 3, 4};
     sweep.narrow(real("0x1.8p0"), real("0x1.80001p0"), where);
@@ -95,7 +95,7 @@ TEST_CASE("a narrowed sweep has the floats between two others") {
     CHECK(has(error_of([&] { sweep.narrow(real("0.1"), real("2"), where); }), "not representable in binary32"));
 }
 
-TEST_CASE("what is wrong with a sweep over every float is said with its place and a remedy") {
+TEST_CASE("errors in a sweep over every float are reported with their line and advice") {
     // An axis that is not of one format, and a range without floats.
     CHECK(has(
         error("from = 1", "from = 1.1"),
@@ -138,7 +138,7 @@ TEST_CASE("what is wrong with a sweep over every float is said with its place an
     CHECK(has(error("ray.origin.z", "box.lo.x", good_box), "s.toml:10:6: axis.to leaves a box whose hi is below lo"));
 }
 
-TEST_CASE("a place is that of one bit pattern, and places rise with values") {
+TEST_CASE("each bit pattern has one index, and indices rise with values") {
     constexpr std::uint32_t stride = 65521;  // a prime, so that all mantissas and exponents get their turn
     float before = float_at(0);
     for (std::uint64_t p = 0; p < (std::uint64_t{1} << 32); p += stride) {
@@ -159,7 +159,7 @@ TEST_CASE("a place is that of one bit pattern, and places rise with values") {
     CHECK(std::isnan(float_at(0)));
 }
 
-TEST_CASE("516 binades hold all 2^32 floats, each once, and are named as they are") {
+TEST_CASE("516 named binades hold all 2^32 floats once each") {
     std::set<std::string> names;
     std::uint64_t next = 0;
     while (next < (std::uint64_t{1} << 32)) {

@@ -31,7 +31,7 @@ std::string broken(const std::string& from, const std::string& to) {
 
 }  // namespace
 
-TEST_CASE("a search holds a range for every number of ray and primitive") {
+TEST_CASE("a search has a range for every number of ray and primitive") {
     const SearchFile s = loaded_search(good_search);
     CHECK(s.id == "s");
     CHECK(s.shape == Shape::sphere);
@@ -59,7 +59,7 @@ TEST_CASE("a search holds a range for every number of ray and primitive") {
     CHECK_FALSE(box.holds(Ray<double>{{0, 0, 0}, {0, 0, 0}}, Box<double>{{0, 0, 0}, {1, 1, 1}}));
 }
 
-TEST_CASE("a search may draw free significands, rays at edges, and look for the smallest") {
+TEST_CASE("a search can draw free significands, draw rays at edges, and minimise") {
     const SearchFile plain = loaded_search(good_search);
     CHECK_FALSE((plain.exponents.has_value() || plain.at_edge || plain.smallest || plain.hits_only));
     const SearchFile free =
@@ -78,7 +78,7 @@ TEST_CASE("a search may draw free significands, rays at edges, and look for the 
                   std::string("search.") + key + " cannot be combined"));
 }
 
-TEST_CASE("a search holds what lies in all its ranges, the derived ones too") {
+TEST_CASE("a search accepts rays within all its ranges, derived ones included") {
     const SearchFile s = loaded_search(good_search);
     const auto holds = [&](const Vec<double>& o, const Vec<double>& d, double r) {
         return s.holds({o, d}, Sphere<double>{{0, 0, 0}, r});
@@ -98,7 +98,7 @@ TEST_CASE("a search holds what lies in all its ranges, the derived ones too") {
     CHECK_FALSE(s.holds({{0, 0, 4}, {0, 0, -1}}, Sphere<double>{{0, 0, 3}, 1}));
 }
 
-TEST_CASE("what is no search is refused where it is wrong") {
+TEST_CASE("a wrong search file is refused with its line") {
     CHECK(broken("title", "title") == "no error");
     CHECK(broken("origin = [-8, 8]", "origin = [8, -8]") ==
           "s.toml:5:10: search.origin must be [low, high] with low <= high");
@@ -107,7 +107,7 @@ TEST_CASE("what is no search is refused where it is wrong") {
     CHECK(broken("[search]", "[serch]").starts_with("s.toml:4:2: search is missing, but there is serch"));
 }
 
-TEST_CASE("a mark may name the measured onset that is drawn beside it") {
+TEST_CASE("a mark can name the measured onset that is drawn beside it") {
     const std::string head = sweep_head + R"([sphere_rays]
 [[axis]]
 name = "d"
@@ -144,7 +144,7 @@ label = "here"
               "mark[0].measured.statistic is \"p51\""));
 }
 
-TEST_CASE("a sweep goes by its path below data/sweeps, or by its own name where only one is called so") {
+TEST_CASE("a sweep is named by its path below data/sweeps, or by its file name if that is unique") {
     const Scratch data;
     const fs::path near = data.write("sweeps/worst/near.toml", ""), one = data.write("sweeps/a/both.toml", "");
     data.write("sweeps/b/both.toml", "");
@@ -163,7 +163,7 @@ TEST_CASE("a sweep goes by its path below data/sweeps, or by its own name where 
           }).starts_with("nar: is neither a file nor the name of a sweep"));
 }
 
-TEST_CASE("a sweep drawn again has other rays at the same places, one over a scene has none to draw") {
+TEST_CASE("a sweep redrawn has other rays at the same positions, and one over a scene has none to redraw") {
     const std::string axis = "[[axis]]\nname = \"x\"\nspacing = \"linear\"\nfrom = 2\nto = 4\nsteps = 2\nset = [";
     const auto same = [](const RayGroup& a, const RayGroup& b) {
         return a.rays.ox == b.rays.ox && a.rays.dz == b.rays.dz &&

@@ -32,7 +32,7 @@ set = ["sphere[0].centre[0]"]
 
 }  // namespace
 
-TEST_CASE("steps over every float are each a value of its own: both zeros are one") {
+TEST_CASE("steps over every float have distinct values, and both zeros are one") {
     const double least = 0x1p-149;
     const Axis across = along("-0x1p-148", "0x1p-148").axes.front();
     CHECK(across.values == std::vector<double>{-2 * least, -least, 0, least, 2 * least});
@@ -43,7 +43,7 @@ TEST_CASE("steps over every float are each a value of its own: both zeros are on
     CHECK(below.values == std::vector<double>{-0x1.000004p0, -0x1.000002p0, -1});
 }
 
-TEST_CASE("an axis of powers of two begins and ends above 0") {
+TEST_CASE("an axis of powers of two must begin and end above 0") {
     for (const char* from : {"0", "-1"}) {
         std::string axis = replaced(radius_axis, "linear", "log2") + "name = \"x\"\n";
         axis = replaced(axis, "from = 1", std::string("from = ") + from);
@@ -52,7 +52,7 @@ TEST_CASE("an axis of powers of two begins and ends above 0") {
     }
 }
 
-TEST_CASE("half way between two floats, in floats, lies between them until nothing does") {
+TEST_CASE("the middle of two floats lies between them as long as another float does") {
     const SweepFile sweep = along("1", "0x1.00001p0");
     const Axis& axis = sweep.axes.front();
     CHECK(sweep.convention == intersect::Touching::miss);
@@ -68,7 +68,7 @@ TEST_CASE("half way between two floats, in floats, lies between them until nothi
     CHECK(axis.middle(0x1p-3, 0x1p5) == 2);
 }
 
-TEST_CASE("every axis of the data says in words what it is, and another's follows from its name and unit") {
+TEST_CASE("every axis in data has a label, and other labels follow from name and unit") {
     std::size_t axes = 0;
     const auto is_words = [&axes](const AxisName& axis) {
         CAPTURE(axis.name, axis.label);
@@ -109,7 +109,7 @@ TEST_CASE("every axis of the data says in words what it is, and another's follow
     CHECK(label("name = \"x\"\nlabel = \"how far, in miles\"\n") == "how far, in miles");
 }
 
-TEST_CASE("a sweep over a mesh has all primitives of its scene, whatever stands beside") {
+TEST_CASE("a sweep over a mesh includes all primitives of its scene") {
     const Scratch folder;
     const std::string mesh = "[[mesh]]\nmake = \"icosphere\"\nlevels = 1\n", march = "[march]\nhit_eps = 1e-4\n";
     const auto group = [&](const std::string& more) {

@@ -62,7 +62,7 @@ bool same(double a, double b) { return a == b && std::signbit(a) == std::signbit
 
 }  // namespace
 
-TEST_CASE("decimals and hexadecimal floats are read exactly where Real holds them") {
+TEST_CASE("decimals and hexadecimal floats are read exactly where Real can hold them") {
     CHECK(real("4100") == 4100);
     CHECK(real("+4100") == 4100);
     CHECK(real("-1e-3") * 1000 + 1 < ldexp(Real(1), -200));
@@ -79,7 +79,7 @@ TEST_CASE("decimals and hexadecimal floats are read exactly where Real holds the
     CHECK(mpfr_signbit(real("-0").backend().data()) != 0);
 }
 
-TEST_CASE("a decimal is rounded once to a format, not by way of double") {
+TEST_CASE("a decimal is rounded once to a format, without a step through double") {
     // Just above the middle of 1 and the next float: the nearest double is the middle itself, and ties go to even.
     const std::string above = "1.00000005960464477539062500000000000001";
     REQUIRE(static_cast<float>(std::strtod(above.c_str(), nullptr)) == 1.0f);
@@ -90,7 +90,7 @@ TEST_CASE("a decimal is rounded once to a format, not by way of double") {
     CHECK(round_to_format(real(below), binary32) == 1 + 0x1p-23);
 }
 
-TEST_CASE("nor does the width of Real round twice") {
+TEST_CASE("Real rounds only once") {
     // Nearer to the middle than Real can tell: read to nearest, these would be the middle, which goes to even.
     const std::string zeros(300, '0');
     const std::string nines(300, '9');
@@ -100,7 +100,7 @@ TEST_CASE("nor does the width of Real round twice") {
     CHECK(round_to_format(real("-1.000000178813934326171874" + nines), binary32) == -1 - 0x1p-23);
 }
 
-TEST_CASE("a decimal that is not exact ends in a set bit next to it") {
+TEST_CASE("a decimal that is not exact is truncated with a sticky last bit") {
     for (const std::string text :
          {"0.1", "-0.1", "0.3", "1e-3", "3.14159", "1e300", "-7e-300", "2.2250738585072011e-308"}) {
         const Real x = real(text);
@@ -113,7 +113,7 @@ TEST_CASE("a decimal that is not exact ends in a set bit next to it") {
     }
 }
 
-TEST_CASE("what is no finite number is refused, with what to try") {
+TEST_CASE("a number that is not finite is refused with advice") {
     for (const std::string text :
          {"",    " ",  "abc",   "1e",   "1e+",      "e5",    ".",     "-",  "--1", "1.2.3", "1 ",      " 1",
           "1,5", "0x", "0x.p1", "0x1p", "0x1.8e4.", "1e5.0", "1_000", "1f", "1@5", "0b101", "infinite"}) {
@@ -134,14 +134,14 @@ TEST_CASE("what is no finite number is refused, with what to try") {
     CHECK(fault("1.7976931348623157e308") == "no fault");
 }
 
-TEST_CASE("a tiny number is not zero") {
+TEST_CASE("a tiny number is not read as zero") {
     CHECK(real("1e-400") > 0);
     CHECK(real("-1e-400") < 0);
     CHECK(real("1e-999999999999999999999") > 0);
     CHECK(real("-1e-999999999999999999999") < 0);
 }
 
-TEST_CASE("the exact text of a number reads back as the number") {
+TEST_CASE("the exact text of a number reads back as the same number") {
     for (const std::string text : {"0.1", "-4100", "1e-300", "0x1.004p+12", "0", "1.7976931348623157e308"}) {
         CAPTURE(text);
         CHECK(real(exact_text(real(text))) == real(text));
@@ -155,7 +155,7 @@ TEST_CASE("the exact text of a number reads back as the number") {
     for (const auto& [text, exact] : texts) CHECK(exact_text(real(text)) == exact);
 }
 
-TEST_CASE("rounding at the edges of a format") {
+TEST_CASE("numbers round correctly at the limits of a format") {
     CHECK(std::isinf(round_to_format(real("0x1.ffffffp+127"), binary32)));  // the middle goes to even
     CHECK(same(round_to_format(real("-0x1p-150"), binary32), -0.0));        // half the smallest: even is zero
     CHECK(round_to_format(real("0x1.00000000000000000001p-150"), binary32) == 0x1p-149);
@@ -164,7 +164,7 @@ TEST_CASE("rounding at the edges of a format") {
     CHECK(round_to_format(real("1e-400"), binary64) == 0);
 }
 
-TEST_CASE("rounding agrees with MPFR's emulation of the format, subnormals and overflow included") {
+TEST_CASE("rounding agrees with MPFR's emulation of the format, also at subnormals and overflow") {
     std::mt19937_64 engine(20190225);
     for (const FloatFormat& f : formats) {
         CAPTURE(f.precision, f.emin, f.emax);
@@ -196,7 +196,7 @@ TEST_CASE("rounding agrees with MPFR's emulation of the format, subnormals and o
     }
 }
 
-TEST_CASE("rounding a double agrees with the rounding of Rounded") {
+TEST_CASE("rounding a double agrees with Rounded") {
     std::mt19937_64 engine(7);
     for (const FloatFormat& f : formats) {
         for (int i = 0; i < 2000; ++i) {

@@ -40,7 +40,7 @@ std::string ray_error(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("an exponent is a sum of whole numbers and a format's own, quotients rounded down") {
+TEST_CASE("an exponent can be a sum of integers and properties of the format, with quotients rounded down") {
     for (const FloatFormat& f : every_format) {
         CAPTURE(f.precision, f.emax);
         CHECK(Exponent{}.in(f) == 0);
@@ -61,7 +61,7 @@ TEST_CASE("an exponent is a sum of whole numbers and a format's own, quotients r
     CHECK(exponent_error(std::string(17, '1').replace(1, 16, "+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1")) != "no error");
 }
 
-TEST_CASE("what is not an exponent is refused where it stands") {
+TEST_CASE("a wrong exponent is refused with its position") {
     for (const std::string text :
          {"",          "+",   "emx",       "max",          "emax/3", "emax/", "emax/22", "emax*2",
           "2emax",     "p3",  "emax emin", "1.5",          "0x10",   "1e3",   "10001",   "99999999999999999999",
@@ -83,7 +83,7 @@ TEST_CASE("what is not an exponent is refused where it stands") {
           "t.toml:3:7: is " + flag.describe() + " where a number or a string is expected");
 }
 
-TEST_CASE("the words are a format's own numbers, whatever the scale, with either sign") {
+TEST_CASE("named quantities are numbers of the format for every scale and sign") {
     for (const FloatFormat& f : every_format) {
         CAPTURE(f.precision, f.emax);
         for (const int scale : {0, 40, -40}) {
@@ -139,7 +139,7 @@ TEST_CASE("a number is scaled exactly and rounded once") {
     }
 }
 
-TEST_CASE("an ulp away is the neighbour, across binades, zero and both ends") {
+TEST_CASE("an offset of one ulp gives the neighbour, also across binades, at zero and at both ends") {
     CHECK(quantity("3 + ulp", binary32) == std::nextafter(3.0f, 4.0f));
     CHECK(quantity("3+ulp", binary64) == std::nextafter(3.0, 4.0));
     for (const FloatFormat& f : every_format) {
@@ -165,7 +165,7 @@ TEST_CASE("an ulp away is the neighbour, across binades, zero and both ends") {
     }
 }
 
-TEST_CASE("what is no quantity is refused where it stands, a primitive is finite") {
+TEST_CASE("a wrong quantity is refused with its position, and a primitive must be finite") {
     for (const std::string text : {"", "big", "max2", "2max", "maximum", "ulp", "+ ulp", "3 + 2 ulp", "3 + ulp + ulp",
                                    "--3", "3 +", "nan nan", "MAX", "1e400"}) {
         CAPTURE(text);

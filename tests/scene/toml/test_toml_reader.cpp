@@ -54,7 +54,7 @@ constexpr std::pair<std::string_view, Fruit> fruit[] = {{"apple", Fruit::apple},
 
 }  // namespace
 
-TEST_CASE("a file that cannot be read says why") {
+TEST_CASE("a file that cannot be read is refused with the reason") {
     const Scratch folder;
     CHECK(error_in(folder, [&] { read_toml(folder.path() / "none.toml"); }) ==
           "none.toml: there is no such file; check its name and the current folder");
@@ -64,7 +64,7 @@ TEST_CASE("a file that cannot be read says why") {
     CHECK(error_in(folder, [&] { read_toml(large); }).starts_with("large.toml:1:1: is larger than 16 MiB"));
 }
 
-TEST_CASE("many numbers in one line are read in a time that goes with their bytes") {
+TEST_CASE("many numbers in one line are read in time proportional to their bytes") {
     // Two hundred thousand: counting the characters in front of each takes a minute.
     std::string text = "x = [0.5";
     for (int i = 0; i < 200'000; ++i) text += i % 1000 == 0 ? ", 1.25" : ", 1.5";
@@ -80,7 +80,7 @@ TEST_CASE("many numbers in one line are read in a time that goes with their byte
     CHECK(mixed.find("a")->find("b\u00e9")->text == "0.25");
 }
 
-TEST_CASE("a pipe that stays silent is left where the work is asked to end") {
+TEST_CASE("reading from a silent pipe stops when it is asked to") {
     const Scratch folder;
     const auto path = (folder / "p.toml").string();
     REQUIRE(::mkfifo(path.c_str(), 0600) == 0);
@@ -109,7 +109,7 @@ TEST_CASE("a pipe that stays silent is left where the work is asked to end") {
     ::close(writer);
 }
 
-TEST_CASE("a name of an earlier version is read as the name of today") {
+TEST_CASE("a name of an earlier version is read as today's name") {
     const Text file(
         "event = \"wrong_object\"\nnames = [\"wrong_object_fraction\", \"lost_bits\"]\n[family]\nviews = 2\n");
     TableReader table = file.reader();
@@ -118,7 +118,7 @@ TEST_CASE("a name of an earlier version is read as the name of today") {
     CHECK(table.strings("names") == std::vector<std::string>{"wrong_primitive_fraction", "lost_bits"});
 }
 
-TEST_CASE("a syntax error carries its place") {
+TEST_CASE("a syntax error is reported with its line and column") {
     CHECK(file_error("a = 1\nb = = 2\n").starts_with("t.toml:2:5: not valid TOML: "));
     CHECK(file_error("a = 1\na = 2\n").starts_with("t.toml:2:"));
     CHECK(file_error("a = \"\n").starts_with("t.toml:1:"));
@@ -128,7 +128,7 @@ TEST_CASE("a syntax error carries its place") {
     CHECK(file_error("a = \"\xff\"\n").starts_with("t.toml:1:"));
 }
 
-TEST_CASE("a byte order mark moves no position") {
+TEST_CASE("a byte order mark does not shift positions in messages") {
     CHECK(file_error("\xEF\xBB\xBF"
                      "a = 1\nb = = 2\n")
               .starts_with("t.toml:2:5: "));
@@ -138,7 +138,7 @@ TEST_CASE("a byte order mark moves no position") {
               .number("a") == real("0.1"));
 }
 
-TEST_CASE("the schema is the first thing to agree on") {
+TEST_CASE("the schema is checked before anything else") {
     CHECK(schema_error("schema = \"lostbits-scene/1\"") == "no error");
     CHECK(schema_error("\na = 1") ==
           "t.toml:1:1: schema is missing, so the meaning of the keys is unknown; write schema = \"lostbits-scene/1\" "
@@ -155,7 +155,7 @@ TEST_CASE("the schema is the first thing to agree on") {
     CHECK(schema_error("schema = 1") == "t.toml:1:10: schema is the integer 1, but a string is expected here");
 }
 
-TEST_CASE("a float is read from its digits, wherever it stands") {
+TEST_CASE("a float is read from its digits at every place of the file") {
     const Text text("\"\xc3\xa9\xc3\xa9\" = [\"\xc3\xa9\", 0.1, 1_000.000_1, +3.5e-1] # \xc3\xa9\na = { b = 0.1 }\n");
     const Node& items = text.root.entries[0].value;
     CHECK(items.items[1].text == "0.1");
@@ -201,7 +201,7 @@ TEST_CASE("a value of the wrong type says what was found and what is expected") 
           "t.toml:6:6: f[0] is the integer 1, but a table is expected here");
 }
 
-TEST_CASE("a missing key is an error at its table, or at its misspelling") {
+TEST_CASE("a missing key is reported at its table, or at its misspelling") {
     const Text text("a = 1\n[camera]\neye = 1\nlok_at = 2\n");
     CHECK(text.error([](TableReader& t) { t.number("radius"); }) ==
           R"(t.toml:1:1: radius is missing; give it a number (4100, 1e-3, "0x1.004p+12"))");
@@ -211,7 +211,7 @@ TEST_CASE("a missing key is an error at its table, or at its misspelling") {
           "t.toml:4:1: camera.look_at is missing, but there is camera.lok_at; did you mean \"look_at\"?");
 }
 
-TEST_CASE("a key that nothing asked for is an error with did-you-mean") {
+TEST_CASE("an unknown key is an error with a suggestion") {
     const Text text("radius = 1\n  raduis = 2\n");
     const auto read = [](TableReader& t) {
         t.number("radius");
@@ -225,7 +225,7 @@ TEST_CASE("a key that nothing asked for is an error with did-you-mean") {
           "t.toml:2:3: raduis has no meaning here");
 }
 
-TEST_CASE("a name that is not one of the choices is an error with did-you-mean") {
+TEST_CASE("an unknown choice is an error with a suggestion") {
     CHECK(Text("f = \"peer\"").error([](TableReader& t) { t.one_of<Fruit>("f", fruit); }) ==
           "t.toml:1:5: f is \"peer\", which is not known; did you mean \"pear\"?");
     CHECK(Text("f = \"fig\"").error([](TableReader& t) { t.optional_one_of<Fruit>("f", fruit); }) ==
@@ -246,7 +246,7 @@ TEST_CASE("the edit distance counts inserted, deleted, replaced and swapped lett
     CHECK(edit_distance("sitting", "kitten") == 3);
 }
 
-TEST_CASE("the closest name is one that a slip explains") {
+TEST_CASE("a suggestion is a name that a typing slip explains") {
     const std::vector<std::string> forms{"sphere.schoolbook", "sphere.press", "sphere.half_b"};
     CHECK(closest("sphere.schoolbok", forms) == "sphere.schoolbook");
     CHECK(closest("sphere.prss", forms) == "sphere.press");
@@ -267,7 +267,7 @@ TEST_CASE("the closest name is one that a slip explains") {
     CHECK(closest("output", {"set", "out", "size"}) == "out");
 }
 
-TEST_CASE("an error ends in what to try") {
+TEST_CASE("an error ends with advice") {
     CHECK(did_you_mean("camra", {"size", "camera"}) == R"(did you mean "camera"?)");
     CHECK(did_you_mean("zzz", {"size", "camera"}) == R"(known here: "size", "camera")");
     CHECK(did_you_mean("zzz", {}).empty());
