@@ -191,15 +191,17 @@ void print_table(const measure::evaluate::EvaluationRequest& request,
     const auto of_mesh = [mesh](const auto& crack, const auto& twice, const auto& beside, const auto& order) {
         return mesh ? fmt::format("{:>7} {:>10} {:>15} {:>12} ", crack, twice, beside, order) : std::string();
     };
-    fmt::print("  {:<28} {:<5} {}{:>15} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", "form", "fmt",
+    std::size_t width = 28;
+    for (const auto& row : request.rows) width = std::max(width, std::string_view(row.form->info->name).size());
+    fmt::print("  {:<{}} {:<5} {}{:>15} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", "form", width, "fmt",
                of_mesh("crack", "double hit", "wrong neighbour", "out of order"), "wrong primitive", "false hit",
                "false miss", "NaN", "hits", "bits lost: p50", "p99");
     bool withheld = false;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const measure::evaluate::FormSummary& s = summaries[r];
         using measure::answer::Outcome;
-        fmt::print("  {:<28} {:<5} {}{:>15} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", request.rows[r].form->info->name,
-                   request.rows[r].format.name,
+        fmt::print("  {:<{}} {:<5} {}{:>15} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", request.rows[r].form->info->name,
+                   width, request.rows[r].format.name,
                    of_mesh(s.count(Outcome::crack), s.count(Outcome::double_hit), s.count(Outcome::wrong_neighbour),
                            s.count(Outcome::out_of_order)),
                    s.count(measure::answer::Outcome::wrong_primitive), s.count(measure::answer::Outcome::false_hit),

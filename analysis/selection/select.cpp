@@ -46,8 +46,9 @@ std::vector<std::size_t> places_named(const std::vector<std::string>& words, con
     for (const std::string& word : words) {
         bool any = false;
         for (std::size_t i = 0; i < names.size(); ++i) {
-            if (!matches_any({word}, names[i])) continue;
-            chosen[i] = any = true;
+            // The names of strategies differ in their last part, so that part alone is enough.
+            if (matches_any({word}, names[i]) || (what == "strategy" && names[i].ends_with("." + word)))
+                chosen[i] = any = true;
         }
         if (any) continue;
         const std::string whats = what == "strategy" ? "strategies" : what + "s";

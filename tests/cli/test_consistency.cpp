@@ -193,7 +193,7 @@ TEST_CASE("offsets: a sheet without thickness has no safe offset into it, and th
     scratch.write("flat.toml",
                   scene_text("[[box]]\nlo = [-1, -1, 0]\nhi = [1, 1, 0]\n", "inputs = \"shared\"\nsize = [8, 8]\n",
                              "kind = \"pinhole\"\nfov_deg = 40\neye = [0.3, 0.7, 6]\n"));
-    const auto r = must("offsets flat.toml --points computed --strategy offset.bound -o out", scratch.path());
+    const auto r = must("offsets flat.toml --points computed --strategy bound -o out", scratch.path());
     CHECK(has(r.out, "inside: no offset is safe at any of 16 points; right for all 288 rays: no strategy"));
     CHECK_FALSE(has(r.out, "nan"));
 }
