@@ -24,7 +24,7 @@ std::string of_triangle(const std::string& a, const std::string& b, const std::s
 
 }  // namespace
 
-TEST_CASE("facing: plugin check says which word is missing, and acquits what has the right one", "[external]") {
+TEST_CASE("facing: plugin check names the missing property, and accepts a form with the right one", "[external]") {
     const Scratch folder;
     const Outcome o = run("plugin check " + facing, folder.path());
     CHECK(o.code == 1);
@@ -45,7 +45,7 @@ TEST_CASE("facing: plugin check says which word is missing, and acquits what has
     }
 }
 
-TEST_CASE("facing: a map, a mesh and a judgement hold each form to its own side", "[external]") {
+TEST_CASE("facing: map, mesh and judge compare each form with its own side", "[external]") {
     const Scratch folder;
     folder.write("near.toml", scene_text(of_triangle("[-1, -1, 1]", "[0, 1, 1]", "[1, -1, 1]") +
                                              of_triangle("[-2, -2, 0]", "[2, -2, 0]", "[0, 2, 0]"),
@@ -89,7 +89,7 @@ TEST_CASE("facing: a map, a mesh and a judgement hold each form to its own side"
     CHECK(has(refused.err, "facing is only for shapes with a front and a back (triangles, discs, planes)"));
 }
 
-TEST_CASE("facing: a pipe says it, and a sphere may not", "[external]") {
+TEST_CASE("facing: a pipe can declare it, and a sphere cannot", "[external]") {
     const std::string first = "roots=first\\n";
     const Outcome front = listed_by_pipe(first + "shape=triangle\\nfacing=front", " --json");
     INFO(front.err);

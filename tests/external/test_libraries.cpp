@@ -9,7 +9,7 @@ namespace test_libraries {
 
 using namespace lostbits::test;
 
-TEST_CASE("libraries: every claim about one that was built holds, and others are skipped by name", "[external]") {
+TEST_CASE("libraries: every claim about a built library holds, and the others are skipped by name", "[external]") {
     const Scratch folder;
     std::string loaded;
     int libraries = 0;
@@ -28,7 +28,7 @@ TEST_CASE("libraries: every claim about one that was built holds, and others are
     CHECK(has(one.out, "no loaded library has openvdb.sphere; add --plugin, --pipe or --shader"));
 }
 
-TEST_CASE("libraries: a claim about a form that is not there is skipped in its profile alone", "[external]") {
+TEST_CASE("libraries: a claim about a missing form is skipped only in the profile without the form", "[external]") {
     const Scratch folder;
     const std::string claim =
         "[[claim]]\nid = \"a\"\nstatement = \"s\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\n"
