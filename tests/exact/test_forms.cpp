@@ -285,7 +285,7 @@ Decided least_decided(std::string_view form) {
 
 }  // namespace
 
-TEST_CASE("exact: every form solves the problem when nothing is rounded", "[exact][forms]") {
+TEST_CASE("exact: every form is right when nothing is rounded", "[exact][forms]") {
     for (const Shaped& shape : shapes) {
         const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 1000U : 10000U});
         const std::vector<Problem> random = clear_problems(shape, false, count),
@@ -309,7 +309,7 @@ TEST_CASE("exact: every form solves the problem when nothing is rounded", "[exac
     }
 }
 
-TEST_CASE("exact: enclosures of every form contain what the form gives unrounded", "[exact][forms]") {
+TEST_CASE("exact: enclosures of every form contain its unrounded result", "[exact][forms]") {
     for (const Shaped& shape : shapes) {
         const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 500U : 1000U});
         std::vector<Problem> problems = clear_problems(shape, false, count);
