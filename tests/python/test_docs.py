@@ -31,7 +31,7 @@ class Docs(unittest.TestCase):
         self.assertEqual(e.line, 8)
         self.assertEqual(len(e.frame), len(e.operations))
 
-    def test_the_notebook_runs_and_the_mend_mends(self):
+    def test_the_notebook_runs_and_its_repair_works(self):
         import ast
         import json
         import linecache
@@ -53,7 +53,7 @@ class Docs(unittest.TestCase):
         self.assertEqual(rows.loc["py.mended", "lost_bits_max"], rows.loc["sphere.unified", "lost_bits_max"])
         self.assertTrue(shown[0]._repr_png_().startswith(b"\x89PNG"))
 
-    def test_the_calls_of_the_table_are_there(self):
+    def test_the_calls_of_the_table_exist(self):
         import lostbits as lb
 
         names = set(re.findall(r"lb\.(\w+)", PAGE.read_text(encoding="utf-8")))
