@@ -44,7 +44,7 @@ struct Command {
 
 constexpr std::string_view prompt = "$ ", program = "build/lostbits ", compiler = "c++ ";
 
-/// What pages tell to run and this test does not.
+/// Commands on the pages that this test does not run.
 struct Other {
     std::string_view start, why;
 };

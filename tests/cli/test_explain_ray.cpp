@@ -1,4 +1,4 @@
-// Which ray `lostbits explain` is asked about, and what it is given.
+// Tests of the rays and inputs that `lostbits explain` accepts.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// What `lostbits explain` says of its arguments, in place of its table.
+/// Message of `lostbits explain` about its arguments, in place of its table.
 Json told(const std::string& arguments, const fs::path& folder = ".") {
     return explained("lostbits explain " + arguments, folder);
 }

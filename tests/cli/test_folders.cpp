@@ -19,7 +19,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-/// What the list names, and itself.
+/// Files named by the list, and the list itself.
 std::vector<std::string> listed_in(const fs::path& folder) {
     std::vector<std::string> names = Json::parse(contents(folder / "manifest.json")).at("files");
     names.emplace_back("manifest.json");

@@ -86,7 +86,7 @@ const Row rows[] = {
     {"explain rtg-fig-7-3-4100-oblique --pixel 100,90 -i sphere.schoolbook -f f32", 0},
 };
 
-/// What has no row, and why.
+/// Commands without a row, and the reason.
 const std::map<std::string, std::string> others{
     {"choose", "measures time"},      {"completion", "measures nothing"}, {"devices", "measures the machine"},
     {"diff", "measures nothing"},     {"list", "measures nothing"},       {"manual", "measures nothing"},

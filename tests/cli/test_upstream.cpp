@@ -34,7 +34,7 @@ fs::path npm() {
     return (told ? fs::path(told) : specimens / "../../plugins/npm") / "node_modules";
 }
 
-/// Whether the library is there: what the program includes or imports can be found.
+/// True if the library is there: what the program includes or imports can be found.
 bool installed(const Scratch& scratch, const std::string& command, const std::string& program) {
     if (command.starts_with("g++")) {
         if (in_folder(scratch, std::regex_replace(command, std::regex("^g\\+\\+"), "g++ -E -o all.i") + " 2>why") == 0)

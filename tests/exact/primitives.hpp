@@ -108,11 +108,11 @@ struct AlongAxis {
     }
     [[nodiscard]] Chord<E> planes() const { return between(fv, dv, v2); }
     [[nodiscard]] E round(const E& r) const { return c - v2 * (r * r); }
-    /// Whether the line lies in the plane of a cap.
+    /// True if the line lies in the plane of a cap.
     [[nodiscard]] bool is_in_plane() const { return sign(dv) == 0 && (sign(fv) == 0 || sign(v2 - fv) == 0); }
 };
 
-/// Whether a t² + 2 h t + c is 0 for all t: the line lies in the curved surface.
+/// True if a t² + 2 h t + c is 0 for all t: the line lies in the curved surface.
 template <class E>
 bool is_nothing(const E& a, const E& h, const E& c) {
     return sign(a) == 0 && sign(h) == 0 && sign(c) == 0;

@@ -104,7 +104,7 @@ struct Tally {
 
 double number_of(const Truth& truth) { return std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent)); }
 
-/// Whether t is the first there, but for what the open primitive is smaller by.
+/// True if t is the first there, but for what the open primitive is smaller by.
 bool is_about(const First<Whole>& first, double t) {
     return first.side(Whole(t - 0x1p-16)) > 0 && first.side(Whole(t + 0x1p-16)) < 0;
 }

@@ -35,7 +35,7 @@ Primitive<double> primitive_of(const Shaped& shape, const Problem& p) {
     return primitive;
 }
 
-/// Whether no decision is near: rays to both sides of it, by up to 2^-14 of all lengths, meet the primitive or miss it
+/// True if no decision is near: rays to both sides of it, by up to 2^-14 of all lengths, meet the primitive or miss it
 /// as it does. A component of the direction that is 0 stays.
 bool is_clear(const Shaped& shape, const Problem& p, Chance& chance) {
     double reach = 0;
@@ -149,7 +149,7 @@ struct Tally {
     void add(const Problem& p, const Answer& a) { problems.push_back(p), answers.push_back(a); }
 };
 
-/// Whether what a form promises to answer without rounding includes this problem.
+/// True if what a form promises to answer without rounding includes this problem.
 bool is_asked(const intersect::Info& form, const Shaped& shape, const Problem& p, bool made) {
     // Where |d1| < 1e-4 its root is taken to be 0: test_tori has what follows.
     if (form.name == "torus.quilez") return false;
@@ -186,7 +186,7 @@ void ask(const Intersector& form, const Shaped& shape, const Problem& p, Tally& 
     tally.add(back, answer_of(true, from - *h.far));
 }
 
-/// Whether what an enclosure says of a number is true of 256 bits, of which a form may lose half.
+/// True if what an enclosure says of a number is true of 256 bits, of which a form may lose half.
 template <class E>
 bool contains(const E& x, const Real& v) {
     const mpfr_srcptr p = v.backend().data();

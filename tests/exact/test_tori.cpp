@@ -1,4 +1,4 @@
-// What tori alone need: forms that are wrong without any rounding, how far t can be moved, and lines through the hole.
+// Tests of tori only: forms that are wrong without rounding, the reach of t, and lines through the hole.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -41,7 +41,7 @@ std::pair<int, int> roots_in(const Problem& p) {
     const Sturm<E> quartic = quartic_of(Asked<E>(p));
     return {quartic.all(), quartic.all() - quartic.up_to(E())};
 }
-/// How many roots there are, and how many of them lie ahead.
+/// Number of roots, and number of roots ahead.
 std::pair<int, int> roots_of(const Ray<double>& ray, const Primitive<double>& primitive) {
     const Vec<double>&o = ray.origin, &d = ray.direction;
     Problem p{.ray = {o.x, o.y, o.z, d.x, d.y, d.z}};

@@ -1,4 +1,4 @@
-// Two forms held against each other.
+// Comparison of two forms.
 #include <cmath>
 #include <filesystem>
 #include <string>

@@ -1,4 +1,4 @@
-// What is claimed of the libraries that plugins/ wraps, measured again.
+// Claims about the libraries that plugins/ wraps, measured again.
 #include <filesystem>
 #include <string>
 

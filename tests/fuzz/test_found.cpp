@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using fuzz::Target;
 
-/// Where the module lies that reads pictures.
+/// Path of the module that reads pictures.
 const bool module_is_known = setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1) == 0;
 
 std::string bytes_of(const fs::path& file) {

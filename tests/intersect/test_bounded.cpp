@@ -34,7 +34,7 @@ Hit<Interval> without_rounding(const Intersector& form, const HostileRay& x) {
                          intersect::Target<Interval>(primitive));
 }
 
-/// Whether t is farther than `error` from every point of the interval.
+/// True if t is farther than `error` from every point of the interval.
 bool is_farther(double t, double error, const Interval& from) {
     const Interval::Precision precision(700);
     return (abs(from - Interval(t)) > Interval(error)).is_yes();

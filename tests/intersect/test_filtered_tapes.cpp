@@ -31,7 +31,7 @@ HostileRay at_triangle(const HostileRay& x) {
     return {x.ray, Triangle<double>{box.lo, box.hi, third}};
 }
 
-/// Whether each of its arithmetics is on the tape. Of a form that filters by a span all that follows the first is a
+/// True if each of its arithmetics is on the tape. Of a form that filters by a span all that follows the first is a
 /// call.
 bool asks_steps(const Intersector& form) {
     return form.shape == Shape::sphere || form.shape == Shape::box || form.shape == Shape::triangle;

@@ -1,4 +1,4 @@
-// Batches and the limits of a device, on a device that is none.
+// Batches and the limits of a device, on a fake device.
 #include <cstring>
 #include <memory>
 #include <vector>

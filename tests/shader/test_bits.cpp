@@ -1,4 +1,4 @@
-// The bits of shaders on the drivers that are here, held against the forms of the catalogue.
+// Bits of shaders on the available drivers, compared with the forms of the catalogue.
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>

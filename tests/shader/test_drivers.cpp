@@ -1,4 +1,4 @@
-// What drivers are asked of themselves.
+// Properties that drivers report.
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>

@@ -1,4 +1,4 @@
-// Shaders that are told where rays begin and end.
+// Shaders that take the range of a ray.
 #include <cstdio>
 #include <cstdlib>
 #include <string>

@@ -1,4 +1,4 @@
-// What a file of GLSL says of its function.
+// Functions and contracts read from GLSL files.
 #include <ctime>
 #include <filesystem>
 #include <initializer_list>

@@ -62,7 +62,7 @@ Shuffled shuffle(const Tape& tape, Random& random) {
     return s;
 }
 
-/// What was seen of ties over many tapes.
+/// Counts of ties over many tapes.
 struct Seen {
     int ties = 0;       ///< tapes with equals
     int not_first = 0;  ///< of which the culprit is not the first on the tape

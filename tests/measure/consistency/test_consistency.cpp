@@ -32,7 +32,7 @@ std::vector<RowChecks> run(const scene::file::Scene& scene, std::vector<measure:
         ConsistencyStudy{.scene = scene, .rows = std::move(rows), .checks = std::move(among)});
 }
 
-/// Of one check of one row.
+/// Result of one check for one row.
 CheckSummary one(const std::string& scene, std::string_view form, std::string_view format, std::string_view check,
                  int width = 16, int height = 12) {
     const auto s = load(scene, width, height);

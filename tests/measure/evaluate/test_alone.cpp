@@ -48,7 +48,7 @@ std::vector<const Metric*> all_of(const std::vector<TestedForm>& rows, const Ray
 
 bool are_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-/// What is found of each ray by each row: the outcome, then the metrics.
+/// Results of each row for each ray: the outcome, then the metrics.
 using Found = std::map<std::pair<std::size_t, std::uint64_t>, std::vector<double>>;
 
 /// The rays as a file with a primitive each.
