@@ -1,5 +1,5 @@
-// Runs that share a folder, and runs that somebody ends: what lies in the folder is whole and one run's, or says that
-// it is not.
+// Runs that share a folder, and runs that are ended from outside. The results in the folder are complete and from one
+// run, or are marked as unfinished.
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
-// `lostbits report` from the outside: one file that needs nothing else, the CSVs' numbers.
-// What a browser makes of it is held by tests/browser.
+// `lostbits report` from the outside: one file that needs nothing else, with the CSVs' numbers. tests/browser tests the
+// page in a browser.
 #include <algorithm>
 #include <cctype>
 #include <regex>

@@ -1,5 +1,5 @@
-// ./run: what it builds, in which order it works, and what it says last. Packages, compiler and program are stand-ins
-// that write down how they were called.
+// ./run: the targets that it builds, the order of its work, and its last lines. Packages, compiler and program are
+// stand-ins that record their calls.
 #include <sys/wait.h>
 
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// What a command says and writes does not depend on the number of threads or the width of the registers, and is the
-// same when it is run again.
+// The output of a command does not depend on the number of threads or the register width, and is the same when the
+// command is repeated.
 #include <algorithm>
 #include <set>
 

@@ -1,5 +1,5 @@
-// reports/specimens/upstream is what the authors of libraries are sent: every defect has its file, and where the
-// library is installed the program in it prints what the file quotes.
+// reports/specimens/upstream holds the reports for authors of libraries. Every defect has its file. Where the library
+// is installed, the program in the file prints the quoted output.
 #include <cstdlib>
 #include <regex>
 #include <set>

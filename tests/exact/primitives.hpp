@@ -1,5 +1,5 @@
-// Where a ray first meets a primitive of each shape, in polynomials that are written down here from what the shapes
-// are, and in no number of lostbits.
+// First hit of a ray with a primitive of each shape, from polynomials derived here from the definition of the shape. No
+// number type of lostbits is used.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// What the truth says of rays that touch a primitive, begin on it or in it, by every convention and with every
-// instruction set: of small whole numbers, against a primitive that is smaller by 2^-44 and ranges that leave out the
+// Truth of rays that touch a primitive or begin on it or in it, for every convention and instruction set. The problems
+// have small integers. They are compared with a primitive that is smaller by 2^-44, and with ranges that leave out the
 // origin.
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
-// Rays at edges and vertices of triangles: what the truth decides in packs, against signs of whole numbers of a fixed
-// number of words. LOSTBITS_EXACT_RAYS says how many in floats, and a hundredth as many in doubles; `./run test --long`
-// asks 10^9 (CMakeLists.txt).
+// Rays at edges and vertices of triangles: decisions of the truth in packs, compared with signs of integers of a fixed
+// number of words. LOSTBITS_EXACT_RAYS sets the number of rays in floats; a hundredth as many are in doubles. `./run
+// test --long` asks 10^9 (CMakeLists.txt).
 #include <sstream>
 
 #include "catch.hpp"

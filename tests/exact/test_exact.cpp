@@ -1,6 +1,6 @@
-// The truth of every shape against an answer that shares nothing with it: its own polynomials, its own numbers, and
-// whole numbers of GMP where those do not tell. LOSTBITS_EXACT_RAYS=1000000 says how many random rays, and a tenth as
-// many made ones; `./run test --long` asks 10^8 of each shape, and 10^7 under matrices (CMakeLists.txt).
+// Truth of every shape, compared with an answer that shares nothing with it: its own polynomials, its own numbers, and
+// integers of GMP where those do not decide. LOSTBITS_EXACT_RAYS=1000000 sets the number of random rays; a tenth as
+// many are constructed. `./run test --long` asks 10^8 of each shape, and 10^7 under matrices (CMakeLists.txt).
 #include <algorithm>
 #include <cmath>
 #include <random>

@@ -1,6 +1,6 @@
-// The promise of the forms that filter: no wrong decision, and 17 correct bits of 24 or 46 of 53 by a span, 18 or 47 by
-// steps of their own, held against answers that share nothing with them, in scalars and in packs. LOSTBITS_EXACT_RAYS
-// says how many rays of each kind.
+// Promise of the forms that filter: no wrong decision, and 17 correct bits of 24 or 46 of 53 by a span, 18 or 47 by
+// steps of their own. They are compared with answers that share nothing with them, in scalars and in packs.
+// LOSTBITS_EXACT_RAYS sets the number of rays of each kind.
 #include <algorithm>
 #include <cmath>
 #include <sstream>

@@ -1,5 +1,5 @@
-// Every form of every shape when nothing is rounded, against answers that share nothing with it; and what enclosures
-// say of the same form, against what it gives unrounded.
+// Every form of every shape without rounding, compared with answers that share nothing with it. Enclosures of each form
+// are compared with its unrounded result.
 #include <algorithm>
 #include <cmath>
 #include <iterator>

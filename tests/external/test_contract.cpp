@@ -1,5 +1,5 @@
-// `plugin check` asks what the truth is: it acquits every form of the catalogue, under another name, and finds ten
-// wrong ones of each shape.
+// `plugin check` compares a form with the truth. It accepts every form of the catalogue under another name, and detects
+// ten wrong forms of each shape.
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -1,4 +1,5 @@
-// One side of a triangle as a word of a contract: tried, believed by every command, and refused of what has no front.
+// Contracts of one-sided triangles: they are tested, respected by every command, and refused for shapes without a
+// front.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>

@@ -1,5 +1,5 @@
-// Libraries of forms over any number, from the outside: whatever is measured of a form of the catalogue is measured of
-// its copy behind the door, with the same result.
+// Libraries of forms over any number type, from the outside. Every measurement of a form of the catalogue gives the
+// same result for its copy in a library.
 #include <array>
 #include <filesystem>
 #include <string>

@@ -1,4 +1,4 @@
-// A guess of what is wrong explains hits and misses, on rays that it was not made from.
+// A guess of what is wrong must explain hits and misses, on rays that did not suggest it.
 #include <cmath>
 #include <string>
 #include <vector>

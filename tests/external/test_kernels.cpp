@@ -1,5 +1,4 @@
-// Kernels of OpenCL and CUDA behind a pipe: examples/pipes, on the OpenCL device that is here and on a stand-in of
-// CUDA.
+// Kernels of OpenCL and CUDA behind a pipe: examples/pipes, on the available OpenCL device and on a stand-in for CUDA.
 #include <initializer_list>
 #include <string>
 

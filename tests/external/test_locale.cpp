@@ -1,5 +1,5 @@
-// In a locale that writes 0.5 as 0,5 and 1000 as 1.000 the program reads and writes what it does elsewhere, even where
-// a library takes that locale for the whole program.
+// In a locale that writes 0.5 as 0,5 and 1000 as 1.000 the program reads and writes the same bytes as elsewhere, even
+// where a library sets that locale for the whole program.
 #include <cstdlib>
 #include <filesystem>
 #include <map>

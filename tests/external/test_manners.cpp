@@ -1,5 +1,5 @@
-// Libraries that end the program, copy it or change what is its own: wherever they run, nothing passes for a success
-// that is none, whoever did it is named, and no process is left.
+// Libraries that end the program, copy it or change its state. Wherever they run, no failure is reported as success,
+// the library to blame is named, and no process is left.
 #include <signal.h>
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
-// Libraries of intersectors, from the outside: the same bits as the forms they copy, and an end with a name for every
-// way in which foreign code can go wrong.
+// Libraries of intersectors, from the outside: the same bits as the forms they copy, and an error with a name for every
+// way in which foreign code can fail.
 #include <array>
 #include <string>
 

@@ -1,5 +1,5 @@
-// A library that changes how the processor computes (its rounding, whether subnormal numbers are kept) changes what it
-// answers itself, and nothing else.
+// A library that changes how the processor computes (rounding mode, subnormal numbers) changes its own answers and
+// nothing else.
 #include <array>
 #include <cstdlib>
 #include <string>

@@ -1,4 +1,4 @@
-// A contract that is wrong costs more than any rounding: it is said, and never of one that is right.
+// A wrong contract costs more than any rounding. It is reported, and a right one never is.
 #include <algorithm>
 #include <cmath>
 #include <map>

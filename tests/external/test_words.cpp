@@ -1,4 +1,4 @@
-// The words of a contract: what fits real code is not accused, what does not is not acquitted, by any command.
+// Contracts of forms: every command accepts a contract that fits the code and detects one that does not.
 #include <string>
 
 #include "catch.hpp"
