@@ -1,5 +1,5 @@
-// The tape of a form that filters is of what ran, its exact step one operation: the same bits on rays that break
-// filters, at every scale, and without rounding the same answer.
+// The tape of a form that filters records what ran, with its exact step as one operation. It has the same bits on rays
+// that break filters, at every scale, and the same answer without rounding.
 #include <tbb/parallel_for.h>
 
 #include <atomic>

@@ -1,5 +1,4 @@
-// Operations that contribute the same: which of them is the culprit hangs on the formula, and not on the order in which
-// its tape happens to stand.
+// Operations that contribute the same: the culprit among them depends on the formula, and not on the order of its tape.
 #include "measure/attribution/attribution.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// A sentence about all cases says what its verdict rests on, and the claim has that.
+// A sentence about all cases states what its verdict rests on, and the claim has that evidence.
 #include <regex>
 
 #include "catch.hpp"

@@ -1,4 +1,4 @@
-// Consistency over scenes: what holds of every form, numbers of an independent computation, and forms that are made to
+// Consistency over scenes: properties of every form, numbers of an independent computation, and forms that are made to
 // contradict themselves.
 #include <cmath>
 #include <numeric>

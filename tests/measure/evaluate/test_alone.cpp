@@ -1,5 +1,5 @@
 // Rays that each have a primitive of their own, measured together and alone: in files of rays, and as distributions
-// draw them. Whatever a metric says of a ray, and whatever is counted, does not depend on the rays beside it.
+// draw them. The metrics and counts of a ray do not depend on the rays beside it.
 #include <algorithm>
 #include <cmath>
 #include <map>

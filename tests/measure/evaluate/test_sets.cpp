@@ -1,4 +1,4 @@
-// Sets of forms, one a shape: they answer what their forms do, and each primitive is judged by the words of its own
+// Sets of one form per shape: they answer as their forms do, and each primitive is judged by the contract of its own
 // form.
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-// Rules of rewriting: without rounding a formula stays what it was, whatever form and ray it is tried on.
+// Rules of rewriting: without rounding they keep the value of a formula, for every form and ray tried.
 #include "measure/identity/rules.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Offsets of primitives that a ray which leaves them may truly meet again, or that have no inside: a far wall is no
-// self-hit, and a flat piece is left to either side.
+// Offsets of primitives that a leaving ray may truly meet again, or that have no inside: a far wall is not a self-hit,
+// and rays leave a flat primitive on either side.
 #include <cmath>
 
 #include "catch.hpp"

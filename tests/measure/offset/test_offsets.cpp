@@ -1,4 +1,4 @@
-// Offsets over scenes: what the smallest safe one promises, what each strategy does, and what follows from both.
+// Offsets over scenes: the smallest safe one, the effect of each strategy, and consequences of both.
 #include <algorithm>
 #include <cmath>
 #include <set>

@@ -1,4 +1,4 @@
-// Hard rays in lists, and what two truths of one agree on.
+// Lists of hard rays, and the comparison of two truths of one ray.
 #pragma once
 
 #include <cstdlib>
