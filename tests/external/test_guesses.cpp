@@ -41,7 +41,7 @@ auto of_radius(double radius) {
 
 TEST_CASE("suspicion: a guess must explain hits and misses, and more than all-miss answers", "[external]") {
     using measure::contract::suspicion;
-    // What never hits is no sign of anything, however thin or large what it misses.
+    // A form that never hits allows no conclusion, however thin or large the primitive that it misses.
     const auto never = [](double, double) { return std::nan(""); };
     for (const double radius : {0x1p-10, 0.001, 0.1, 0.5, 1.0, 50.0, 1e6}) {
         for (const double reach : {0.9, 1.0, 3.0}) {

@@ -38,7 +38,7 @@ TEST_CASE("libraries: a claim about a missing form is skipped only in the profil
     const std::string here = folder.write("here.toml", schema + claim);
     const std::string theirs = folder.write("theirs.toml", schema + "profile = \"libraries\"\n" + claim);
     CHECK(run("check " + here, folder.path()).code != 0);
-    // Where nothing else is measured, nothing is known.
+    // The result is unknown if nothing else is measured.
     const Outcome skipped = run("check --profile libraries " + theirs, folder.path());
     CHECK(skipped.code == 4);
     CHECK(has(skipped.err,

@@ -153,7 +153,7 @@ TEST_CASE("a bound proves only what its error allows", "[number][bounded]") {
     CHECK((B(2) < B(3)).is_proved());
     CHECK_FALSE((third < third * B(1)).is_proved());
     CHECK((third < B(1)).is_proved());
-    // Where a decision is open, both sides count.
+    // Both sides count if a decision is open.
     const B chosen = select(third <= third * B(1), B(10), B(20));
     CHECK(chosen.value() == 10);
     CHECK(chosen.error() >= 10);

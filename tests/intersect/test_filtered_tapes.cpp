@@ -123,7 +123,7 @@ TEST_CASE("the tape of a filtered form records what ran, with its exact step as 
         for (const bool any_scale : {false, true}) {
             // What a span leaves open goes as far as intervals of many bits, of a torus a hundred times as slowly.
             const bool slow = form.shape == Shape::torus;
-            // Of a plane few hits are settled exactly.
+            // Few hits of a plane are decided exactly.
             const bool quick = asks_steps(form) || form.shape == Shape::plane;
             const std::uint64_t rays = asks_steps(form) ? draws(1 << 18, 40)
                                        : slow           ? draws(1 << 13, 64)

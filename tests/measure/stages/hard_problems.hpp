@@ -24,7 +24,7 @@ inline std::vector<HardRay> problems_of(Shape shape, const FloatFormat& storage,
     return problems;
 }
 
-/// Of the random distribution alone.
+/// For the random distribution only.
 inline std::vector<HardRay> random_problems(Shape shape, const FloatFormat& storage) {
     Seeded rng(17);
     std::vector<HardRay> problems;
