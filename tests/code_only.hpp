@@ -1,4 +1,4 @@
-// What is left of a program without its comments and strings: words that a stranger wrote are never there.
+// Code of a program without comments and strings. Untrusted text must never appear in it.
 #pragma once
 
 #include <algorithm>

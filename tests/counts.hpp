@@ -1,11 +1,11 @@
-// How much a test that draws tries.
+// Numbers of draws in random tests.
 #pragma once
 
 #include <cstdlib>
 
 namespace lostbits::test {
 
-/// Whether all is tried that there is: `./run test --long`.
+/// True if all is tried that there is: `./run test --long`.
 inline bool is_long() {
     static const bool asked = std::getenv("LOSTBITS_LONG") != nullptr;
     return asked;

@@ -1,4 +1,4 @@
-// What a C program of `explain --c` is made of, so that the short tests compile a few of those that are made alike.
+// Parts of the C programs of `explain --c`. The short tests compile a few of the programs that have the same parts.
 #pragma once
 
 #include <cctype>

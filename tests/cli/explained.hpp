@@ -1,4 +1,4 @@
-// What a command that some table names says of its ray.
+// Output of a command, named in a table, about its ray.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -14,7 +14,7 @@
 
 namespace lostbits::test {
 
-/// Whether the program was built with a sanitizer of addresses or threads. Those reserve terabytes before anything
+/// True if the program was built with a sanitizer of addresses or threads. Those reserve terabytes before anything
 /// runs, so that no limit of memory lets the program start, and take ten times as long.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool under_sanitizer = true;
@@ -55,7 +55,7 @@ inline std::string into(const Scratch& scratch, const std::string& folder = "out
 /// From now on `run` has the image module that ships, for a test that looks at pictures; else tests/plain_images.cpp.
 void draw_pictures();
 
-/// Whether a text contains another; a check that fails shows both.
+/// True if a text contains another; a check that fails shows both.
 class Has {
 public:
     Has(const std::string& text, const std::string& part)
@@ -105,7 +105,7 @@ struct ClaimText {
 };
 /// A file of them; `head` has keys of the file.
 std::string claims_of(const std::vector<ClaimText>& claims, const std::string& head = "");
-/// What such a claim tests, and what it expects.
+/// Test and expected value of such a claim.
 inline std::string tested(const std::string& form, const std::string& format = "f32") {
     return "form = \"" + form + "\"\nformat = \"" + format + "\"\n";
 }
@@ -136,7 +136,7 @@ std::string spoilt(const std::string& what, const std::string& by);
 /// A text with `by` in place of the first `what`, which must be there.
 std::string replaced(std::string text, const std::string& what, const std::string& by);
 
-/// How often `part` stands in a text.
+/// Number of occurrences of `part` in a text.
 int count_in(const std::string& text, const std::string& part);
 
 }  // namespace lostbits::test

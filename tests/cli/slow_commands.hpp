@@ -1,4 +1,4 @@
-// The dear commands of the documents: what makes some of them cheap, and which only the long tests run.
+// Slow commands of the documents: ways to shorten some, and the list of those that only the long tests run.
 #pragma once
 
 #include <array>

@@ -35,7 +35,7 @@ private:
     bool over_ = false;
 };
 
-/// Whether a run is writing a file below this folder, or was killed while it did.
+/// True if a run is writing a file below this folder, or was killed while it did.
 bool has_partial_files(const std::filesystem::path& folder);
 
 }  // namespace lostbits::test

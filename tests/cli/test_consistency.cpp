@@ -1,5 +1,5 @@
-// `lostbits consistency` and `lostbits offsets` from the outside: their files, what they refuse, and that commands and
-// claims say the same.
+// `lostbits consistency` and `lostbits offsets` from the outside: files, refused input, and agreement of commands with
+// claims.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 

@@ -1,5 +1,5 @@
-// What a sentence says of its number: verdicts follow from it, and are counted by who said it. And claims about what is
-// chosen for a scene: of the profile `timing`, which fails nothing.
+// Criteria of claims: verdicts follow from them and are counted by source. Also claims about a choice for a scene, in
+// the profile `timing`, which fails nothing.
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <tuple>

@@ -52,7 +52,7 @@ TEST_CASE("diff: folders of maps show rows, outcomes and the largest changes, an
               "two/map/summary.csv is better in 0 rows, worse in 1, the same in 0: by wrong decisions, then by "
               "lost_bits_p99\n"));
     CHECK_FALSE(has(run("diff one/map/summary.csv two/map/summary.csv --strict", scratch.path()).out, "better"));
-    // What is left out or forgiven decides nothing.
+    // Ignored columns and differences within a tolerance do not affect the verdict.
     CHECK(has(run("diff one two --ignore false_miss --allow lost_bits_p99=3", scratch.path()).out,
               "two is better in 0 rows, worse in 0, the same in 1: by lost_bits_p99\n"));
     CHECK(has(r.err, "1 picture is not compared; --pictures compares it\n"));

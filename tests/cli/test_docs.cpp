@@ -1,5 +1,5 @@
-// The documents tell the truth: the commands of README.md and docs/ run, what they show is what the program prints,
-// their links lead somewhere, and the README stays short.
+// The documents are correct: the commands of README.md and docs/ run and print the output shown, links lead somewhere,
+// and the README stays short.
 #include <fnmatch.h>
 
 #include <algorithm>
@@ -44,7 +44,7 @@ struct Command {
 
 constexpr std::string_view prompt = "$ ", program = "build/lostbits ", compiler = "c++ ";
 
-/// What pages tell to run and this test does not.
+/// Commands on the pages that this test does not run.
 struct Other {
     std::string_view start, why;
 };

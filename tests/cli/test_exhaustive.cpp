@@ -170,7 +170,7 @@ TEST_CASE("a sweep resumed with another file, form or version or a damaged state
     write(good);
     must("-q " + resume, scratch.path());
     CHECK(read_csv(scratch / "s/statements.csv").size() == 2);
-    // Of several sweeps those that have no state begin anew.
+    // Sweeps without a saved state start again.
     scratch.write("t.toml", small);
     const std::string both = "-q sweep t.toml s.toml -i sphere.press --resume -o .";
     CHECK(has(run(both, scratch.path()).err, "t/unfinished.state: does not exist"));

@@ -84,7 +84,7 @@ TEST_CASE("explain: JSON holds every operation, and the contributions sum to the
 
 namespace {
 
-/// Whether what a C program says of the computed and of the recorded t is the same, letter by letter.
+/// True if what a C program says of the computed and of the recorded t is the same, letter by letter.
 bool says_the_same_twice(const std::string& said) {
     const auto line = [&](const std::string& word) {
         const auto at = said.find(word);

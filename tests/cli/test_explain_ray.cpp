@@ -1,4 +1,4 @@
-// Which ray `lostbits explain` is asked about, and what it is given.
+// Tests of the rays and inputs that `lostbits explain` accepts.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// What `lostbits explain` says of its arguments, in place of its table.
+/// Message of `lostbits explain` about its arguments, in place of its table.
 Json told(const std::string& arguments, const fs::path& folder = ".") {
     return explained("lostbits explain " + arguments, folder);
 }
@@ -89,7 +89,7 @@ TEST_CASE("explain --worst takes the ray of the tables: a wrong decision, or els
     const Scratch folder;
     const std::string with = " -i sphere.schoolbook -f f32";
     const auto first = [&folder](const std::string& file) { return read_csv(folder.path() / file).front(); };
-    // Of a scene: where a decision is wrong the first that is so, and elsewhere the largest error.
+    // In a scene it is the first wrong decision, or else the largest error.
     for (const auto& [scene, column] :
          {std::pair{"rtg-fig-7-3-4100-oblique --size 64x48", "fault"}, {"near-benign --size 64x48", "worst"}}) {
         must(std::string("map ") + scene + with + " -o map", folder.path());
@@ -106,7 +106,7 @@ TEST_CASE("explain --worst takes the ray of the tables: a wrong decision, or els
         CHECK(worst.out.substr(end + 1) == there.out);
         CHECK(has(worst.out.substr(0, end), "the worst of 3072 for this form: "));
     }
-    // Of a sweep, over all its steps; of cases, over all of them.
+    // The worst ray of a sweep is over all its steps, and that of cases over all cases.
     for (const std::string sweep : {"sphere-tilt --set views=16", "extremes/contact"}) {
         CAPTURE(sweep);
         const bool cases = sweep.starts_with("extremes");
@@ -189,7 +189,7 @@ TEST_CASE("a claim about all wrong decisions names the first one, as explain --w
     CHECK(has(worst.substr(0, worst.find('\n')), ": a false "));
     CHECK(has(r.out, "explain grazing " + pixel));
     CHECK(has(contents(scratch / "j.xml"), "explain grazing " + pixel));
-    // Of the step: its ray is decided wrongly.
+    // The ray of the step is decided wrongly.
     const auto command = r.out.rfind("explain it: lostbits ");
     REQUIRE(command != std::string::npos);
     const std::string words = r.out.substr(command + 21, r.out.find('\n', command) - command - 21);

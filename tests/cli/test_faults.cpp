@@ -1,5 +1,5 @@
-// Runs that share a folder, and runs that somebody ends: what lies in the folder is whole and one run's, or says that
-// it is not.
+// Runs that share a folder, and runs that are ended from outside. The results in the folder are complete and from one
+// run, or are marked as unfinished.
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
@@ -147,7 +147,7 @@ TEST_CASE("closed standard streams do not end up in a file") {
     for (const char* closed : {"2>&-", "<&- 2>&-", "<&- >&- 2>&-", ">&- 2>&-", "<&-"}) {
         INFO(closed);
         const auto r = run(words + "out " + closed, scratch.path());
-        // What cannot be printed is reported by the exit status alone.
+        // An error that cannot be printed is reported by the exit status alone.
         CHECK(r.code == (has(closed, ">&- ") ? 3 : 0));
         for (const std::string& name : files_below(scratch / "right/mine")) {
             if (name != "manifest.json")
@@ -238,7 +238,7 @@ TEST_CASE("an earlier result that cannot be removed is an error") {
     const std::string words = "map mine.toml -i sphere.press -f f32 -o out", old = "out/mine/sphere.press.f32.csv";
     must(words + " --pixels csv", scratch.path());
     REQUIRE(fs::exists(scratch / old));
-    // What is mounted cannot be removed, not even by root.
+    // A mounted file cannot be removed, not even by root.
     if (const std::string mount = with_mount("mount --bind " + old + " " + old, scratch); !mount.empty()) {
         const auto r = run(words, scratch.path(), mount);
         INFO(r.err);

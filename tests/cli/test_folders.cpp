@@ -1,5 +1,5 @@
-// A run owns its folder of results: what an earlier run left there goes, what is somebody's own stays, and every file
-// that can hold it says what made it.
+// A run owns its folder of results. Results of an earlier run are removed, other people's files stay, and every file
+// that can hold it names the command that made it.
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
@@ -19,7 +19,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-/// What the list names, and itself.
+/// Files named by the list, and the list itself.
 std::vector<std::string> listed_in(const fs::path& folder) {
     std::vector<std::string> names = Json::parse(contents(folder / "manifest.json")).at("files");
     names.emplace_back("manifest.json");

@@ -1,4 +1,4 @@
-// What a run reads it does not write, and what is somebody else's stays: whatever it is called, linked or forced.
+// A run writes over none of its inputs and keeps other people's files, whatever their names, links or --force.
 #include <filesystem>
 #include <fstream>
 

@@ -289,7 +289,7 @@ TEST_CASE("judge: a form has the same outcomes at a mesh in judge and map") {
     const std::string mapped = read_csv(scratch / "out/quad/triangle.woop.f32.csv").at(0).at("outcome");
     CHECK(mapped == "double_hit");
     for (const auto& row : read_csv(scratch / "out/rays/triangle.woop.f32.csv")) CHECK(row.at("outcome") == mapped);
-    // Of the file nobody knows what else it claims; both triangles own the hit.
+    // The file does not say which other triangles it hits; both triangles own the hit.
     for (const auto& row : read_csv(scratch / "out/rays/file.rays.f32.csv")) CHECK(row.at("outcome") == "agree_hit");
 }
 

@@ -1,5 +1,5 @@
-// Numbers of judged files that are not what they seem: bytes in the other order, too few digits, a t behind the ray;
-// and single rays where a bound underflowed, or where two numbers lie almost all of a format apart.
+// Numbers in judged files that are misleading: the other byte order, too few digits, a t behind the ray. Also single
+// rays where a bound underflowed, or where two numbers are almost the whole range of a format apart.
 #include <array>
 #include <cmath>
 #include <cstdint>

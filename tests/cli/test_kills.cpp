@@ -46,7 +46,7 @@ struct Counts {
     int unfinished = 0, partial = 0;          ///< folders that said so, and ones with half-written files
 };
 
-/// Whether every file is as one of the two commands writes it; of one that says that it is not finished, a list of
+/// True if every file is as one of the two commands writes it; of one that says that it is not finished, a list of
 /// names may be shorter, and half-written files may lie there.
 bool is_sound(const Files& found, const Files& a, const Files& b) {
     if (!found.contains("UNFINISHED.txt")) {

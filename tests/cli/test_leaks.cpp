@@ -1,5 +1,5 @@
-// Commands of every kind under LeakSanitizer, which is loaded in front of the program as it ships. What it is not to
-// report stands in tests/leak_sanitizer.txt, with the reason.
+// Commands of every kind under LeakSanitizer, which is preloaded into the program as it ships. tests/leak_sanitizer.txt
+// lists the leaks that it ignores, with the reason.
 #include <cstdlib>
 
 #include "catch.hpp"

@@ -1,5 +1,5 @@
-// Rays that each format makes, from the command line: which ways there are, what is measured of them, and what is said
-// of mistakes.
+// Rays made by ray generators in each format, from the command line: the generators, their measurements, and messages
+// on wrong input.
 #include <set>
 #include <string>
 #include <string_view>

@@ -1,4 +1,4 @@
-// What every command refuses, and how it says so: the rows of refused.txt, over the files that they name.
+// Input that commands refuse, with the messages: the rows of refused.txt, run on the files that they name.
 #include <map>
 #include <set>
 #include <sstream>

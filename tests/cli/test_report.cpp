@@ -1,5 +1,5 @@
-// `lostbits report` from the outside: one file that needs nothing else, the CSVs' numbers.
-// What a browser makes of it is held by tests/browser.
+// `lostbits report` from the outside: one file that needs nothing else, with the CSVs' numbers. tests/browser tests the
+// page in a browser.
 #include <algorithm>
 #include <cctype>
 #include <regex>
@@ -73,7 +73,7 @@ TEST_CASE("a report is one file that loads no other") {
     CHECK(policy.front().starts_with("default-src 'none'; script-src 'sha256-"));
     CHECK(policy.front().find("unsafe") == std::string::npos);
     CHECK_FALSE(has(page, " style=\""));  // the policy forbids them
-    // What is copied into the page comes with its licence.
+    // Code copied into the page comes with its licence.
     CHECK((page.find("uPlot=function") != std::string::npos) ==
           (page.find("Permission is hereby granted") != std::string::npos));
     CHECK(std::regex_search(page, std::regex("<b>\\d+</b> hold")));
@@ -181,7 +181,7 @@ TEST_CASE("a report shows the choice for a scene and a requirement on request") 
     REQUIRE(chosen.size() == 2);
     CHECK(chosen.front() == "sphere.unified");
     CHECK(all_of(part, "(data:image/png)").size() == 2);
-    // Where nothing meets the requirement, the page says why, as the command does.
+    // If nothing meets the requirement, the page says why, as the command does.
     const std::string none = report_of(what + "--choose near-benign:53 --force", scratch);
     CHECK(has(none, "What limits it: "));
 }
@@ -199,7 +199,7 @@ TEST_CASE("a report shows what to change in a form on request, as mend does") {
     CHECK(has(part, "sphere.half_b in f32: 20 correct bits of every hit, no wrong decision <code>near-benign</code>"));
     must("mend near-benign -i sphere.half_b --bits 20 --size 32x32 -o " + in(mended));
     CHECK(part == section_of(contents(mended / "near-benign/index.html")));
-    // Where nothing meets the requirement, the page says so.
+    // If nothing meets the requirement, the page says so.
     CHECK(has(section_of(report_of(what + "--mend near-benign:sphere.pythagoras:22:p99 --force", scratch)),
               "Even with all of its "));
 }

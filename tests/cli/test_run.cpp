@@ -1,5 +1,5 @@
-// ./run: what it builds, in which order it works, and what it says last. Packages, compiler and program are stand-ins
-// that write down how they were called.
+// ./run: the targets that it builds, the order of its work, and its last lines. Packages, compiler and program are
+// stand-ins that record their calls.
 #include <sys/wait.h>
 
 #include <cstdlib>
@@ -122,7 +122,7 @@ TEST_CASE("./run builds the program only, maps one scene first, then all at smal
     CHECK(without.code == 0);
     CHECK(has(without.err, "npm ci failed: going on without uplot"));
 
-    // What it says to try next can be pasted.
+    // The suggested next command can be pasted.
     std::istringstream err(said.err);
     const std::string program = "  build/lostbits ";
     const Scratch folder;
@@ -262,7 +262,7 @@ TEST_CASE("./run test reports how many tests passed, and with --sanitize for bot
     tree.stand_in("bin/ctest", ctest_says("run missing skip") + "; exit 8");
     CHECK(tree.run("test").out.ends_with("\n1 passed, 2 failed\n"));
     CHECK(has(contents(tree.at("err.txt")), "\ntest 3\n"));
-    // What a test leaves in the temporary folder is one that fails.
+    // A test that leaves files in the temporary folder fails.
     tree.stand_in("bin/ctest", ctest_says("run run") + "; echo x >\"$TMPDIR/left-behind\"");
     const auto left = tree.run("test");
     CHECK(left.code != 0);

@@ -1,5 +1,5 @@
-// What a command says and writes does not depend on the number of threads or the width of the registers, and is the
-// same when it is run again.
+// The output of a command does not depend on the number of threads or the register width, and is the same when the
+// command is repeated.
 #include <algorithm>
 #include <set>
 
@@ -86,7 +86,7 @@ const Row rows[] = {
     {"explain rtg-fig-7-3-4100-oblique --pixel 100,90 -i sphere.schoolbook -f f32", 0},
 };
 
-/// What has no row, and why.
+/// Commands without a row, and the reason.
 const std::map<std::string, std::string> others{
     {"choose", "measures time"},      {"completion", "measures nothing"}, {"devices", "measures the machine"},
     {"diff", "measures nothing"},     {"list", "measures nothing"},       {"manual", "measures nothing"},

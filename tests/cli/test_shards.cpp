@@ -72,7 +72,7 @@ std::string shell_word(const fs::path& path) { return "'" + path.string() + "'";
 
 std::string shard_of(int k, int n) { return " --shard " + std::to_string(k) + "/" + std::to_string(n); }
 
-/// Where the shards of a run are, by number.
+/// Paths of the shards of a run, by number.
 fs::path shard_folder(const fs::path& parts, int k, int n) {
     return parts / ("shard-" + std::to_string(k) + "-of-" + std::to_string(n));
 }

@@ -1,4 +1,4 @@
-// What the shell sees: completion that really completes, a manual page that man reads, tables on standard output.
+// Integration with the shell: completion, the manual page, and tables on standard output.
 #include <cstdlib>
 #include <filesystem>
 #include <regex>
@@ -26,7 +26,7 @@ bool there_is(const std::string& program) {
     return std::system(("command -v " + program + " >/dev/null 2>&1").c_str()) == 0;
 }
 
-/// What bash offers for the last of the words, as the completion of readline asks for it.
+/// Completions that bash offers for the last word, requested as readline does.
 std::set<std::string> offered(const std::vector<std::string>& words, const Scratch& scratch) {
     std::string script = "export LOSTBITS_DATA='" LOSTBITS_DATA_DIR "'\ncd '" + scratch.path().string() +
                          "'\nsource <('" LOSTBITS_PROGRAM "' completion bash)\nCOMP_WORDS=('" LOSTBITS_PROGRAM "'";

@@ -1,5 +1,5 @@
-// Primitives under matrices and forms behind boxes from the command line: which ways there are, what is measured
-// through them, and what is said of mistakes.
+// Primitives under matrices and forms behind boxes from the command line: the transform methods, measurements with
+// them, and messages on wrong input.
 #include <string>
 
 #include <map>

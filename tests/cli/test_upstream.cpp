@@ -1,5 +1,5 @@
-// reports/specimens/upstream is what the authors of libraries are sent: every defect has its file, and where the
-// library is installed the program in it prints what the file quotes.
+// reports/specimens/upstream holds the reports for authors of libraries. Every defect has its file. Where the library
+// is installed, the program in the file prints the quoted output.
 #include <cstdlib>
 #include <regex>
 #include <set>
@@ -34,7 +34,7 @@ fs::path npm() {
     return (told ? fs::path(told) : specimens / "../../plugins/npm") / "node_modules";
 }
 
-/// Whether the library is there: what the program includes or imports can be found.
+/// True if the library is there: what the program includes or imports can be found.
 bool installed(const Scratch& scratch, const std::string& command, const std::string& program) {
     if (command.starts_with("g++")) {
         if (in_folder(scratch, std::regex_replace(command, std::regex("^g\\+\\+"), "g++ -E -o all.i") + " 2>why") == 0)

@@ -1,4 +1,4 @@
-// What lostbits says of problems.
+// Answers of lostbits to problems.
 #pragma once
 
 #include <span>
@@ -18,7 +18,7 @@ enum class Way {
     interface         ///< through liblostbits.so
 };
 
-/// How close t is known by that way, as a share of itself.
+/// Relative error bound of t computed that way.
 double tightness_of(Way way);
 
 /// All problems of a batch have their ends open alike, and matrices of one kind; through the interface, not inverses.

@@ -40,7 +40,7 @@ using Bits = std::conditional_t<sizeof(F) == 4, std::uint32_t, std::uint64_t>;
 template <class F>
 constexpr F infinite = std::numeric_limits<F>::infinity();
 
-/// Whether a number of the format F is t ≥ 0 rounded to nearest, ties to even.
+/// True if a number of the format F is t ≥ 0 rounded to nearest, ties to even.
 template <class F, class E>
 bool is_rounded(double rounded, const First<E>& t) {
     const F x = static_cast<F>(rounded), largest = std::numeric_limits<F>::max();

@@ -1,4 +1,4 @@
-// Whether an answer is the right one: quickly where bounds tell, else without an error.
+// Check of an answer: quick where bounds decide, and exact otherwise.
 #pragma once
 
 #include <cstddef>

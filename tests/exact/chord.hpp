@@ -36,7 +36,7 @@ Chord<E> joined(const Chord<E>& a, const Chord<E>& b) {
                    order(*a->last, *b->last) > 0 ? a->last : b->last};
 }
 
-/// Where b + t m is between 0 and v, v > 0.
+/// Range of t in which b + t m is between 0 and v, v > 0.
 template <class E>
 Chord<E> between(const E& b, const E& m, const E& v) {
     const int across = sign(m);
@@ -45,7 +45,7 @@ Chord<E> between(const E& b, const E& m, const E& v) {
     return across > 0 ? Part<E>{at_0, at_v} : Part<E>{at_v, at_0};
 }
 
-/// Where a t² + 2 h t + c ≤ 0 within a part, of a primitive that is convex there.
+/// Range of t within a part in which a t² + 2 h t + c ≤ 0, for a primitive that is convex there.
 template <class E>
 Chord<E> below(const Chord<E>& part, const E& a, const E& h, const E& c) {
     if (!part) return part;
@@ -66,7 +66,7 @@ Chord<E> below(const Chord<E>& part, const E& a, const E& h, const E& c) {
     return before ? before : after;
 }
 
-/// Which t count.
+/// Range of t that counts.
 template <class E>
 struct Counted {
     Place<E> from;

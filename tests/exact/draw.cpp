@@ -44,7 +44,7 @@ std::size_t numbers_in(std::string_view layout) {
     return n;
 }
 
-/// Whether the three numbers at k are those at l, or 0 each without an l.
+/// True if the three numbers at k are those at l, or 0 each without an l.
 bool is_zero(const Problem& p, std::size_t k) {
     return p.primitive[k] == 0 && p.primitive[k + 1] == 0 && p.primitive[k + 2] == 0;
 }
@@ -60,7 +60,7 @@ bool are_on_one_line(const Problem& p) {
     return sign(n.x) == 0 && sign(n.y) == 0 && sign(n.z) == 0;
 }
 
-/// Whether it is a ray and a primitive, in numbers of the format, and its range holds a t.
+/// True if it is a ray and a primitive, in numbers of the format, and its range holds a t.
 template <class S>
 bool is_proper(std::string_view layout, const Problem& p) {
     const auto is_number = [](double x) {

@@ -34,10 +34,10 @@ inline std::size_t rays_or(std::size_t usual) {
     const char* const asked = std::getenv("LOSTBITS_EXACT_RAYS");
     return asked ? std::strtoull(asked, nullptr, 10) : usual;
 }
-/// Whether it says so: then what was asked is told.
+/// True if it says so: then what was asked is told.
 inline bool are_rays_asked() { return std::getenv("LOSTBITS_EXACT_RAYS") != nullptr; }
 
-/// Which ends of the ranges of a batch do not belong to them.
+/// Open ends of the ranges of a batch.
 struct Ends {
     bool open_tmin = false, open_tmax = false;
 };
@@ -51,7 +51,7 @@ void draw_random(const Shaped& shape, bool floats, Ends ends, Chance& chance, st
 /// where numbers end; one may be moved by an ulp. And numbers of any bits.
 void draw_made(const Shaped& shape, bool floats, Ends ends, Chance& chance, std::vector<Problem>& problems);
 
-/// What the matrices of a batch have in common.
+/// Common property of the matrices of a batch.
 struct Matrices {
     bool is_inverse = false;  ///< they lead from the world to the primitive
     int orientation = 1;      ///< the sign of their determinants

@@ -18,7 +18,7 @@ struct Passing {
     [[nodiscard]] bool meets() const {
         return across != 0 && edges[0] >= 0 && edges[1] >= 0 && edges[2] >= 0 && ahead >= 0;
     }
-    /// How many edges are met: two at a vertex.
+    /// Number of edges that are hit: two at a vertex.
     [[nodiscard]] int touched() const { return !meets() ? 0 : (edges[0] == 0) + (edges[1] == 0) + (edges[2] == 0); }
 };
 Passing pass(const Problem& triangle);

@@ -1,13 +1,13 @@
-// What the quick check computes with: two doubles and a bound of what they are off by.
+// Number type of the quick check: two doubles and a bound on their error.
 #pragma once
 
 #include <cmath>
 
 namespace lostbits::exact {
 
-/// Whether a sign was asked that a bound leaves open: what is found with it says nothing.
+/// True if a sign was asked that a bound leaves open: what is found with it says nothing.
 inline constinit thread_local bool in_doubt = false;
-/// Whether the points that count have no first: of a ray along a surface from where its range is open.
+/// True if the points that count have no first: of a ray along a surface from where its range is open.
 inline constinit thread_local bool has_no_first = false;
 
 /// |x − (high + low)| ≤ off, |low| ≤ u|high|, u = 2^-53. Where a number overflows `off` is infinite or NaN, and no sign

@@ -82,7 +82,7 @@ void turn(Matrix& m, int orientation) {
         for (std::size_t c = 0; c < 3; ++c) at(m, 0, c) = -at(m, 0, c);
 }
 
-/// Whether matrix and ray are numbers, the ray has a direction, and the matrix is of the kind.
+/// True if matrix and ray are numbers, the ray has a direction, and the matrix is of the kind.
 template <class S>
 bool is_placed(const Problem& p, int orientation) {
     const auto is_number = [](double x) { return std::isfinite(static_cast<S>(x)); };

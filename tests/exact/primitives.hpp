@@ -1,5 +1,5 @@
-// Where a ray first meets a primitive of each shape, in polynomials that are written down here from what the shapes
-// are, and in no number of lostbits.
+// First hit of a ray with a primitive of each shape, from polynomials derived here from the definition of the shape. No
+// number type of lostbits is used.
 #pragma once
 
 #include <array>
@@ -108,11 +108,11 @@ struct AlongAxis {
     }
     [[nodiscard]] Chord<E> planes() const { return between(fv, dv, v2); }
     [[nodiscard]] E round(const E& r) const { return c - v2 * (r * r); }
-    /// Whether the line lies in the plane of a cap.
+    /// True if the line lies in the plane of a cap.
     [[nodiscard]] bool is_in_plane() const { return sign(dv) == 0 && (sign(fv) == 0 || sign(v2 - fv) == 0); }
 };
 
-/// Whether a t² + 2 h t + c is 0 for all t: the line lies in the curved surface.
+/// True if a t² + 2 h t + c is 0 for all t: the line lies in the curved surface.
 template <class E>
 bool is_nothing(const E& a, const E& h, const E& c) {
     return sign(a) == 0 && sign(h) == 0 && sign(c) == 0;

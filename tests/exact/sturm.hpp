@@ -38,7 +38,7 @@ struct Powers {
     }
 };
 
-/// What is left of f divided by g, times a positive number.
+/// Remainder of f divided by g, times a positive number.
 template <class E>
 Powers<E> rest(Powers<E> f, const Powers<E>& g) {
     const bool falls = sign(g.leading()) < 0;
@@ -68,11 +68,11 @@ public:
         }
         most_ = changes([](const Powers<E>& g) { return g.degree % 2 == 0 ? sign(g.leading()) : -sign(g.leading()); });
     }
-    /// How many roots there are.
+    /// Number of roots.
     [[nodiscard]] int all() const {
         return most_ - changes([](const Powers<E>& g) { return sign(g.leading()); });
     }
-    /// How many of them are no larger than t.
+    /// Number of roots that are at most t.
     [[nodiscard]] int up_to(const E& t) const {
         return most_ - changes([x = t - origin_](const Powers<E>& g) { return g.sign_behind(x); });
     }

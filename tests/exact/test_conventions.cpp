@@ -1,5 +1,5 @@
-// What the truth says of rays that touch a primitive, begin on it or in it, by every convention and with every
-// instruction set: of small whole numbers, against a primitive that is smaller by 2^-44 and ranges that leave out the
+// Truth of rays that touch a primitive or begin on it or in it, for every convention and instruction set. The problems
+// have small integers. They are compared with a primitive that is smaller by 2^-44, and with ranges that leave out the
 // origin.
 #include <algorithm>
 #include <cmath>
@@ -104,7 +104,7 @@ struct Tally {
 
 double number_of(const Truth& truth) { return std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent)); }
 
-/// Whether t is the first there, but for what the open primitive is smaller by.
+/// True if t is the first there, but for what the open primitive is smaller by.
 bool is_about(const First<Whole>& first, double t) {
     return first.side(Whole(t - 0x1p-16)) > 0 && first.side(Whole(t + 0x1p-16)) < 0;
 }
@@ -247,7 +247,8 @@ TEST_CASE("exact: a ray that ends where it enters a primitive touches it", "[exa
     intersect::simd::set_isa(before);
 }
 
-TEST_CASE("exact: what touches a primitive or begins on it or in it is told so, and counts as it is asked", "[exact]") {
+TEST_CASE("exact: rays that touch a primitive or begin on or in it are recognised and follow the convention",
+          "[exact]") {
     for (const Shaped& shape : shapes) {
         Tally tally;
         const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 10000U : 30000U});
@@ -262,7 +263,7 @@ TEST_CASE("exact: what touches a primitive or begins on it or in it is told so, 
     }
 }
 
-TEST_CASE("exact: behind a rim that does not count the far wall of a tube is met", "[exact]") {
+TEST_CASE("exact: a ray through an excluded rim of a tube hits the far wall", "[exact]") {
     const Ray<double> given{{3, 2, 3}, {-1, -1, -1}};
     const Primitive<double> tube(Tube<double>{{2, -1, 2}, {-2, -1, 2}, 2});
     CHECK(number_of(find_truth(given, tube)) == 1);
@@ -277,7 +278,7 @@ TEST_CASE("exact: behind a rim that does not count the far wall of a tube is met
     CHECK(measure::truth::condition(ray, along_z, Touching::miss) == Approx(2));
 }
 
-TEST_CASE("exact: t in formats of few bits is the nearest number, and of two the even one", "[exact]") {
+TEST_CASE("exact: t in formats of few bits is the nearest number, or the even one of two", "[exact]") {
     for (const Shaped& shape : shapes) {
         std::size_t asked = 0, ties = 0;
         Chance chance(11);
@@ -311,7 +312,7 @@ TEST_CASE("exact: t in formats of few bits is the nearest number, and of two the
     }
 }
 
-TEST_CASE("exact: packs decide as each ray alone, with every instruction set", "[exact]") {
+TEST_CASE("exact: packs decide as single rays with every instruction set", "[exact]") {
     const auto before = intersect::simd::current_isa();
     for (const Shaped& shape : shapes) {
         Chance chance(8);

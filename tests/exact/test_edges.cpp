@@ -1,6 +1,6 @@
-// Rays at edges and vertices of triangles: what the truth decides in packs, against signs of whole numbers of a fixed
-// number of words. LOSTBITS_EXACT_RAYS says how many in floats, and a hundredth as many in doubles; `./run test --long`
-// asks 10^9 (CMakeLists.txt).
+// Rays at edges and vertices of triangles: decisions of the truth in packs, compared with signs of integers of a fixed
+// number of words. LOSTBITS_EXACT_RAYS sets the number of rays in floats; a hundredth as many are in doubles. `./run
+// test --long` asks 10^9 (CMakeLists.txt).
 #include <sstream>
 
 #include "catch.hpp"
@@ -82,13 +82,13 @@ void hold(const Tally& tally) {
 
 }  // namespace
 
-TEST_CASE("exact: rays at edges and vertices of triangles", "[exact][edges]") {
+TEST_CASE("exact: rays at edges and vertices of triangles are decided exactly", "[exact][edges]") {
     hold(ask_rays({Way::floats_for_ulps, Way::floats}, rays_or(200'000), 21));
     hold(ask_rays({Way::doubles}, are_rays_asked() ? rays_or(0) / 100 : 20'000, 22));
 }
 
 /// A rim that belongs to the triangle or not is all that the two questions differ in.
-TEST_CASE("exact: rays at edges tell a triangle from one without its rim", "[exact][edges]") {
+TEST_CASE("exact: rays at edges distinguish a triangle from one without its rim", "[exact][edges]") {
     Chance chance(23);
     std::vector<Problem> problems(20 * batch);
     std::vector<std::uint8_t> hit;
@@ -105,7 +105,7 @@ TEST_CASE("exact: rays at edges tell a triangle from one without its rim", "[exa
 }
 
 /// An edge that counts as outside where it is met, one after the other, and an origin that is passed over.
-TEST_CASE("exact: a sign that is wrong at zero is seen", "[exact][edges]") {
+TEST_CASE("exact: a sign that is wrong at zero is detected", "[exact][edges]") {
     Chance chance(24);
     std::vector<Problem> problems(20 * batch);
     draw_at_edges(true, chance, problems);

@@ -1,6 +1,6 @@
-// The truth of every shape against an answer that shares nothing with it: its own polynomials, its own numbers, and
-// whole numbers of GMP where those do not tell. LOSTBITS_EXACT_RAYS=1000000 says how many random rays, and a tenth as
-// many made ones; `./run test --long` asks 10^8 of each shape, and 10^7 under matrices (CMakeLists.txt).
+// Truth of every shape, compared with an answer that shares nothing with it: its own polynomials, its own numbers, and
+// integers of GMP where those do not decide. LOSTBITS_EXACT_RAYS=1000000 sets the number of random rays; a tenth as
+// many are constructed. `./run test --long` asks 10^8 of each shape, and 10^7 under matrices (CMakeLists.txt).
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -94,7 +94,7 @@ void hold_placed(const Shaped& shape) {
 
 }  // namespace
 
-TEST_CASE("exact: every shape of the list is asked here", "[exact]") {
+TEST_CASE("exact: every shape is tested here", "[exact]") {
     const auto there = shapes_there_are();
     REQUIRE(there.size() == shapes.size());
     for (const auto& [name, numbers] : there) {
@@ -128,7 +128,7 @@ TEST_CASE("exact: the disc under matrices", "[exact]") { hold_placed(shapes[8]);
 TEST_CASE("exact: the plane under matrices", "[exact]") { hold_placed(shapes[9]); }
 TEST_CASE("exact: the torus under matrices", "[exact]") { hold_placed(shapes[10]); }
 
-TEST_CASE("exact: nothing is met under a matrix that is singular", "[exact]") {
+TEST_CASE("exact: nothing is hit under a singular matrix", "[exact]") {
     Chance chance(6);
     std::vector<Problem> problems(500);
     std::vector<Answer> answers;
@@ -145,7 +145,7 @@ TEST_CASE("exact: nothing is met under a matrix that is singular", "[exact]") {
         }
 }
 
-TEST_CASE("exact: an end that is open and nowhere takes no hit of a ray along a side of a cone", "[exact]") {
+TEST_CASE("exact: an open range end at infinity excludes no hit of a ray along the side of a cone", "[exact]") {
     // Once answered with a miss: a t² + 2 h t + c has a = 0.
     std::vector<Problem> problems{
         {.ray = {-3, -3, 1, 1, 1, 0}, .primitive = {1, 1, 1, 1, 0, 1, 1, 0}, .tmin = 1.5, .open_tmax = true},
@@ -158,7 +158,8 @@ TEST_CASE("exact: an end that is open and nowhere takes no hit of a ray along a 
     }
 }
 
-TEST_CASE("exact: a ray through all but the apex of a cone comes in after it, by 2^-1074 of t", "[exact]") {
+TEST_CASE("exact: a ray that nearly passes through the apex of a cone enters it after the apex, by 2^-1074 in t",
+          "[exact]") {
     // Once the root beside it, of the mirror image: a < 0, and 2 is between the roots.
     const std::vector<Problem> problems{
         {.ray = {-1, -1, 2, 0, 0x1p-1074, -1}, .primitive = {-1, -1, -1, -1, -1, 0, 1, 0}, .tmin = 1.5, .tmax = 3}};
@@ -171,7 +172,7 @@ TEST_CASE("exact: a ray through all but the apex of a cone comes in after it, by
     }
 }
 
-TEST_CASE("exact: entries of a box are told apart where their products underflow", "[exact]") {
+TEST_CASE("exact: entries of a box are distinguished where their products underflow", "[exact]") {
     // Once the third entry was answered where the second is the largest: n m of the first two lay below 2^-1000, and
     // neither was held against the third.
     std::vector<Problem> problems{
@@ -199,7 +200,7 @@ TEST_CASE("exact: entries of a box are told apart where their products underflow
     }
 }
 
-TEST_CASE("exact: an answer that is a little wrong is told from the right one, quickly and exactly", "[exact]") {
+TEST_CASE("exact: a slightly wrong answer is detected, quickly and exactly", "[exact]") {
     Chance chance(5);
     std::vector<Answer> answers;
     for (const Shaped& shape : shapes)

@@ -1,6 +1,6 @@
-// The promise of the forms that filter: no wrong decision, and 17 correct bits of 24 or 46 of 53 by a span, 18 or 47 by
-// steps of their own, held against answers that share nothing with them, in scalars and in packs. LOSTBITS_EXACT_RAYS
-// says how many rays of each kind.
+// Promise of the forms that filter: no wrong decision, and 17 correct bits of 24 or 46 of 53 by a span, 18 or 47 by
+// steps of their own. They are compared with answers that share nothing with them, in scalars and in packs.
+// LOSTBITS_EXACT_RAYS sets the number of rays of each kind.
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -233,12 +233,13 @@ TEMPLATE_TEST_CASE("exact: filters decide right and keep their bits", "[exact][f
     hold<TestType>(false);
 }
 
-TEMPLATE_TEST_CASE("exact: so do they where something is exactly equal", "[exact][filtered]", float, double) {
+TEMPLATE_TEST_CASE("exact: filters decide right where two values are exactly equal", "[exact][filtered]", float,
+                   double) {
     hold<TestType>(true);
 }
 
-TEMPLATE_TEST_CASE("exact: the filter of tori decides right at what one point is left of", "[exact][filtered]", float,
-                   double) {
+TEMPLATE_TEST_CASE("exact: the filter of tori decides right if touched in one point, without a hole and at any size",
+                   "[exact][filtered]", float, double) {
     const Intersector& form = *std::ranges::find(intersect::table::catalogue(), "torus.filtered",
                                                  [](const Intersector& row) { return row.info->name; });
     for (const char* const kind : {"touched", "without a hole", "of any size"}) {
@@ -261,7 +262,7 @@ TEMPLATE_TEST_CASE("exact: the filter of tori decides right at what one point is
 }
 
 /// The same formula without a filter: this test sees what a filter is for.
-TEST_CASE("exact: the formula of a filter is wrong without it", "[exact][filtered]") {
+TEST_CASE("exact: a filter's formula alone gives wrong answers", "[exact][filtered]") {
     for_each_filter([](const Intersector& form, const Shaped& shape) {
         if (has_own_steps(form.shape)) return;
         Chance chance(3);
@@ -285,7 +286,7 @@ TEST_CASE("exact: the formula of a filter is wrong without it", "[exact][filtere
 }
 
 /// Formats that no number of the processor has, of whole numbers that they hold.
-TEST_CASE("exact: filters decide right and keep their bits in formats of 16 bits and half", "[exact][filtered]") {
+TEST_CASE("exact: filters decide right and keep their bits in p16 and fp16", "[exact][filtered]") {
     for (const char* const name : {"p16", "fp16"})
         for_each_filter([name](const Intersector& form, const Shaped& shape) {
             const FloatFormat format = find_format(name)->parameters;

@@ -1,5 +1,5 @@
-// Every form of every shape when nothing is rounded, against answers that share nothing with it; and what enclosures
-// say of the same form, against what it gives unrounded.
+// Every form of every shape without rounding, compared with answers that share nothing with it. Enclosures of each form
+// are compared with its unrounded result.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -35,7 +35,7 @@ Primitive<double> primitive_of(const Shaped& shape, const Problem& p) {
     return primitive;
 }
 
-/// Whether no decision is near: rays to both sides of it, by up to 2^-14 of all lengths, meet the primitive or miss it
+/// True if no decision is near: rays to both sides of it, by up to 2^-14 of all lengths, meet the primitive or miss it
 /// as it does. A component of the direction that is 0 stays.
 bool is_clear(const Shaped& shape, const Problem& p, Chance& chance) {
     double reach = 0;
@@ -149,7 +149,7 @@ struct Tally {
     void add(const Problem& p, const Answer& a) { problems.push_back(p), answers.push_back(a); }
 };
 
-/// Whether what a form promises to answer without rounding includes this problem.
+/// True if what a form promises to answer without rounding includes this problem.
 bool is_asked(const intersect::Info& form, const Shaped& shape, const Problem& p, bool made) {
     // Where |d1| < 1e-4 its root is taken to be 0: test_tori has what follows.
     if (form.name == "torus.quilez") return false;
@@ -186,7 +186,7 @@ void ask(const Intersector& form, const Shaped& shape, const Problem& p, Tally& 
     tally.add(back, answer_of(true, from - *h.far));
 }
 
-/// Whether what an enclosure says of a number is true of 256 bits, of which a form may lose half.
+/// True if what an enclosure says of a number is true of 256 bits, of which a form may lose half.
 template <class E>
 bool contains(const E& x, const Real& v) {
     const mpfr_srcptr p = v.backend().data();
@@ -285,7 +285,7 @@ Decided least_decided(std::string_view form) {
 
 }  // namespace
 
-TEST_CASE("exact: every form solves the problem when nothing is rounded", "[exact][forms]") {
+TEST_CASE("exact: every form is right when nothing is rounded", "[exact][forms]") {
     for (const Shaped& shape : shapes) {
         const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 1000U : 10000U});
         const std::vector<Problem> random = clear_problems(shape, false, count),
@@ -309,7 +309,7 @@ TEST_CASE("exact: every form solves the problem when nothing is rounded", "[exac
     }
 }
 
-TEST_CASE("exact: enclosures of every form contain what the form gives unrounded", "[exact][forms]") {
+TEST_CASE("exact: enclosures of every form contain its unrounded result", "[exact][forms]") {
     for (const Shaped& shape : shapes) {
         const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 500U : 1000U});
         std::vector<Problem> problems = clear_problems(shape, false, count);

@@ -1,4 +1,4 @@
-// What tori alone need: forms that are wrong without any rounding, how far t can be moved, and lines through the hole.
+// Tests of tori only: forms that are wrong without rounding, the reach of t, and lines through the hole.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -41,7 +41,7 @@ std::pair<int, int> roots_in(const Problem& p) {
     const Sturm<E> quartic = quartic_of(Asked<E>(p));
     return {quartic.all(), quartic.all() - quartic.up_to(E())};
 }
-/// How many roots there are, and how many of them lie ahead.
+/// Number of roots, and number of roots ahead.
 std::pair<int, int> roots_of(const Ray<double>& ray, const Primitive<double>& primitive) {
     const Vec<double>&o = ray.origin, &d = ray.direction;
     Problem p{.ray = {o.x, o.y, o.z, d.x, d.y, d.z}};
@@ -53,7 +53,7 @@ std::pair<int, int> roots_of(const Ray<double>& ray, const Primitive<double>& pr
 
 }  // namespace
 
-TEST_CASE("a chain of remainders sees a torus where there is none, however wide its numbers", "[intersect][torus]") {
+TEST_CASE("a Sturm chain hits a torus that is not there, however wide its numbers", "[intersect][torus]") {
     // In the plane of its top, along which it touches it behind the origin: the quartic is a square.
     const Ray<double> ray{{-1087, 9, -450}, {-3, -4, 0}};
     const Torus<double> torus{{0, 0, 0}, {0, 0, 1}, 875, 450};
@@ -63,7 +63,7 @@ TEST_CASE("a chain of remainders sees a torus where there is none, however wide 
     CHECK_FALSE(unrounded<intersect::torus::FilteredTorus>(ray, torus).hit);
 }
 
-TEST_CASE("an absolute threshold makes Quilez's torus wrong without any rounding", "[intersect][torus][formula]") {
+TEST_CASE("an absolute threshold makes Quilez's torus wrong without rounding", "[intersect][torus][formula]") {
     // Through the hole of a torus that has hardly one: where |d1| < 1e-4 its root is taken to be 0.
     test::Seeded rng(0x7051);
     int asked = 0, off = 0;
@@ -87,7 +87,7 @@ TEST_CASE("an absolute threshold makes Quilez's torus wrong without any rounding
     CHECK(most < 0.1);
 }
 
-TEST_CASE("what half an ulp of each number moves t of a torus by is within its reach", "[truth][torus]") {
+TEST_CASE("half an ulp in each number moves t of a torus by no more than its reach", "[truth][torus]") {
     test::Seeded rng(0x706);
     Chance chance(9);
     int asked = 0, wide = 0;
@@ -129,7 +129,7 @@ TEST_CASE("what half an ulp of each number moves t of a torus by is within its r
     CHECK(share > 0.1);
 }
 
-TEST_CASE("how strongly errors act on t of a torus is what its derivatives say", "[truth][torus]") {
+TEST_CASE("the condition number of t of a torus agrees with its derivatives", "[truth][torus]") {
     // t = 5 − (R + r) = 2, with derivatives −1 by o.x, −t by d.x, −1 by R and by r; turning the axis moves nothing.
     const Ray<double> ray{{-5, 0, 0}, {1, 0, 0}};
     CHECK(measure::truth::condition(ray, Primitive<double>(Torus<double>{{0, 0, 0}, {0, 0, 1}, 2, 1})) == Approx(5));
@@ -138,7 +138,7 @@ TEST_CASE("how strongly errors act on t of a torus is what its derivatives say",
                                     Primitive<double>(Torus<double>{{0, 0, 0}, {0, 0, 1}, 2, 1})) == HUGE_VAL);
 }
 
-TEST_CASE("half-lines and ways meet a torus where they are in it, and not in its hole", "[torus]") {
+TEST_CASE("half-lines and segments meet a torus in its ring and not in its hole", "[torus]") {
     using measure::offset::find_meeting, measure::offset::Meeting, measure::offset::passes_through;
     const Primitive<double> torus(Torus<double>{{0, 0, 0}, {0, 0, 3}, 2, 1});
     const auto from = [&](const Vec<double>& o, const Vec<double>& d) { return find_meeting({{o, d}, 0}, torus); };

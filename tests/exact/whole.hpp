@@ -1,4 +1,4 @@
-// What the exact check computes with: whole numbers times powers of two, as all numbers of binary formats are.
+// Number type of the exact check: integers times powers of two, which represent every number of a binary format.
 #pragma once
 
 #include <gmp.h>

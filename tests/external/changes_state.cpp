@@ -1,5 +1,5 @@
-// The schoolbook formula in a library that changes how the processor computes: CHANGES says what, and WHEN whether it
-// does so when it is loaded, when it is asked for its forms, in every call, or in a thread of its own.
+// The schoolbook formula in a library that changes how the processor computes. CHANGES says which state it changes.
+// WHEN says at which time: when it is loaded, when it is asked for its forms, in every call, or in a thread of its own.
 #include <sys/syscall.h>
 #include <unistd.h>
 #include <xmmintrin.h>

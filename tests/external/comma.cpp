@@ -1,5 +1,5 @@
-// The schoolbook formula in a library that takes the user's locale for the whole program: when it is loaded, and when
-// it is asked for its forms.
+// The schoolbook formula in a library that sets the user's locale for the whole program: when it is loaded, and when it
+// is asked for its forms.
 #include <clocale>
 #include <cstdlib>
 #include <cstring>

@@ -47,7 +47,7 @@ Answer<float> disc(const Ray<float>& ray, const Disc<float>& disc) {
     return r2 <= outer * outer && r2 >= inner * inner ? Answer<float>(static_cast<float>(t)) : miss;
 }
 
-/// Whether what runs in the plane hits is `within`.
+/// True if what runs in the plane hits is `within`.
 template <bool within>
 Answer<float> plane(const Ray<float>& ray, const Plane<float>& plane) {
     const float none[3] = {};

@@ -25,7 +25,7 @@ inline std::map<std::string, std::string> row_of(const std::filesystem::path& su
     return {};
 }
 
-/// What `plugin check` says of a form in floats.
+/// Output of `plugin check` for a form in floats.
 inline std::string finding_of(const Outcome& checked, const std::string& form) {
     const auto at = checked.out.find(form + " in binary32");
     INFO(form << checked.out);

@@ -1,5 +1,5 @@
-// Forms of the catalogue again, as a library of formulas: everything that is measured of them must come out the same.
-// And two that misbehave.
+// Copies of the catalogue's forms as a library of formulas. All their measurements must be the same as for the
+// originals. Two more forms misbehave.
 #include <lostbits_form.hpp>
 
 #include <stdexcept>

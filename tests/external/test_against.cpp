@@ -1,4 +1,4 @@
-// Two forms held against each other.
+// Comparison of two forms.
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -31,7 +31,7 @@ int count(std::map<std::string, std::string>& row, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("against: what became of each pair of answers", "[external]") {
+TEST_CASE("against: the outcome of each pair of answers is right", "[external]") {
     const double nan = measure::truth::missing, inf = HUGE_VAL;
     const Answers a{{1, 1, 0, 0, nan, nan, 2, inf}, {1, 1, 1, 0, 1, 1, 1, 1}, {}};
     const Answers b{{1, 1 + 0x1p-22, 0, 0, nan, 1, 0, inf}, {1, 1, 0, 0, 1, 1, 1, 1}, {}};
@@ -51,7 +51,7 @@ TEST_CASE("against: what became of each pair of answers", "[external]") {
     CHECK(is(2, Against::other_alone_hits));
 }
 
-TEST_CASE("against: a form and itself, a twin, a rival, a predicate", "[external]") {
+TEST_CASE("against: a form is compared with itself, a twin, another form and a predicate", "[external]") {
     const Scratch folder;
     const std::string map = "map near-benign --size 64x48 -f f32 --pictures all -o out ";
     must(map + "-i sphere.unified -i sphere.schoolbook -i odd.right --against sphere.unified" + odd, folder.path());
@@ -76,7 +76,7 @@ TEST_CASE("against: a form and itself, a twin, a rival, a predicate", "[external
           64 * 48);
 }
 
-TEST_CASE("against: a sweep counts too, and wrong words are refused", "[external]") {
+TEST_CASE("against: a sweep counts differences too, and wrong words are refused", "[external]") {
     const Scratch folder;
     must("sweep sphere-distance -i sphere.schoolbook -f f32 --against sphere.unified -o out", folder.path());
     const auto steps = read_csv(folder.path() / "out/sphere-distance/samples.csv");

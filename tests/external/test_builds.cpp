@@ -10,8 +10,7 @@ namespace test_builds {
 
 using namespace lostbits::test;
 
-TEST_CASE("plugin: explain says what an answer is worth, and no more of a form that is compiled elsewhere",
-          "[external]") {
+TEST_CASE("plugin: explain reports how good an answer is, and nothing more of a compiled form", "[external]") {
     const Scratch folder;
     const std::string ray = "explain --sphere 0,0,0,1 --ray 0.25,0.125,-5,0,0,1 -f f32";
     const Outcome told = must(ray + " -i example.schoolbook" + plugin("schoolbook"), folder.path());
@@ -42,8 +41,7 @@ TEST_CASE("plugin: explain says what an answer is worth, and no more of a form t
     }
 }
 
-TEST_CASE("plugin: explain says what a form that is named beside is worth, and yes or no of one that tells no t",
-          "[external]") {
+TEST_CASE("plugin: explain reports how good a second form's answer is, or only its decision without t", "[external]") {
     const Scratch folder;
     const std::string with = " -f f32" + plugin("odd_plugin");
     const auto told = [&](const std::string& words) {
@@ -68,7 +66,7 @@ TEST_CASE("plugin: explain says what a form that is named beside is worth, and y
     CHECK(has(worst.err, "it decides every ray correctly, and it returns no t that could have an error"));
 }
 
-TEST_CASE("plugin: two builds of one library are in one run, each under a name", "[external]") {
+TEST_CASE("plugin: two builds of one library run together, each under its own name", "[external]") {
     const Scratch folder;
     std::filesystem::create_directory(folder.path() / "next");
     std::filesystem::copy_file(library("schoolbook"), folder.path() / "next/schoolbook.so");
@@ -121,7 +119,7 @@ TEST_CASE("plugin: two builds of one library are in one run, each under a name",
     CHECK(has(run("list intersectors --plugin new=", folder.path()).err, "--plugin new=: names no library; "));
 }
 
-TEST_CASE("plugin: what a claim, a page and JUnit say to type can be pasted", "[external]") {
+TEST_CASE("plugin: commands in claims, pages and JUnit can be pasted", "[external]") {
     const Scratch folder;
     std::filesystem::create_directory(folder.path() / "my scenes");
     std::filesystem::copy_file(std::string(LOSTBITS_DATA_DIR) + "/scenes/near-benign.toml",

@@ -1,5 +1,5 @@
-// `plugin check` asks what the truth is: it acquits every form of the catalogue, under another name, and finds ten
-// wrong ones of each shape.
+// `plugin check` compares a form with the truth. It accepts every form of the catalogue under another name, and detects
+// ten wrong forms of each shape.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -87,7 +87,7 @@ std::map<std::string, std::string> broken_of(const ForeignForm& form, const Fore
 
 }  // namespace
 
-TEST_CASE("contract: every form of the catalogue does as it says under another name", "[external]") {
+TEST_CASE("contract: every form of the catalogue keeps its contract under another name", "[external]") {
     // The promises that a form breaks by its own formula, as its source has it: what is asked here is what the words of
     // the catalogue say.
     const std::set<std::string> epsilon{"scale"}, no_touch{"touching"}, at_origin{"at-origin"}, within{"within"};
@@ -138,7 +138,7 @@ TEST_CASE("contract: every form of the catalogue does as it says under another n
         }
 }
 
-TEST_CASE("contract: what the truth answers does as it says", "[external]") {
+TEST_CASE("contract: the truth itself keeps its contract", "[external]") {
     for (const ShapeRow& shape : shape_rows) {
         const auto broken = broken_of(solved_by(shape.shape, right));
         for (const auto& [subject, words] : broken) FAIL_CHECK(shape.name << ' ' << subject << ": " << words);
@@ -174,8 +174,7 @@ Solves with_radius(const Change& change) {
 
 }  // namespace
 
-TEST_CASE("contract: one mistake about t has one explanation, and a t that halves is none of the direction",
-          "[external]") {
+TEST_CASE("contract: one mistake in t has one explanation, and a halved t is not one in the direction", "[external]") {
     const std::set<std::string> t{"t"};
     const auto broken_sphere = [](const Solves& solves) { return broken_of(solved_by(Shape::sphere, solves)); };
     CHECK(subjects_of(broken_sphere(with_t([](double x, const auto&) { return 3 * x; }))) == t);
@@ -202,7 +201,7 @@ TEST_CASE("contract: twice a radius and its square are told apart", "[external]"
     CHECK(words(with_radius([](double r) { return r + 2; })).starts_with("t is wrong"));
 }
 
-TEST_CASE("contract: an answer that is not a number is told how a miss is marked", "[external]") {
+TEST_CASE("contract: a NaN answer comes with advice on how to mark a miss", "[external]") {
     using R = const Ray<double>&;
     using S = const Primitive<double>&;
     const auto never = broken_of(solved_by(
@@ -217,7 +216,7 @@ TEST_CASE("contract: an answer that is not a number is told how a miss is marked
     CHECK(for_a_miss.at("aside").starts_with("a ray that passes by hits with a t that is not a number; set hit to 0"));
 }
 
-TEST_CASE("contract: a surface at the origin is asked about from the sides that are met", "[external]") {
+TEST_CASE("contract: a surface at the origin is tested from the sides that can be hit", "[external]") {
     for (const Shape shape : {Shape::triangle, Shape::disc, Shape::plane}) {
         const auto one_sided =
             broken_of(solved_by(shape, [](const Ray<double>& ray, const Primitive<double>& primitive) {
@@ -233,7 +232,8 @@ TEST_CASE("contract: a surface at the origin is asked about from the sides that 
     }
 }
 
-TEST_CASE("contract: answers that change each time say nothing of batches, primitives and threads", "[external]") {
+TEST_CASE("contract: answers that change with each call allow no verdict on batches, primitives and threads",
+          "[external]") {
     int calls = 0;
     ForeignForm form = solved_by(Shape::sphere, right);
     form.contract.flags &= ~unsigned{LB_ONE_THREAD};
@@ -278,7 +278,7 @@ const intersect::table::Intersector& row_named(std::string_view name) {
 
 }  // namespace
 
-TEST_CASE("contract: what is lost where the parts of a surface meet is found, and where", "[external]") {
+TEST_CASE("contract: hits lost where the parts of a surface meet are found and located", "[external]") {
     using enum Observation::Verdict;
     const auto at_rim = [](const Vec<double>& p, const Primitive<double>& primitive) {
         const Cylinder<double> c = primitive.cylinder();
@@ -330,7 +330,7 @@ TEST_CASE("contract: the first scale that fails is named", "[external]") {
     CHECK(edges_of(solved_by(Shape::capsule, right)).verdict == kept);
 }
 
-TEST_CASE("contract: contraction makes cracks in a watertight test", "[external]") {
+TEST_CASE("contract: contraction makes a watertight test leak", "[external]") {
     using enum Observation::Verdict;
     const Observation filtered = edges_of(renamed(row_named("triangle.filtered"), 32));
     INFO(filtered.words);
@@ -347,7 +347,7 @@ TEST_CASE("contract: contraction makes cracks in a watertight test", "[external]
     CHECK(edges_of(renamed(row_named("triangle.undivided"), 64)).verdict == told);
 }
 
-TEST_CASE("contract: ten wrong forms of each shape are found", "[external]") {
+TEST_CASE("contract: ten wrong forms of each shape are detected", "[external]") {
     std::map<Shape, int> found;
     const auto try_one = [&found](Shape shape, const Mistake& mistake) {
         const auto broken = broken_of(solved_by(shape, mistake.solve));

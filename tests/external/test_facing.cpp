@@ -1,4 +1,5 @@
-// One side of a triangle as a word of a contract: tried, believed by every command, and refused of what has no front.
+// Contracts of one-sided triangles: they are tested, respected by every command, and refused for shapes without a
+// front.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -24,7 +25,7 @@ std::string of_triangle(const std::string& a, const std::string& b, const std::s
 
 }  // namespace
 
-TEST_CASE("facing: plugin check says which word is missing, and acquits what has the right one", "[external]") {
+TEST_CASE("facing: plugin check names the missing property, and accepts a form with the right one", "[external]") {
     const Scratch folder;
     const Outcome o = run("plugin check " + facing, folder.path());
     CHECK(o.code == 1);
@@ -45,7 +46,7 @@ TEST_CASE("facing: plugin check says which word is missing, and acquits what has
     }
 }
 
-TEST_CASE("facing: a map, a mesh and a judgement hold each form to its own side", "[external]") {
+TEST_CASE("facing: map, mesh and judge compare each form with its own side", "[external]") {
     const Scratch folder;
     folder.write("near.toml", scene_text(of_triangle("[-1, -1, 1]", "[0, 1, 1]", "[1, -1, 1]") +
                                              of_triangle("[-2, -2, 0]", "[2, -2, 0]", "[0, 2, 0]"),
@@ -89,7 +90,7 @@ TEST_CASE("facing: a map, a mesh and a judgement hold each form to its own side"
     CHECK(has(refused.err, "facing is only for shapes with a front and a back (triangles, discs, planes)"));
 }
 
-TEST_CASE("facing: a pipe says it, and a sphere may not", "[external]") {
+TEST_CASE("facing: a pipe can declare it, and a sphere cannot", "[external]") {
     const std::string first = "roots=first\\n";
     const Outcome front = listed_by_pipe(first + "shape=triangle\\nfacing=front", " --json");
     INFO(front.err);

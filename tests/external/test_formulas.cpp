@@ -1,5 +1,5 @@
-// Libraries of forms over any number, from the outside: whatever is measured of a form of the catalogue is measured of
-// its copy behind the door, with the same result.
+// Libraries of forms over any number type, from the outside. Every measurement of a form of the catalogue gives the
+// same result for its copy in a library.
 #include <array>
 #include <filesystem>
 #include <string>
@@ -28,7 +28,7 @@ struct Pair {
 
 }  // namespace
 
-TEST_CASE("formulas: a map of a form and of its copy are the same in every format", "[external]") {
+TEST_CASE("formulas: a form and its copy have the same map in every format", "[external]") {
     struct Case {
         Pair forms;
         const char* scene;
@@ -70,7 +70,7 @@ TEST_CASE("formulas: a map of a form and of its copy are the same in every forma
     }
 }
 
-TEST_CASE("formulas: the comparison by which a form is wrong without rounding is named", "[external]") {
+TEST_CASE("formulas: the comparison that makes a form wrong without rounding is named", "[external]") {
     const Outcome o = must("explain --sphere 0,0,5,1 --ray 0.9999,0,0,0,0,1 -f f64 -i own.gives_up" + own);
     CHECK(has(o.out, "the form misses even without rounding."));
     CHECK(has(o.out, "Without rounding disc < 1/1000 holds, where disc is 0.000199989"));
@@ -79,7 +79,7 @@ TEST_CASE("formulas: the comparison by which a form is wrong without rounding is
     CHECK_FALSE(has(right.out, "Without rounding disc"));
 }
 
-TEST_CASE("formulas: what a form assumes wrongly is not blamed on an operation that also rounds", "[external]") {
+TEST_CASE("formulas: a wrong assumption of a form is not blamed on an operation that also rounds", "[external]") {
     const Outcome o = must("explain rtg-fig-7-3-4100 --pixel 128,128 -f f32 -i own.twice" + own);
     CHECK(has(o.out, "No operation is to blame: rounding inside the form makes "));
     CHECK(has(o.out, "the rest comes from what the form assumes"));
@@ -88,7 +88,7 @@ TEST_CASE("formulas: what a form assumes wrongly is not blamed on an operation t
     CHECK(has(once.out, "The culprit is"));
 }
 
-TEST_CASE("formulas: explained, in any format, and with the same words", "[external]") {
+TEST_CASE("formulas: a form is explained in any format, with the same text", "[external]") {
     const auto told = [](const std::string& form, const std::string& how) {
         const Outcome o = must("explain rtg-fig-7-3-4100 --pixel 128,128 -i " + form + how + own);
         return o.out;
@@ -101,7 +101,7 @@ TEST_CASE("formulas: explained, in any format, and with the same words", "[exter
     CHECK(has(told("own.unified", " -f f32"), "disc"));
 }
 
-TEST_CASE("formulas: the price is of packs of every width, with its operations", "[external]") {
+TEST_CASE("formulas: the cost is measured in packs of every width, with operation counts", "[external]") {
     const Scratch folder;
     must("trade --quick --repetitions 1 -i own.unified -i sphere.unified -f f32 -o out" + own, folder.path());
     std::map<std::string, std::vector<std::string>> widths, adds;
@@ -137,7 +137,7 @@ TEST_CASE("formulas: the bits are the same for every register width, and through
     CHECK(widths >= 2);
 }
 
-TEST_CASE("formulas: plugin check tries the t of a hit beside its near and far", "[external]") {
+TEST_CASE("formulas: plugin check tests t, near and far of a hit", "[external]") {
     const Outcome o = run("plugin check --time-limit 2" + own.substr(own.find("--plugin") + 8));
     CHECK(o.code == 3);  // one of its forms hangs
     const auto finding = [&o](const std::string& form) {
@@ -158,7 +158,7 @@ TEST_CASE("formulas: plugin check tries the t of a hit beside its near and far",
     CHECK_FALSE(has(finding("size_of_near"), "in every probe"));
 }
 
-TEST_CASE("formulas: one that crashes or hangs in any arithmetic ends the program with its name", "[external]") {
+TEST_CASE("formulas: a crash or a hang in any arithmetic ends the program with the form's name", "[external]") {
     for (const auto& [form, says] : std::initializer_list<std::array<std::string, 2>>{
              {"own.crashes", "SIGSEGV"},
              {"own.throws", "threw an exception: no bananas"},
@@ -176,7 +176,7 @@ TEST_CASE("formulas: one that crashes or hangs in any arithmetic ends the progra
     }
 }
 
-TEST_CASE("formulas: a library may hold forms that march alone, and its commands can be pasted", "[external]") {
+TEST_CASE("formulas: a library may have marching forms only, and its commands can be pasted", "[external]") {
     const Scratch folder;
     const std::string march = plugin("only_march");
     must("map sdf-sphere --size 32x24 -i mylib.half -f f32 -o out" + march, folder.path());
@@ -203,7 +203,7 @@ TEST_CASE("formulas: a library compiled with other headers is refused before it 
     CHECK(has(o.err, "compile it again"));
 }
 
-TEST_CASE("formulas: the example is what the page shows", "[external]") {
+TEST_CASE("formulas: the example is the code in the documents", "[external]") {
     const std::string source = LOSTBITS_SOURCE_DIR;
     const std::string page = contents(source + "/docs/your-own-form.md");
     for (const std::string file : {"geometric.cpp", "CMakeLists.txt"}) {

@@ -1,4 +1,4 @@
-// A guess of what is wrong explains hits and misses, on rays that it was not made from.
+// A guess of what is wrong must explain hits and misses, on rays that did not suggest it.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -39,9 +39,9 @@ auto of_radius(double radius) {
 
 }  // namespace
 
-TEST_CASE("suspicion: a guess explains hits and misses, and more than that all is missed", "[external]") {
+TEST_CASE("suspicion: a guess must explain hits and misses, and more than all-miss answers", "[external]") {
     using measure::contract::suspicion;
-    // What never hits is no sign of anything, however thin or large what it misses.
+    // A form that never hits allows no conclusion, however thin or large the primitive that it misses.
     const auto never = [](double, double) { return std::nan(""); };
     for (const double radius : {0x1p-10, 0.001, 0.1, 0.5, 1.0, 50.0, 1e6}) {
         for (const double reach : {0.9, 1.0, 3.0}) {
@@ -74,7 +74,7 @@ TEST_CASE("suspicion: a guess explains hits and misses, and more than that all i
         has(suspicion(beside(50, 49, [](double side, double) { return side < 0.2 ? 1e9 : std::nan(""); })), "seem"));
 }
 
-TEST_CASE("suspicion: a guess is tested on rays that it was not made from", "[external]") {
+TEST_CASE("suspicion: a guess is tested on rays that did not suggest it", "[external]") {
     using measure::contract::suspicion;
     // One wrong answer, of which a factor or a sign could always be made.
     auto all = beside(3, 1, of_radius(3));
@@ -85,7 +85,7 @@ TEST_CASE("suspicion: a guess is tested on rays that it was not made from", "[ex
     }
 }
 
-TEST_CASE("suspicion: a factor explains what a sum, one answer and false hits do not", "[external]") {
+TEST_CASE("suspicion: a factor is not guessed from a sum, from one answer or from false hits", "[external]") {
     using measure::contract::suspicion;
     const auto scaled = [](double from, double to, const auto& answer) {
         auto all = beside(3, 1, of_radius(3));

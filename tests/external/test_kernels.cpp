@@ -1,5 +1,4 @@
-// Kernels of OpenCL and CUDA behind a pipe: examples/pipes, on the OpenCL device that is here and on a stand-in of
-// CUDA.
+// Kernels of OpenCL and CUDA behind a pipe: examples/pipes, on the available OpenCL device and on a stand-in for CUDA.
 #include <initializer_list>
 #include <string>
 
@@ -28,8 +27,7 @@ std::string kept_in(const Scratch& folder) { return "POCL_CACHE_DIR='" + (folder
 
 }  // namespace
 
-TEST_CASE("kernels: OpenCL has the bits of C++ where contraction is off, and those of fused sums otherwise",
-          "[kernels]") {
+TEST_CASE("kernels: OpenCL has the bits of C++ without contraction, and those of fused sums otherwise", "[kernels]") {
     const std::string rounded = " -cl-fp32-correctly-rounded-divide-sqrt";
     std::vector<std::string> scenes{"rtg-fig-7-3-4100-oblique"};
     if (is_long()) scenes.insert(scenes.end(), {"near-benign", "camera-inside"});
@@ -54,13 +52,13 @@ TEST_CASE("kernels: OpenCL has the bits of C++ where contraction is off, and tho
     }
 }
 
-TEST_CASE("kernels: OpenCL keeps what its contract says", "[kernels]") {
+TEST_CASE("kernels: OpenCL kernels keep their contracts", "[kernels]") {
     const Scratch folder;
     const Outcome o = must("plugin check" + patient + opencl("opencl.sphere", ""), folder.path(), kept_in(folder));
     CHECK(has(o.out, "does as it says"));
 }
 
-TEST_CASE("kernels: what cannot run is told in a sentence, and nothing is written", "[kernels]") {
+TEST_CASE("kernels: a kernel that cannot run is refused with a reason, and nothing is written", "[kernels]") {
     const Scratch kernels;
     const std::string wrong = kernels.write("wrong.cl", "__kernel void intersect() { nope(); }\n");
     const std::string other = kernels.write("other.cl", "__kernel void other() {}\n");
@@ -87,7 +85,7 @@ TEST_CASE("kernels: what cannot run is told in a sentence, and nothing is writte
     }
 }
 
-TEST_CASE("kernels: the program for CUDA and its side of the kernel have the bits of C++ on a stand-in", "[kernels]") {
+TEST_CASE("kernels: the CUDA program and its kernel have the bits of C++ on a stand-in", "[kernels]") {
     for (const std::string scene : {"near-benign", "camera-inside"}) {
         const Scratch folder;
         must("map " + scene +

@@ -1,4 +1,4 @@
-// What is claimed of the libraries that plugins/ wraps, measured again.
+// Claims about the libraries that plugins/ wraps, measured again.
 #include <filesystem>
 #include <string>
 
@@ -9,7 +9,7 @@ namespace test_libraries {
 
 using namespace lostbits::test;
 
-TEST_CASE("libraries: every claim about one that was built holds, and others are skipped by name", "[external]") {
+TEST_CASE("libraries: every claim about a built library holds, and the others are skipped by name", "[external]") {
     const Scratch folder;
     std::string loaded;
     int libraries = 0;
@@ -28,7 +28,7 @@ TEST_CASE("libraries: every claim about one that was built holds, and others are
     CHECK(has(one.out, "no loaded library has openvdb.sphere; add --plugin, --pipe or --shader"));
 }
 
-TEST_CASE("libraries: a claim about a form that is not there is skipped in its profile alone", "[external]") {
+TEST_CASE("libraries: a claim about a missing form is skipped only in the profile without the form", "[external]") {
     const Scratch folder;
     const std::string claim =
         "[[claim]]\nid = \"a\"\nstatement = \"s\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\n"
@@ -38,7 +38,7 @@ TEST_CASE("libraries: a claim about a form that is not there is skipped in its p
     const std::string here = folder.write("here.toml", schema + claim);
     const std::string theirs = folder.write("theirs.toml", schema + "profile = \"libraries\"\n" + claim);
     CHECK(run("check " + here, folder.path()).code != 0);
-    // Where nothing else is measured, nothing is known.
+    // The result is unknown if nothing else is measured.
     const Outcome skipped = run("check --profile libraries " + theirs, folder.path());
     CHECK(skipped.code == 4);
     CHECK(has(skipped.err,

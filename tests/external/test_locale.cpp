@@ -1,5 +1,5 @@
-// In a locale that writes 0.5 as 0,5 and 1000 as 1.000 the program reads and writes what it does elsewhere, even where
-// a library takes that locale for the whole program.
+// In a locale that writes 0.5 as 0,5 and 1000 as 1.000 the program reads and writes the same bytes as elsewhere, even
+// where a library sets that locale for the whole program.
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -95,7 +95,7 @@ TEST_CASE("a library that takes a locale of decimal commas for the whole program
     require_same(work_in("C", locales, form, with), work_in("de_DE.UTF-8", locales, form, with));
 }
 
-TEST_CASE("a library that is run in a process of its own may take its locale, too") {
+TEST_CASE("a library in a child process may also set its locale") {
     const Scratch locales;
     make_locale(locales);
     const Scratch folder;

@@ -1,5 +1,5 @@
-// Libraries that end the program, copy it or change what is its own: wherever they run, nothing passes for a success
-// that is none, whoever did it is named, and no process is left.
+// Libraries that end the program, copy it or change its state. Wherever they run, no failure is reported as success,
+// the library to blame is named, and no process is left.
 #include <signal.h>
 #include <unistd.h>
 
@@ -102,7 +102,7 @@ void in_every_way(const std::vector<std::string>& manners, const See& see) {
 
 }  // namespace
 
-TEST_CASE("manners: whatever ends the program in the middle ends it with 3 and a name", "[external]") {
+TEST_CASE("manners: a library that ends the program makes it exit with 3 and the library's name", "[external]") {
     in_every_way(
         {"load _exit", "load quick_exit", "load exit", "load crash in a thread", "call _exit", "call quick_exit",
          "call exit", "call crash in a thread", "load throw in a thread", "call throw in a thread"},
@@ -114,14 +114,14 @@ TEST_CASE("manners: whatever ends the program in the middle ends it with 3 and a
         });
 }
 
-TEST_CASE("manners: a library's environment does not decide where the data lie", "[external]") {
+TEST_CASE("manners: environment variables set by a library do not change where data is found", "[external]") {
     in_every_way({"load setenv", "call setenv"}, [](const std::string&, const Way&, const Ran& ran) {
         CHECK(ran.outcome.code == 0);
         CHECK(ran.has_results);
     });
 }
 
-TEST_CASE("manners: what happens after the results changes neither them nor the answer", "[external]") {
+TEST_CASE("manners: events after the results change neither them nor the exit code", "[external]") {
     in_every_way({"load crash at exit", "call crash at exit"}, [](const std::string&, const Way& way, const Ran& ran) {
         CHECK(ran.outcome.code == (way.isolated ? 0 : 3));
         CHECK(ran.has_results);
@@ -140,7 +140,7 @@ TEST_CASE("manners: what happens after the results changes neither them nor the 
     }
 }
 
-TEST_CASE("manners: a copy of the program that comes back does not go on as the program", "[external]") {
+TEST_CASE("manners: a forked copy of the program that returns does not continue the run", "[external]") {
     in_every_way({"load fork", "call fork", "load fork and exit", "call fork and exit", "load fork and stay",
                   "call fork and stay", "load fork and setsid", "call fork and setsid"},
                  [](const std::string& manner, const Way&, const Ran& ran) {
@@ -150,7 +150,7 @@ TEST_CASE("manners: a copy of the program that comes back does not go on as the 
                  });
 }
 
-TEST_CASE("manners: results lie where -o says, though a library goes elsewhere", "[external]") {
+TEST_CASE("manners: results go where -o says even if a library changes the folder", "[external]") {
     in_every_way({"load chdir", "call chdir", "load umask", ""}, [](const std::string&, const Way&, const Ran& ran) {
         CHECK(ran.outcome.code == 0);
         CHECK(ran.has_results);
@@ -158,8 +158,7 @@ TEST_CASE("manners: results lie where -o says, though a library goes elsewhere",
     });
 }
 
-TEST_CASE("manners: standard output that a library closes is an error, and no result is written into a file",
-          "[external]") {
+TEST_CASE("manners: standard output closed by a library is an error, and does not end up in a file", "[external]") {
     in_every_way({"load close"}, [](const std::string&, const Way& way, const Ran& ran) {
         if (std::string(way.words) == "plugin check") return;
         CHECK(ran.outcome.code == (way.isolated ? 0 : 3));
@@ -167,7 +166,8 @@ TEST_CASE("manners: standard output that a library closes is an error, and no re
     });
 }
 
-TEST_CASE("manners: descriptors that are the program's own and are closed end it with 3 and a name", "[external]") {
+TEST_CASE("manners: a library that closes the program's own file descriptors makes it exit with 3 and a name",
+          "[external]") {
     in_every_way({"load close all", "call close all", "load close files", "call close files"},
                  [](const std::string& manner, const Way& way, const Ran& ran) {
                      // Behind a pipe a library has none of the program's but the pipe.
@@ -179,7 +179,7 @@ TEST_CASE("manners: descriptors that are the program's own and are closed end it
                  });
 }
 
-TEST_CASE("manners: a program that a library stops does not wait for ever", "[external]") {
+TEST_CASE("manners: a program stopped by a library does not wait for ever", "[external]") {
     for (const std::string manner : {"load stop", "call stop"}) {
         for (const Way& way : {ways[0], ways[2]}) {
             const Ran ran = run_with(manner, way.words, way.before);
@@ -192,7 +192,7 @@ TEST_CASE("manners: a program that a library stops does not wait for ever", "[ex
     }
 }
 
-TEST_CASE("manners: limits that a library lowers are the library's own affair", "[external]") {
+TEST_CASE("manners: limits lowered by a library affect that library only", "[external]") {
     in_every_way({"load lower limits", "call lower limits"}, [](const std::string&, const Way&, const Ran& ran) {
         CHECK(ran.outcome.code == 0);
         CHECK(ran.has_results);
@@ -200,7 +200,7 @@ TEST_CASE("manners: limits that a library lowers are the library's own affair", 
     });
 }
 
-TEST_CASE("manners: a library of formulas stays in the program, which says so", "[external]") {
+TEST_CASE("manners: a library of formulas is loaded into the program, and the output says so", "[external]") {
     const Scratch folder;
     const std::string command = "list forms --plugin " + std::string(LOSTBITS_LIBRARIES) + "/only_march.so",
                       said = "only_march.so: has formulas, so it runs in this process";
@@ -215,8 +215,7 @@ TEST_CASE("manners: a library of formulas stays in the program, which says so", 
     CHECK(run(command + " --in-process --isolate", folder.path()).code == 2);
 }
 
-TEST_CASE("manners: signals reach the process that works, once each, and it does not outlive the one that waits",
-          "[external]") {
+TEST_CASE("manners: signals reach the working process once each, and it ends with its parent", "[external]") {
     for (const int signal : {SIGINT, SIGTERM, SIGKILL}) {
         for (const bool to_both : {false, true}) {
             const Scratch folder;
@@ -242,7 +241,7 @@ TEST_CASE("manners: signals reach the process that works, once each, and it does
     }
 }
 
-TEST_CASE("manners: one who waits for answers and cannot be told is an error of plugin serve", "[external]") {
+TEST_CASE("manners: plugin serve fails if it cannot send its answers", "[external]") {
     const Scratch folder;
     const Outcome full = run("plugin serve " + library + " </dev/zero >/dev/full", folder.path());
     INFO(full.err);

@@ -22,7 +22,7 @@ std::string speaking(const std::string& header, const std::string& then) {
 
 }  // namespace
 
-TEST_CASE("pipe: Python and JavaScript have the answers of sphere.schoolbook in doubles", "[external]") {
+TEST_CASE("pipe: Python and JavaScript give the answers of sphere.schoolbook in doubles", "[external]") {
     const Scratch folder;
     for (const std::string scene : {"near-benign", "rtg-fig-7-3-4100-oblique"}) {
         must("map " + scene +
@@ -39,7 +39,7 @@ TEST_CASE("pipe: Python and JavaScript have the answers of sphere.schoolbook in 
     must("plugin check --pipe " + pipes + "schoolbook.py", folder.path());
 }
 
-TEST_CASE("pipe: a command that does not answer as it should is named, and nothing is written", "[external]") {
+TEST_CASE("pipe: a command that answers wrongly is named, and nothing is written", "[external]") {
     struct Fault {
         std::string pipe, says;
         int code;
@@ -75,7 +75,7 @@ TEST_CASE("pipe: a command that does not answer as it should is named, and nothi
     }
 }
 
-TEST_CASE("pipe: a function of a segment may answer a point, in Python and in JavaScript", "[external]") {
+TEST_CASE("pipe: a function of a segment may return a point, in Python and in JavaScript", "[external]") {
     const Scratch folder;
     folder.write("mine.mjs", "import { serve } from \"" + pipes + R"(lostbits_pipe.mjs";
 const dot = (a, b) => a.reduce((sum, x, k) => sum + x * b[k], 0);
@@ -128,7 +128,7 @@ serve(mine, name="py.NAME", roots="near", takes="segment", answers="NAME")
     CHECK(has(refused.err, "a plane gives a segment no end behind it"));
 }
 
-TEST_CASE("pipe: what JavaScript copies of a batch grows with its rays", "[external]") {
+TEST_CASE("pipe: JavaScript copies data in proportion to the rays of a batch", "[external]") {
     const Scratch folder;
     folder.write("ball.toml", scene_text("[[mesh]]\nmake = \"icosphere\"\nlevels = 2\nradius = 2\ncentre = [0, 0, 0]\n",
                                          "", "kind = \"pinhole\"\nfov_deg = 60\neye = [0, 0, 5]\n"));
@@ -148,7 +148,7 @@ serve({ name: "js.counts", shape: "triangle", roots: "first" }, () => { ++rays; 
     CHECK(has(o.err, "copied 15 numbers of each ray"));  // 6 of the ray, 9 of its triangle
 }
 
-TEST_CASE("pipe: plugin serve refuses what is no request", "[external]") {
+TEST_CASE("pipe: plugin serve refuses malformed requests", "[external]") {
     const Scratch folder;
     const Outcome o = run(
         "plugin serve " + std::string(LOSTBITS_LIBRARIES) + "/schoolbook.so </etc/services >/dev/null", folder.path());

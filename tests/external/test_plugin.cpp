@@ -1,5 +1,5 @@
-// Libraries of intersectors, from the outside: the same bits as the forms they copy, and an end with a name for every
-// way in which foreign code can go wrong.
+// Libraries of intersectors, from the outside: the same bits as the forms they copy, and an error with a name for every
+// way in which foreign code can fail.
 #include <array>
 #include <string>
 
@@ -49,7 +49,7 @@ TEST_CASE("plugin: the schoolbook formula has the bits of sphere.schoolbook, in 
     }
 }
 
-TEST_CASE("plugin: a form that says only whether it hits is judged by its decisions alone", "[external]") {
+TEST_CASE("plugin: a form without t is judged by its decisions alone", "[external]") {
     const Scratch folder;
     REQUIRE(map_by("odd.predicate", folder).code == 0);
     auto row = row_of(folder.path() / "out/near-benign/summary.csv", "odd.predicate", "f32");
@@ -61,7 +61,7 @@ TEST_CASE("plugin: a form that says only whether it hits is judged by its decisi
     CHECK((row["ulp_error_max"].empty() || row["ulp_error_max"] == "nan"));
 }
 
-TEST_CASE("plugin: its forms are measured where -i names none, and where -i names others that is said", "[external]") {
+TEST_CASE("plugin: its forms are measured without -i, and where -i names others the output says so", "[external]") {
     const Scratch folder;
     const std::string with = " --size 24x16 -f f32 -o out" + plugin("schoolbook"),
                       said = "example.schoolbook is loaded";
@@ -80,7 +80,7 @@ TEST_CASE("plugin: its forms are measured where -i names none, and where -i name
         CHECK(!has(run("map near-benign " + words + with, folder.path()).err, said));
 }
 
-TEST_CASE("plugin: a form that fits nothing that is measured is said to be left out", "[external]") {
+TEST_CASE("plugin: a form whose shape is not in the scene is reported as left out", "[external]") {
     const Scratch folder;
     const std::string with = " -o out" + plugin("odd_plugin");
     for (const std::string words :
@@ -106,7 +106,7 @@ TEST_CASE("plugin: a form that fits nothing that is measured is said to be left 
     CHECK_FALSE(has(map_by("odd.first", folder).err, "left out"));
 }
 
-TEST_CASE("plugin: other commands take its forms too", "[external]") {
+TEST_CASE("plugin: other commands accept its forms too", "[external]") {
     const Scratch folder;
     const std::string with = plugin("odd_plugin");
     must("sweep sphere-distance -i odd.first -f f32 -o out" + with, folder.path());
@@ -127,7 +127,7 @@ TEST_CASE("plugin: other commands take its forms too", "[external]") {
     must("check claims.toml" + with, folder.path());
 }
 
-TEST_CASE("plugin: every way to go wrong ends with a name, exit 3 and no files", "[external]") {
+TEST_CASE("plugin: every failure ends with a name, exit code 3 and no files", "[external]") {
     struct Fault {
         const char *form, *says;
         bool isolated = true;  ///< an error with a name in a process of its own, too
@@ -155,7 +155,7 @@ TEST_CASE("plugin: every way to go wrong ends with a name, exit 3 and no files",
     }
 }
 
-TEST_CASE("plugin: an interrupt in the middle of a batch that never ends is heard", "[external]") {
+TEST_CASE("plugin: an interrupt during an endless batch ends the program", "[external]") {
     const Scratch folder;
     const Outcome o = run(
         "map near-benign --size 32x24 -i odd.hangs -f f32 -o out --time-limit 60" + plugin("odd_plugin"), folder.path(),
@@ -167,8 +167,7 @@ TEST_CASE("plugin: an interrupt in the middle of a batch that never ends is hear
     CHECK(folder.files().empty());
 }
 
-TEST_CASE("plugin: what does better on a ray is asked of libraries that are isolated, or that are named",
-          "[external]") {
+TEST_CASE("plugin: isolated or named libraries are asked for a better form for a ray", "[external]") {
     const std::string what =
         "explain rtg-fig-7-3-4100-oblique --pixel 128,40 -i sphere.schoolbook -f f32 --json" + plugin("odd_plugin");
     const Scratch folder;
@@ -197,7 +196,7 @@ TEST_CASE("plugin: what does better on a ray is asked of libraries that are isol
     CHECK(by(" --beside odd.rihgt").code == 2);
 }
 
-TEST_CASE("plugin: in a process of its own it answers, and what it prints is no output of the program", "[external]") {
+TEST_CASE("plugin: it runs in a child process, and its prints do not mix with the program's output", "[external]") {
     const Scratch folder;
     CHECK(map_by("odd.right", folder, " --isolate").code == 0);
     const Outcome talks = map_by("odd.talks", folder, " --isolate");
@@ -206,7 +205,7 @@ TEST_CASE("plugin: in a process of its own it answers, and what it prints is no 
     CHECK_FALSE(has(talks.out, "hello"));
 }
 
-TEST_CASE("plugin: what is no library of forms is refused, with what to try", "[external]") {
+TEST_CASE("plugin: a file that is not a library of forms is refused with advice", "[external]") {
     const Scratch folder;
     const auto refused = [&](const std::string& name, const std::string& says) {
         const Outcome o = run("list intersectors --plugin " + name, folder.path());
@@ -231,7 +230,7 @@ TEST_CASE("plugin: what is no library of forms is refused, with what to try", "[
     CHECK(run("list intersectors --isolate", folder.path()).code == 2);
 }
 
-TEST_CASE("plugin: a contract that makes no sense is refused by its name", "[external]") {
+TEST_CASE("plugin: an impossible contract is refused by name", "[external]") {
     const Scratch folder;
     for (const auto& [word, says] : std::initializer_list<std::array<std::string, 2>>{
              {"no_name", "a form has no name"},
@@ -257,7 +256,7 @@ TEST_CASE("plugin: a contract that makes no sense is refused by its name", "[ext
     must("list intersectors" + plugin("wrong_contracts"), folder.path());
 }
 
-TEST_CASE("plugin: C is enough", "[external]") {
+TEST_CASE("plugin: a library can be written in plain C", "[external]") {
     const Scratch folder;
     CHECK(run("plugin check " + library("plugin_in_c"), folder.path()).code == 1);  // a NaN in a face is a miss there
     must("map box-axis --size 64x48 -i c.slabs -i box.divide -f f64 -o out" + plugin("plugin_in_c"), folder.path());
@@ -265,7 +264,7 @@ TEST_CASE("plugin: C is enough", "[external]") {
     CHECK(row_of(summary, "c.slabs", "f64")["agree_hit"] == row_of(summary, "box.divide", "f64")["agree_hit"]);
 }
 
-TEST_CASE("plugin: a reader that goes away is no fault of the library", "[external]") {
+TEST_CASE("plugin: a reader that closes the pipe early is not blamed on the library", "[external]") {
     for (const std::string& words : {"plugin check " + library("schoolbook"),
                                      "map near-benign --size 32x24 -i odd.right -f f32 -o out" + plugin("odd_plugin"),
                                      "trade --quick -i example.schoolbook -f f32 -o out" + plugin("schoolbook")}) {
@@ -276,7 +275,7 @@ TEST_CASE("plugin: a reader that goes away is no fault of the library", "[extern
     }
 }
 
-TEST_CASE("plugin check: says which promise is broken and what to write", "[external]") {
+TEST_CASE("plugin check: it names the broken promise and says what to write", "[external]") {
     const Scratch folder;
     const Outcome o = must("plugin check " + library("schoolbook"), folder.path());
     CHECK(has(o.out, "example.schoolbook in binary32, a sphere: does as it says"));

@@ -63,7 +63,7 @@ TEST_CASE("servers: a function in ten lines has the bits of sphere.schoolbook", 
     CHECK(ours == contents(out / "mine.py.f64.csv"));
 }
 
-TEST_CASE("servers: each way to take a ray and to answer does as it says", "[external]") {
+TEST_CASE("servers: every way to take rays and to answer works as declared", "[external]") {
     int turn = 0;
     for (const auto& [js, py] : std::initializer_list<std::array<std::string, 2>>{
              {"serve({ name: 'mine.form', roots: 'first', takes: 'segment' }, (from, to, s) => {\n"

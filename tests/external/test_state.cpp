@@ -1,5 +1,5 @@
-// A library that changes how the processor computes (its rounding, whether subnormal numbers are kept) changes what it
-// answers itself, and nothing else.
+// A library that changes how the processor computes (rounding mode, subnormal numbers) changes its own answers and
+// nothing else.
 #include <array>
 #include <cstdlib>
 #include <string>
@@ -85,7 +85,7 @@ std::string environment(const std::string& when, const std::string& what) {
 
 }  // namespace
 
-TEST_CASE("state: whatever a library does to the processor, and when, no other row changes", "[external]") {
+TEST_CASE("state: a library that changes the processor state at any time changes no other row", "[external]") {
     std::array<std::vector<std::string>, commands> right;
     for (std::size_t command = 0; command < commands; ++command) right[command] = rows_left(command, "", "");
     REQUIRE(right[0].size() + right[1].size() + right[2].size() == 8);
@@ -114,7 +114,7 @@ TEST_CASE("state: whatever a library does to the processor, and when, no other r
             hold(turn++, "", environment(when, what) + "export LD_PRELOAD=" + library + ";");
 }
 
-TEST_CASE("state: a library that flushes subnormal numbers is measured so, whoever asks", "[external]") {
+TEST_CASE("state: a library that flushes subnormal numbers is measured so by every command", "[external]") {
     const Scratch folder;
     static_cast<void>(folder.write("tiny.toml", tiny));
     const auto answers = [&](const std::string& when, const std::string& more) {
@@ -135,7 +135,7 @@ TEST_CASE("state: a library that flushes subnormal numbers is measured so, whoev
     }
 }
 
-TEST_CASE("state: who changes it is told so, once", "[external]") {
+TEST_CASE("state: a library that changes the processor state is reported once", "[external]") {
     const Scratch folder;
     const auto told = [&](const std::string& when, const std::string& command) {
         return run(command, folder.path(), environment(when, "flush"));

@@ -1,4 +1,4 @@
-// A contract that is wrong costs more than any rounding: it is said, and never of one that is right.
+// A wrong contract costs more than any rounding. It is reported, and a right one never is.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -41,7 +41,7 @@ std::vector<measure::contract::Judged> judged(const Answer& answer) {
 
 }  // namespace
 
-TEST_CASE("suspicion: each wrong contract is known by its answers", "[external]") {
+TEST_CASE("suspicion: each wrong contract is recognised from its answers", "[external]") {
     using measure::contract::suspicion;
     CHECK(suspicion(judged([](double t, double, double) { return t; })).empty());
     CHECK(suspicion(judged([](double t, double, double) { return t * (1 + 0x1p-9); })).empty());
@@ -62,7 +62,7 @@ TEST_CASE("suspicion: each wrong contract is known by its answers", "[external]"
     CHECK(has(none, "500 have a t that is not a finite number"));
 }
 
-TEST_CASE("suspicion: t in other units is known by one factor, which is said", "[external]") {
+TEST_CASE("suspicion: t in other units is recognised and the factor reported", "[external]") {
     using measure::contract::suspicion;
     const auto off_by = [](double factor) {
         return suspicion(judged([factor](double t, double, double) { return factor * t; }));
@@ -102,7 +102,7 @@ TEST_CASE("suspicion: t in other units is known by one factor, which is said", "
     CHECK_FALSE(has(from_afar(3), "units"));
 }
 
-TEST_CASE("suspicion: an answer of the ray's own line is no sign of another ray", "[external]") {
+TEST_CASE("suspicion: answers that fit the ray itself do not suggest another ray", "[external]") {
     // They end where they enter, which is a miss where a touch is one. y = z, so that exchanged they are the same rays.
     std::vector<measure::contract::Judged> all;
     for (int i = 0; i < 20; ++i) {
@@ -115,7 +115,7 @@ TEST_CASE("suspicion: an answer of the ray's own line is no sign of another ray"
     CHECK(has(measure::contract::suspicion(all), "wrong on 20 of the 20 rays that hit or should: 20 hit what they"));
 }
 
-TEST_CASE("suspicion: what was done to the rays or to the primitive is known by its answers", "[external]") {
+TEST_CASE("suspicion: changes to the rays or to the primitive are recognised from the answers", "[external]") {
     using measure::contract::Judged;
     using R = Ray<double>;
     using S = Sphere<double>;
@@ -166,7 +166,7 @@ TEST_CASE("suspicion: what was done to the rays or to the primitive is known by 
     CHECK(has(elsewhere, "no known mistake"));
 }
 
-TEST_CASE("suspicion: what is wrong from inside is told apart", "[external]") {
+TEST_CASE("suspicion: errors from inside are told apart", "[external]") {
     using measure::contract::AnswerSource;
     using measure::contract::suspicion;
     // From inside of a sphere of radius 3, nearer to its back; `right` is the true t, `told` the answer.
@@ -202,7 +202,7 @@ TEST_CASE("suspicion: what is wrong from inside is told apart", "[external]") {
     CHECK(has(asked(far, near, AnswerSource::file), "; say --inside near"));
 }
 
-TEST_CASE("suspicion: origin and direction exchanged are known by hits, not by misses", "[external]") {
+TEST_CASE("suspicion: swapped origin and direction are recognised by hits, not by misses", "[external]") {
     const auto asked = [](bool ever_hits) {
         std::vector<measure::contract::Judged> all;
         for (int i = 0; i < 300; ++i) {
@@ -232,7 +232,7 @@ TEST_CASE("suspicion: origin and direction exchanged are known by hits, not by m
               "wrong on the one ray that hit or should: 1 misses what it should hit"));
 }
 
-TEST_CASE("suspicion: a radius is blamed for what it explains everywhere, not for a march that ends early",
+TEST_CASE("suspicion: a radius is blamed only if it explains everything, not for a march that stops early",
           "[external]") {
     const double nan = std::nan("");
     // Rays from 1 to 2.7 beside the middle of a sphere of radius 3; those beyond 1.5 miss one of half the radius.
@@ -260,7 +260,7 @@ TEST_CASE("suspicion: a radius is blamed for what it explains everywhere, not fo
     CHECK_FALSE(has(early, "radius"));
 }
 
-TEST_CASE("suspicion: of every form of the catalogue nothing, from outside and from inside", "[external]") {
+TEST_CASE("suspicion: no form of the catalogue is suspected, from outside or from inside", "[external]") {
     const Scratch folder;
     for (const std::string name : {"near-benign", "camera-inside", "rtg-fig-7-3-100-oblique", "box-one"}) {
         const auto loaded =
@@ -275,7 +275,7 @@ TEST_CASE("suspicion: of every form of the catalogue nothing, from outside and f
     }
 }
 
-TEST_CASE("suspicion: a map and a sweep say it on stderr, for what is wrong alone", "[external]") {
+TEST_CASE("suspicion: map and sweep report suspicions on stderr, for wrong forms only", "[external]") {
     const Scratch folder;
     const auto map = [&](const std::string& form, const std::string& scene) {
         return run("map " + scene + " --size 48x32 -f f32 -o out -i " + form + odd, folder.path()).err;
@@ -306,7 +306,7 @@ TEST_CASE("suspicion: a map and a sweep say it on stderr, for what is wrong alon
     CHECK(quiet.err.empty());
 }
 
-TEST_CASE("suspicion: no infinite condition acquits the exit where 0 is right, nor a t far off a tangent",
+TEST_CASE("suspicion: an infinite condition excuses neither an exit where 0 is right nor a t far from a tangent",
           "[external]") {
     const Scratch folder;
     const std::string cases = folder.write("cases.toml", R"(schema = "lostbits-sweep/1"
@@ -332,7 +332,7 @@ rays = [{ origin = [3, 0, -8], direction = [0, 0, 1] }]
     CHECK(verdict["sphere.unified from the surface"] == "right");
 }
 
-TEST_CASE("suspicion: what asks for operations says which rows it leaves out", "[external]") {
+TEST_CASE("suspicion: commands that need operations report the rows that they leave out", "[external]") {
     const Scratch folder;
     const std::string map = "map near-benign --size 48x32 -f f32 -o out --metric culprit -i odd.right";
     const Outcome both = must(map + " -i sphere.unified" + odd, folder.path());

@@ -1,4 +1,4 @@
-// The words of a contract: what fits real code is not accused, what does not is not acquitted, by any command.
+// Contracts of forms: every command accepts a contract that fits the code and detects one that does not.
 #include <string>
 
 #include "catch.hpp"
@@ -35,7 +35,7 @@ double true_t(const Ray<double>& ray, const Primitive<double>& primitive, Conven
 
 }  // namespace
 
-TEST_CASE("words: plugin check says which word is missing, and acquits what has the right ones", "[external]") {
+TEST_CASE("words: plugin check names the missing property and accepts a form with the right ones", "[external]") {
     const Scratch folder;
     const Outcome o = run("plugin check " + worded, folder.path());
     CHECK(o.code == 3);  // the last form ends it
@@ -74,7 +74,7 @@ TEST_CASE("words: plugin check says which word is missing, and acquits what has 
     CHECK(has(o.err, "form \"bad.insists\", in the probe \"nan-origin\": gave up: it called abort()"));
 }
 
-TEST_CASE("words: a crash in a process of its own names the probe, too", "[external]") {
+TEST_CASE("words: a crash in a child process is reported with its probe", "[external]") {
     const Scratch folder;
     const Outcome odd = run("plugin check --isolate " + worded, folder.path());
     CHECK(odd.code == 1);
@@ -87,7 +87,7 @@ TEST_CASE("words: a crash in a process of its own names the probe, too", "[exter
     CHECK(has(first.err, "(in the probe \"answers\")"));
 }
 
-TEST_CASE("words: a map from inside holds each form to its own", "[external]") {
+TEST_CASE("words: a map from inside compares each form with its own contract", "[external]") {
     const Scratch folder;
     must("map camera-inside --size 48x32 -i 'word.*' -i 'bad.*' -f f32 -o out --plugin " + worded, folder.path());
     const auto summary = folder.path() / "out/camera-inside/summary.csv";
@@ -108,7 +108,7 @@ TEST_CASE("words: a map from inside holds each form to its own", "[external]") {
     CHECK(row_of(summary, "bad.near")["false_hit"] != "0");
 }
 
-TEST_CASE("words: a sweep, explain and judge ask the same", "[external]") {
+TEST_CASE("words: sweep, explain and judge use the same contract", "[external]") {
     const Scratch folder;
     const std::string with = " --plugin " + worded;
     must("explain camera-inside --pixel 10,10 -i sphere.unified -f f32 --beside word.zero --json" + with,
@@ -126,7 +126,7 @@ TEST_CASE("words: a sweep, explain and judge ask the same", "[external]") {
     CHECK(judged(" --inside miss", "miss")["false_hit"] == "2");
 }
 
-TEST_CASE("words: the truth from inside and from the surface, of spheres and boxes", "[external]") {
+TEST_CASE("words: the truth is right from inside and from the surface of spheres and boxes", "[external]") {
     const Primitive<double> sphere(Sphere<double>{{0, 0, 0}, 2}), box(Box<double>{{-2, -2, -2}, {2, 2, 2}});
     const auto from = [](double z, double d) { return Ray<double>{{0, 0, z}, {0, 0, d}}; };
     for (const Primitive<double>& primitive : {sphere, box}) {
@@ -168,7 +168,7 @@ TEST_CASE("words: the truth from inside and from the surface, of spheres and box
           static_cast<double>(1.0F / 3));
 }
 
-TEST_CASE("words: a band tells of every ray what find_truth tells", "[external]") {
+TEST_CASE("words: batches and single rays have the same truth", "[external]") {
     scene::rays::RayGroup group;
     for (int i = 0; i < 300; ++i) {
         const double x = 0.0625 * (i % 17 - 8), z = 0.0625 * (i - 150), d = i % 3 - 1;
@@ -201,8 +201,7 @@ TEST_CASE("words: a band tells of every ray what find_truth tells", "[external]"
     CHECK(different > 100);
 }
 
-TEST_CASE("words: what contradicts itself is refused, and what a library of before says still means the same",
-          "[external]") {
+TEST_CASE("words: contradictory properties are refused, and older libraries keep their meaning", "[external]") {
     check_refused_headers({{"roots=first\\nflags=line", "line needs roots = both or near"},
                            {"roots=near\\nflags=clipped", "clipped describes an interval"},
                            {"flags=clipped", "set at_origin = exit or miss"},
@@ -215,7 +214,7 @@ TEST_CASE("words: what contradicts itself is refused, and what a library of befo
         CHECK(listed_by_pipe(words).code == 0);
 }
 
-TEST_CASE("words: a form that is told the range of a ray is held to it, in this process, behind a pipe and of boxes") {
+TEST_CASE("words: a form that takes the range of a ray is tested on it, in this process, through a pipe and on boxes") {
     const Scratch folder;
     const auto scene = [&](const std::string& name, const std::string& open, const std::string& primitive) {
         folder.write(name + ".toml",

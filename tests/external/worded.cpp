@@ -1,4 +1,4 @@
-// Forms as public code has them, each with the words that fit it, and some with words that do not.
+// Forms as in public code, each with the contract that fits it, and some with wrong contracts.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

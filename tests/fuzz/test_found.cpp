@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using fuzz::Target;
 
-/// Where the module lies that reads pictures.
+/// Path of the module that reads pictures.
 const bool module_is_known = setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_IMAGE_MODULE_FILE, 1) == 0;
 
 std::string bytes_of(const fs::path& file) {
@@ -52,7 +52,7 @@ std::string changed(std::string bytes, scene::rays::Random& random) {
 
 }  // namespace
 
-TEST_CASE("what fuzzing found is an error that says something, or read", "[fuzz]") {
+TEST_CASE("inputs that fuzzing found are refused with a message, or read", "[fuzz]") {
     REQUIRE(module_is_known);
     std::size_t tried = 0;
     for (const Target& target : fuzz::targets) {
@@ -67,7 +67,7 @@ TEST_CASE("what fuzzing found is an error that says something, or read", "[fuzz]
     CHECK(tried > 0);
 }
 
-TEST_CASE("every seed of the fuzzers is read, and so is what becomes of it with some bytes changed", "[fuzz]") {
+TEST_CASE("every seed of the fuzzers is read or refused, also with some bytes changed", "[fuzz]") {
     constexpr std::size_t changed_seeds = under_sanitizer ? 40 : 400;  // of a target, over all its seeds
     scene::rays::Random random(19);
     for (const Target& target : fuzz::targets) {

@@ -1,4 +1,4 @@
-// One ray at one primitive, asked of a row of the table: what is tried over every form is compiled once.
+// Evaluates a row of the table for one ray and one primitive. Loops over all forms use it, so it is compiled once.
 #pragma once
 
 #include <limits>

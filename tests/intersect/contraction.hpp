@@ -8,7 +8,7 @@ namespace lostbits::test {
 double product_minus(double a, double b, double c);
 double product_minus_contracted(double a, double b, double c);
 
-/// Whether the instruction set that the two were compiled for has FMA at all.
+/// True if the instruction set that the two were compiled for has FMA at all.
 bool compiled_for_fma();
 
 /// Doubles that become floats and doubles again.

@@ -1,4 +1,4 @@
-// Fractions, in which tests answer what forms are asked.
+// Fractions, in which tests compute exact answers.
 #pragma once
 
 #include <array>

@@ -34,7 +34,7 @@ Hit<Interval> without_rounding(const Intersector& form, const HostileRay& x) {
                          intersect::Target<Interval>(primitive));
 }
 
-/// Whether t is farther than `error` from every point of the interval.
+/// True if t is farther than `error` from every point of the interval.
 bool is_farther(double t, double error, const Interval& from) {
     const Interval::Precision precision(700);
     return (abs(from - Interval(t)) > Interval(error)).is_yes();
@@ -153,7 +153,7 @@ TEST_CASE("a bound proves only what its error allows", "[number][bounded]") {
     CHECK((B(2) < B(3)).is_proved());
     CHECK_FALSE((third < third * B(1)).is_proved());
     CHECK((third < B(1)).is_proved());
-    // Where a decision is open, both sides count.
+    // Both sides count if a decision is open.
     const B chosen = select(third <= third * B(1), B(10), B(20));
     CHECK(chosen.value() == 10);
     CHECK(chosen.error() >= 10);

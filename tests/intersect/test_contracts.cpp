@@ -1,4 +1,4 @@
-// What each form says of itself.
+// Contracts of the forms.
 #include <set>
 #include <string>
 #include <string_view>

@@ -1,5 +1,5 @@
-// The tape of a form that filters is of what ran, its exact step one operation: the same bits on rays that break
-// filters, at every scale, and without rounding the same answer.
+// The tape of a form that filters records what ran, with its exact step as one operation. It has the same bits on rays
+// that break filters, at every scale, and the same answer without rounding.
 #include <tbb/parallel_for.h>
 
 #include <atomic>
@@ -31,7 +31,7 @@ HostileRay at_triangle(const HostileRay& x) {
     return {x.ray, Triangle<double>{box.lo, box.hi, third}};
 }
 
-/// Whether each of its arithmetics is on the tape. Of a form that filters by a span all that follows the first is a
+/// True if each of its arithmetics is on the tape. Of a form that filters by a span all that follows the first is a
 /// call.
 bool asks_steps(const Intersector& form) {
     return form.shape == Shape::sphere || form.shape == Shape::box || form.shape == Shape::triangle;
@@ -123,7 +123,7 @@ TEST_CASE("the tape of a filtered form records what ran, with its exact step as 
         for (const bool any_scale : {false, true}) {
             // What a span leaves open goes as far as intervals of many bits, of a torus a hundred times as slowly.
             const bool slow = form.shape == Shape::torus;
-            // Of a plane few hits are settled exactly.
+            // Few hits of a plane are decided exactly.
             const bool quick = asks_steps(form) || form.shape == Shape::plane;
             const std::uint64_t rays = asks_steps(form) ? draws(1 << 18, 40)
                                        : slow           ? draws(1 << 13, 64)

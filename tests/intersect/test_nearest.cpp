@@ -1,4 +1,4 @@
-// What shapes say of points beside them: one test over the closed list, of primitives at random.
+// Distances and nearest points of shapes: one test over the closed list, with random primitives.
 #include <algorithm>
 #include <cmath>
 
@@ -36,7 +36,7 @@ Primitive<double> random_primitive(const ShapeRow& row, Seeded& rng) {
     return primitive;
 }
 
-/// Whether it is an apex, where there is no normal.
+/// True if it is an apex, where there is no normal.
 template <class S>
 bool is_apex(const S&, const Vec<double>&) {
     return false;

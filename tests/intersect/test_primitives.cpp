@@ -1,4 +1,4 @@
-// What every shape must say of itself: one test over the closed list.
+// Properties of every shape: one test over the closed list.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -29,11 +29,11 @@ Primitive<double> counted_up(const ShapeRow& row) {
     return primitive;
 }
 
-/// Whether a shape has no inside: a line crosses it at one t, or at two.
+/// True if a shape has no inside: a line crosses it at one t, or at two.
 template <class Of>
 constexpr bool is_surface = SurfaceSpan<decltype(std::declval<Of>().span(Ray<double>())), double>;
 
-/// Whether a line may come into it twice.
+/// True if a line may come into it twice.
 template <class Of>
 constexpr bool is_holed = std::same_as<decltype(std::declval<Of>().span(Ray<double>())), QuarticSpan<double>>;
 

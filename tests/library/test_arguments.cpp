@@ -272,7 +272,7 @@ void check_rows(const std::vector<Row>& rows) {
 
 }  // namespace
 
-TEST_CASE("every function of lostbits.h takes right arguments, and those that may be NULL", "[library]") {
+TEST_CASE("every function of lostbits.h accepts right arguments, and NULL where it is allowed", "[library]") {
     for (const Function& function : functions) {
         INFO(function.name);
         for (const bool without : {false, true}) {
@@ -292,7 +292,7 @@ TEST_CASE("every function of lostbits.h takes right arguments, and those that ma
     }
 }
 
-TEST_CASE("every pointer of lostbits.h that must be there is missed when it is NULL", "[library]") {
+TEST_CASE("every required pointer of lostbits.h is refused when it is NULL", "[library]") {
     check_rows(null_rows);
     lostbits_table table;
     lostbits_column column;
@@ -303,12 +303,12 @@ TEST_CASE("every pointer of lostbits.h that must be there is missed when it is N
     lostbits_scene_free(nullptr);
     lostbits_form_free(nullptr);
 }
-TEST_CASE("every list of texts of lostbits.h is held to its count", "[library]") { check_rows(list_rows()); }
-TEST_CASE("every count of lostbits.h that no memory has is refused", "[library]") { check_rows(count_rows()); }
-TEST_CASE("every text of lostbits.h that says nothing is refused", "[library]") { check_rows(text_rows()); }
-TEST_CASE("every number of lostbits.h that means nothing is refused", "[library]") { check_rows(number_rows()); }
+TEST_CASE("every list of texts of lostbits.h is checked against its count", "[library]") { check_rows(list_rows()); }
+TEST_CASE("every count of lostbits.h that exceeds memory is refused", "[library]") { check_rows(count_rows()); }
+TEST_CASE("every meaningless text is refused by lostbits.h", "[library]") { check_rows(text_rows()); }
+TEST_CASE("every meaningless number is refused by lostbits.h", "[library]") { check_rows(number_rows()); }
 
-TEST_CASE("no function of lostbits.h is left out of these", "[library]") {
+TEST_CASE("every function of lostbits.h is covered by these tests", "[library]") {
     std::set<std::string> left_out{"abi",       "version",     "end_threads", "scene_free",
                                    "form_free", "result_text", "result_free"};
     FILE* const names = popen("nm -D --defined-only --format=posix '" LOSTBITS_LIBRARY "'", "r");

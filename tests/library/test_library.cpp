@@ -19,19 +19,21 @@ int client_forks(void);
 
 namespace lostbits::test {
 
-TEST_CASE("a C program maps a scene that it has as text", "[library]") { CHECK(client_maps_a_text() == 0); }
-TEST_CASE("a C program hears what is wrong", "[library]") { CHECK(client_hears_what_is_wrong() == 0); }
+TEST_CASE("a C program maps a scene from text in memory", "[library]") { CHECK(client_maps_a_text() == 0); }
+TEST_CASE("a C program gets error messages", "[library]") { CHECK(client_hears_what_is_wrong() == 0); }
 TEST_CASE("a C program measures a form of its own", "[library]") { CHECK(client_measures_its_own_form() == 0); }
-TEST_CASE("a form is run from the list of its operations", "[library]") { CHECK(client_writes_operations() == 0); }
-TEST_CASE("arrays are judged where they lie", "[library]") { CHECK(client_judges_arrays() == 0); }
-TEST_CASE("rays begin and end, and are grouped", "[library]") { CHECK(client_gives_ranges_and_groups() == 0); }
-TEST_CASE("studies and a choice by length", "[library]") { CHECK(client_asks_for_studies_and_a_choice() == 0); }
-TEST_CASE("a call that is stopped says so, and the next one runs", "[library]") { CHECK(client_stops() == 0); }
-TEST_CASE("several threads map at once", "[library]") { CHECK(client_runs_in_threads() == 0); }
+TEST_CASE("a form runs from the list of its operations", "[library]") { CHECK(client_writes_operations() == 0); }
+TEST_CASE("arrays are judged in place", "[library]") { CHECK(client_judges_arrays() == 0); }
+TEST_CASE("rays can have ranges and groups", "[library]") { CHECK(client_gives_ranges_and_groups() == 0); }
+TEST_CASE("studies and a choice by length run through the library", "[library]") {
+    CHECK(client_asks_for_studies_and_a_choice() == 0);
+}
+TEST_CASE("a stopped call reports it, and the next one runs", "[library]") { CHECK(client_stops() == 0); }
+TEST_CASE("several threads can map at the same time", "[library]") { CHECK(client_runs_in_threads() == 0); }
 
-TEST_CASE("a process that is forked maps", "[library]") { CHECK(client_forks() == 0); }
+TEST_CASE("a forked process can map", "[library]") { CHECK(client_forks() == 0); }
 
-TEST_CASE("the library shows the functions of lostbits.h and nothing else", "[library]") {
+TEST_CASE("the library exports the functions of lostbits.h and nothing else", "[library]") {
     FILE* const names = popen("nm -D --defined-only --format=posix '" LOSTBITS_LIBRARY "'", "r");
     REQUIRE(names != nullptr);
     std::size_t own = 0;

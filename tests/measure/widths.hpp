@@ -1,4 +1,4 @@
-// What must be so at every width of the registers.
+// Checks that are repeated at every register width.
 #pragma once
 
 #include "catch.hpp"

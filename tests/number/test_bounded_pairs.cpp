@@ -50,7 +50,7 @@ std::vector<Known> operands(bool negative_too) {
 
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-/// Whether `got` may stand for `exact`.
+/// True if `got` may stand for `exact`.
 bool holds(const B& got, double exact) {
     const double value = got.value().value(), error = got.error().value();
     if (!(error < HUGE_VAL)) return error == HUGE_VAL;

@@ -118,7 +118,7 @@ void hold(const N& found, const Interval& exact, const std::string& what, Tried&
     if (tried.wrong++ == 0) tried.first_wrong = what;
 }
 
-/// Whether what found it is the format's own operation, of those that have a sign of their own.
+/// True if what found it is the format's own operation, of those that have a sign of their own.
 template <class N>
 bool are_own_words(Op op, const N& x, const N& y, const N& found) {
     if constexpr (!proves<N>) return true;

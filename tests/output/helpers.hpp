@@ -1,4 +1,4 @@
-// What the tests of output files share: work in a child process.
+// Helper of the output tests: runs work in a child process.
 #pragma once
 
 #include <sys/wait.h>

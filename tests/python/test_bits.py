@@ -228,7 +228,7 @@ class Bits(unittest.TestCase):
         words = run("explain", "near-benign", "--pixel", "100,90", "-i", "sphere.schoolbook").stdout
         self.assertEqual(e.text, words)
 
-    def test_arrays_outlive_what_they_came_from(self):
+    def test_arrays_outlive_the_result_they_came_from(self):
         import gc
 
         o, d, spheres = lb.scene("near-benign", size=(64, 64)).arrays()
@@ -241,7 +241,7 @@ class Bits(unittest.TestCase):
         with self.assertRaises(ValueError):
             t[0] = 1  # it is the library's memory
 
-    def test_matrices_are_those_that_are_stored(self):
+    def test_matrices_are_returned_as_stored(self):
         from fractions import Fraction as F
 
         rng = np.random.default_rng(5)

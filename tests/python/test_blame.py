@@ -76,7 +76,7 @@ class Blame(unittest.TestCase):
         self.assertGreater(sum(x is not None for x in culprits.ravel()), least)
         return culprits, others.culprit
 
-    def test_schoolbook_culprits_are_those_of_the_form(self):
+    def test_schoolbook_culprits_match_the_form(self):
         scene = lb.scene("rtg-fig-7-3-4100-oblique", size=(128, 128))
         for mine in (schoolbook_in_order, with_masks):
             for format in ("f32", "f64"):
@@ -84,7 +84,7 @@ class Blame(unittest.TestCase):
                     own, others = self.hold_culprits(mine, "sphere.schoolbook", scene, format, 5000)
                     np.testing.assert_array_equal(own, others)
 
-    def test_moller_trumbore_culprits_are_those_of_the_form(self):
+    def test_moller_trumbore_culprits_match_the_form(self):
         camera = {"kind": "orthographic", "eye": [3, 2, 5], "look_at": [0.1, 0.2, 0], "width": 2.5}
         triangle = np.array([[-0.9, -0.8, 0.3, 1.1, -0.7, 0.11, 0.2, 1.3, -0.4]])
         scene = lb.scene(camera=camera, triangles=triangle, size=(128, 128))
@@ -92,7 +92,7 @@ class Blame(unittest.TestCase):
         # `inverse` of the function is `1/det` of the form.
         self.assertEqual([x and x.replace("inverse", "1/det") for x in own.ravel()], list(others.ravel()))
 
-    def test_einsum_is_followed_in_the_order_that_numpy_has(self):
+    def test_einsum_is_traced_in_the_order_of_numpy(self):
         scene = lb.scene("rtg-fig-7-3-4100-oblique", size=(64, 64))
         for format in ("f32", "f64"):
             e = lb.explain(schoolbook, scene, (30, 30), format)  # refused if its bits differ on the scene's rays
@@ -101,7 +101,7 @@ class Blame(unittest.TestCase):
         triangles = lb.scene(camera=camera, triangles=[[-1, -1, 0, 1, -1, 0, 0, 1, 0]])
         self.assertTrue(lb.explain(moller_trumbore, triangles, (120, 128)).operations)
 
-    def test_every_width_and_exactly(self):
+    def test_every_width_and_exact_arithmetic(self):
         o, d, spheres = lb.scene("near-benign", size=(64, 64)).arrays()
         for format in ("fp16", "bf16", "p11", "p40"):
             a = lb.ask(with_masks, o, d, spheres[:1], format=format)
@@ -115,7 +115,7 @@ class Blame(unittest.TestCase):
             np.testing.assert_array_equal(m.pixels["with_masks", "f32"][metric],
                                           m.pixels["sphere.schoolbook", "f32"][metric])
 
-    def test_a_function_is_mended_as_the_form_is(self):
+    def test_a_function_is_repaired_like_the_form(self):
         scene = lb.scene("rtg-fig-7-3-4100-oblique", size=(64, 64))
         mine, theirs = (lb.mend(form, scene, 16, progress=False) for form in (schoolbook_in_order, "sphere.schoolbook"))
         self.assertTrue(mine.meets)
@@ -125,7 +125,7 @@ class Blame(unittest.TestCase):
         self.assertEqual(len(mine.operations), len(theirs.operations))
         self.assertTrue(all(row["line"] is None for row in theirs.operations))
 
-    def test_operations_that_must_be_wider_have_their_lines(self):
+    def test_operations_that_must_be_wider_have_line_numbers(self):
         m = lb.mend(with_masks, lb.scene("near-benign", size=(32, 32)), 20, progress=False)
         code = with_masks.function.__code__
         with open(code.co_filename, encoding="utf-8") as file:
@@ -139,7 +139,7 @@ class Blame(unittest.TestCase):
                 names += 1
         self.assertGreater(names, 1)
 
-    def test_the_culprit_has_a_line_and_the_names_of_variables(self):
+    def test_the_culprit_has_a_line_and_variable_names(self):
         e = lb.explain(with_masks, "rtg-fig-7-3-4100-oblique", (100, 90))
         names = {row["name"]: row for row in e.operations}
         self.assertIn("disc", names)
@@ -157,7 +157,7 @@ class Blame(unittest.TestCase):
         line = int(str(caught.exception).split("test_blame.py:")[1].split(":")[0])
         self.assertIn(line, range(function.__code__.co_firstlineno, function.__code__.co_firstlineno + 6))
 
-    def test_what_cannot_be_followed_says_where(self):
+    def test_code_that_cannot_be_traced_is_reported_with_its_place(self):
         def into_c(o, d, centre, radius):
             return np.array([float(x) for x in o[:, 0]], dtype=o.dtype)
 
@@ -182,7 +182,7 @@ class Blame(unittest.TestCase):
         self.hold_refused(wider, "astype")
         self.hold_refused(other_library, "cannot be followed")
 
-    def test_a_function_whose_bits_differ_from_what_was_followed_is_refused(self):
+    def test_a_function_whose_bits_differ_from_its_trace_is_refused(self):
         calls = []
 
         def changes(o, d, centre, radius):
@@ -206,7 +206,7 @@ class Blame(unittest.TestCase):
             lb.explain(lb.intersector("sphere")(branches), "near-benign", (100, 90))
         self.assertIn(f":{branches.__code__.co_firstlineno + 3}: ", str(caught.exception))
 
-    def test_a_short_cut_for_batches_of_one_kind_is_followed(self):
+    def test_a_shortcut_for_uniform_batches_is_traced(self):
         @lb.intersector("sphere", name="short_cut")
         def short_cut(o, d, centre, radius):
             f = o - centre
@@ -222,12 +222,12 @@ class Blame(unittest.TestCase):
 
         self.assertTrue(lb.explain(short_cut, "rtg-fig-7-3-4100-oblique", (100, 90)).culprit)
 
-    def test_numpy_is_as_it_was(self):
+    def test_numpy_is_left_unchanged(self):
         before = (np.full, np.zeros, np.empty, np.ones)
         lb.explain(lb.intersector("sphere")(with_masks.function), "near-benign", (100, 90))
         self.assertEqual(before, (np.full, np.zeros, np.empty, np.ones))
 
-    def test_a_function_beside_the_package_is_followed_and_the_package_behind_a_link_is_not(self):
+    def test_a_function_beside_the_package_is_traced_and_a_linked_package_is_not(self):
         ask = 'e = lb.explain(with_masks, "rtg-fig-7-3-4100-oblique", (100, 90))\nprint(e.line, e.culprit)\n'
         source = inspect.getsource(with_masks.function)
         with tempfile.TemporaryDirectory() as folder:

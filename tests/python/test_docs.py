@@ -55,7 +55,7 @@ class Docs(unittest.TestCase):
         self.assertLess(rows.loc["py.mended", "lost_bits_p50"] + 2, rows.loc["py.mine", "lost_bits_p50"])
         self.assertEqual(rows.loc["py.mended", "lost_bits_max"], rows.loc["sphere.unified", "lost_bits_max"])
 
-    def test_the_calls_of_the_table_are_there(self):
+    def test_the_calls_of_the_table_exist(self):
         import lostbits as lb
 
         names = set(re.findall(r"lb\.(\w+)", PAGE.read_text(encoding="utf-8")))

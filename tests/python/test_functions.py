@@ -52,7 +52,7 @@ def bits_of(m):
 
 
 class Misses(unittest.TestCase):
-    def test_a_number_that_means_a_miss_is_refused_with_what_to_write(self):
+    def test_a_number_that_means_a_miss_is_refused_with_advice(self):
         for value, word in ((-1, "-1.0"), (np.inf, "np.inf"), (-np.inf, "-np.inf"), (np.finfo(F).max, "3.4028")):
             with self.assertRaises(lb.InputError) as caught:
                 lb.map(small(), form(marks(value)), "f32", progress=False)
@@ -61,14 +61,14 @@ class Misses(unittest.TestCase):
     def test_a_near_root_may_be_minus_one(self):
         self.assertEqual(len(lb.map(small(), form(marks(-1), roots="near"), "f32", progress=False).summary), 1)
 
-    def test_it_is_a_miss_where_it_is_declared_and_is_followed(self):
+    def test_a_declared_number_is_a_miss_and_is_traced(self):
         plain = lb.map(small(), form(marks(np.nan)), "f32", ["culprit"], progress=False)
         for value in (-1, np.inf, np.finfo(F).max):
             m = lb.map(small(), form(marks(value), miss=value), "f32", ["culprit"], progress=False)
             self.assertEqual(bits_of(m), bits_of(plain))
             np.testing.assert_array_equal(m.pixels["f", "f32"].culprit, plain.pixels["f", "f32"].culprit)
 
-    def test_what_is_no_number_is_refused(self):
+    def test_a_value_that_is_not_a_number_is_refused(self):
         with self.assertRaisesRegex(lb.InputError, "miss"):
             form(marks(-1), miss="none")
 
@@ -81,7 +81,7 @@ class OneRay(unittest.TestCase):
                                                              .summary["agree_hit"][0]))
         self.assertIn("c = dot(o - centre, o - centre)", " ".join(str(x) for x in set(m.pixels["f", "f32"].culprit.ravel())))
 
-    def test_none_is_a_miss_and_a_branch_is_named(self):
+    def test_none_is_a_miss_and_the_branch_is_named(self):
         self.assertEqual(bits_of(lb.map(small(), form(of_one, per_ray=True), "f32", progress=False)),
                          bits_of(lb.map(small(), form(of_one_masked, per_ray=True), "f32", progress=False)))
         with self.assertRaisesRegex(lb.Unfollowed, r"test_functions.py:\d+: `if`"):
@@ -107,7 +107,7 @@ class OneRay(unittest.TestCase):
 
 
 class Requirements(unittest.TestCase):
-    def test_a_requirement_is_met_or_said_with_numbers(self):
+    def test_a_requirement_is_met_or_fails_with_numbers(self):
         self.assertTrue(lb.check("sphere.unified", "near-benign", bits=16))
         found = lb.check("sphere.schoolbook", "near-benign", bits=21)
         m = lb.map("near-benign", "sphere.schoolbook", "f32", ["enough_bits:21"], pixels=False, progress=False)
@@ -120,7 +120,7 @@ class Requirements(unittest.TestCase):
         with self.assertRaisesRegex(AssertionError, "keeps fewer than 21 bits"):
             lb.assert_keeps("sphere.schoolbook", "near-benign", 21)
 
-    def test_wrong_decisions_are_allowed_by_their_share(self):
+    def test_a_share_of_wrong_decisions_can_be_allowed(self):
         def outside(o, d, centre, radius):
             t, disc = roots(o, d, centre, radius)
             return np.where(disc < radius * radius / 16, o.dtype.type(np.nan), t)
@@ -135,7 +135,7 @@ class Requirements(unittest.TestCase):
             self.assertTrue(lb.check(own, small(), wrong=missed / (48 * 32)))
             self.assertIn("lb.explain(f, scene, pixel=(", lb.check(own, small()).text)
 
-    def test_what_cannot_be_required_is_refused(self):
+    def test_an_impossible_requirement_is_refused(self):
         for how, words in (({"bits": 0}, "bits is 0"), ({"bits": 54}, "bits is 54"), ({"wrong": 2}, "wrong is 2"),
                            ({"at": "p42"}, "p42")):
             with self.assertRaisesRegex(lb.InputError, words):
@@ -145,7 +145,7 @@ class Requirements(unittest.TestCase):
 
 
 class Suspicions(unittest.TestCase):
-    def test_most_answers_wrong_is_said_with_the_mistake_that_explains_it(self):
+    def test_mostly_wrong_answers_are_reported_with_their_likely_cause(self):
         def doubled(o, d, centre, radius):
             t, disc = roots(o, d, centre, radius)
             return np.where(disc < 0, o.dtype.type(np.nan), t * o.dtype.type(2))
@@ -162,7 +162,7 @@ class Suspicions(unittest.TestCase):
 
 
 class Keywords(unittest.TestCase):
-    def test_primitives_are_taken_by_their_plural_and_as_primitives(self):
+    def test_primitives_are_accepted_under_their_plural_and_as_primitives(self):
         o, d, primitives = small().arrays()
         one = lb.truth(o, d, primitives)
         np.testing.assert_array_equal(lb.truth(o, d, spheres=primitives).t, one.t)

@@ -75,7 +75,7 @@ class Hits(unittest.TestCase):
         for faces in (FACES, FACES[1:], np.concatenate([FACES, FACES[:3]])):
             self.same(o, d, CUBE, faces, lb.hits(o, d, (CUBE, faces)))
 
-    def test_triangles_are_taken_as_an_array_and_as_a_scene(self):
+    def test_triangles_are_accepted_as_an_array_and_as_a_scene(self):
         o, d = rays(50, 6)
         array = lb.hits(o, d, CUBE[FACES].reshape(-1, 9))
         scene = lb.scene(camera={"kind": "orthographic", "eye": [0, 0, 5], "look_at": [0, 0, 0], "width": 3},
@@ -84,12 +84,12 @@ class Hits(unittest.TestCase):
             for name in ("ray", "place", "primitive", "t", "t_lo", "front", "at_rim"):
                 np.testing.assert_array_equal(getattr(array, name), getattr(other, name))
 
-    def test_numbers_that_float32_does_not_hold_stay_as_they_are(self):
+    def test_numbers_that_float32_cannot_hold_are_not_rounded(self):
         o, d = np.array([[0.1, 0.2, 5]]), np.array([[0, 0, -1.0]])
         found = lb.hits(o, d, (CUBE * 0.3, FACES))
         self.assertEqual(found.t[0], float(Fraction(5) - Fraction(0.3)))
 
-    def test_a_range_takes_what_lies_in_it(self):
+    def test_a_range_keeps_crossings_within_it(self):
         o, d = np.array([[0.25, 0.5, 5]]), np.array([[0, 0, -1.0]])
         four = np.array([4.0])
         self.assertEqual(list(lb.hits(o, d, (CUBE, FACES)).t), [4, 6])
@@ -122,7 +122,7 @@ class Inside(unittest.TestCase):
             np.testing.assert_array_equal(found.winding, np.where(size < 1, winding, 0))
             np.testing.assert_array_equal(found.inside, size < 1)
 
-    def test_what_keeps_a_mesh_from_being_closed_is_counted(self):
+    def test_defects_that_keep_a_mesh_from_being_closed_are_counted(self):
         def edges(faces):
             return lb.inside(CUBE[:1] * 0.5, (CUBE, faces)).mesh
         self.assertEqual(edges(FACES), {"edges": 18, "border": 0, "non_manifold": 0, "unbalanced": 0, "odd": 0,

@@ -70,7 +70,7 @@ class Mistakes(unittest.TestCase):
             with self.subTest(words):
                 self.hold(wrong, words, ask)
 
-    def test_any_strides_are_read_where_they_lie(self):
+    def test_arrays_with_any_strides_are_read_in_place(self):
         plain = lb.truth(O, D, S)
         self.assertTrue(plain.hit.all())
         wide = np.zeros((N, 7), np.float32)
@@ -154,7 +154,7 @@ class Mistakes(unittest.TestCase):
             with self.subTest(words):
                 self.hold(kind, words, ask)
 
-    def test_after_a_mistake_the_session_goes_on(self):
+    def test_the_session_continues_after_an_error(self):
         bad = form(lambda o, d: 1 // 0)
         with self.assertRaises(ZeroDivisionError):
             lb.map("near-benign", bad, "f32")

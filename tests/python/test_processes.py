@@ -46,7 +46,7 @@ def run(program, **how):
 
 
 class Threads(unittest.TestCase):
-    def test_one_fresh_function_in_many_threads(self):
+    def test_a_new_function_runs_in_many_threads(self):
         # In a separate process, because the defect was a crash.
         said = run("""
             import sys, threading
@@ -68,7 +68,7 @@ class Threads(unittest.TestCase):
         """)
         self.assertEqual((said.returncode, said.stdout), (0, "done\n"), said.stderr)
 
-    def test_each_call_raises_what_its_own_function_raised(self):
+    def test_each_call_raises_the_exception_of_its_own_function(self):
         def fails(o, d, centre, radius):
             raise ValueError("old")
         first, second = form(fails, "first"), form(fails, "second")
@@ -99,7 +99,7 @@ class Threads(unittest.TestCase):
                 thread.join()
         self.assertEqual(caught, {float(k): {float(k)} for k in range(1, 5)})
 
-    def test_an_exception_that_cannot_be_written_is_raised_all_the_same(self):
+    def test_an_exception_that_cannot_be_printed_is_still_raised(self):
         class Mute(Exception):
             def __str__(self):
                 raise RuntimeError
@@ -123,7 +123,7 @@ class Forks(unittest.TestCase):
             self.assertEqual(os.waitpid(child, 0)[1], 0)
         self.assertEqual(rows_of_a_map("sphere.press"), 1)  # the process that forked still measures
 
-    def test_a_process_that_is_forked_amid_a_call_says_so(self):
+    def test_a_process_forked_during_a_call_reports_it(self):
         children = []
 
         def forks(o, d, centre, radius):
@@ -141,7 +141,7 @@ class Forks(unittest.TestCase):
 
 
 class End(unittest.TestCase):
-    def test_daemon_threads_that_measure_end_with_the_interpreter(self):
+    def test_measuring_daemon_threads_end_with_the_interpreter(self):
         for forms in ('"sphere.*"', "form()"):
             with self.subTest(forms):
                 said = run(f"""
@@ -161,7 +161,7 @@ class End(unittest.TestCase):
                 """)
                 self.assertEqual((said.returncode, said.stdout, said.stderr), (0, "ends\n", ""))
 
-    def test_threads_that_outlive_the_main_one_measure_on(self):
+    def test_threads_that_outlive_the_main_thread_continue(self):
         said = run("""
             import sys, threading, time
             sys.path.insert(0, "")
@@ -175,7 +175,7 @@ class End(unittest.TestCase):
 
 
 class Memory(unittest.TestCase):
-    def test_what_a_function_keeps_is_its_own(self):
+    def test_arrays_kept_by_a_function_stay_unchanged(self):
         kept = []
 
         def keeps(o, d, centre, radius):
@@ -194,7 +194,7 @@ class Memory(unittest.TestCase):
                     now = now.base
                 self.assertTrue(now.flags.owndata)
 
-    def test_what_a_function_changes_is_its_own(self):
+    def test_arrays_changed_by_a_function_change_nothing_else(self):
         def spoils(o, d, centre, radius):
             t = near(o, d, centre, radius)
             o[:], d[:] = 7, 7
@@ -210,7 +210,7 @@ class Numbers(unittest.TestCase):
     """Guards against ctypes, which keeps the lowest bits of a number too large for a C type, and against zero bytes,
     which would end a string."""
 
-    def test_are_refused_where_c_does_not_hold_them(self):
+    def test_numbers_that_c_cannot_hold_are_refused(self):
         scene = small()
         for words, ask in (
             ("pixel[0] is 1099511627776", lambda: lb.explain("sphere.press", scene, (2**40, 0))),

@@ -16,12 +16,12 @@ class Tree(unittest.TestCase):
     def hold(self, rule, *folders):
         self.assertEqual([o for path, text in tree(*folders) for o in rule(path, text)], [])
 
-    def test_includes_point_one_way_between_layers_and_between_rooms(self):
+    def test_includes_point_one_way_between_layers_and_folders(self):
         rooms = rooms_in(read("src/README.md"))
         self.assertGreater(len(rooms), 30)
         self.hold(lambda path, text: include_directions(path, text, rooms), "src", "analysis")
 
-    def test_every_room_says_what_it_is_for_as_the_list_does_and_none_is_too_large(self):
+    def test_every_folder_has_the_purpose_of_the_list_and_none_is_too_large(self):
         readme = read("src/README.md")
         files = tree("src", "analysis")
         for room in {room_of(path) for path, _ in files if path.startswith("src/")}:
@@ -32,7 +32,7 @@ class Tree(unittest.TestCase):
                 self.assertEqual((own.count("\n"), own[1:len(purpose)]), (1, purpose[1:]))  # but for a capital
         self.assertEqual(room_sizes(files), [])
 
-    def test_a_room_is_a_namespace(self):
+    def test_every_folder_is_a_namespace(self):
         self.hold(room_namespace, "src", "analysis")
 
     def test_no_two_definitions_share_a_name(self):
@@ -40,16 +40,16 @@ class Tree(unittest.TestCase):
         self.assertGreater(sum(len(definitions_in(*file)) for file in files), 500)
         self.assertEqual(names_are_unique(files), [])
 
-    def test_forms_stand_on_four_rooms_and_obey_the_rules_of_a_formula(self):
+    def test_forms_use_four_folders_and_obey_the_rules_of_a_formula(self):
         self.assertGreaterEqual(sum(bool(is_form(*file)) for file in tree("src/shapes")), 21)
         self.assertFalse(is_form("src/shapes/cone/forms/parts.hpp", read("src/shapes/cone/forms/parts.hpp")))
         self.hold(form_includes, "src/intersect", "src/shapes")
         self.hold(formula_rules, "src/intersect", "src/shapes")
 
-    def test_no_number_is_read_as_the_locale_says(self):
+    def test_no_number_is_read_by_the_locale(self):
         self.hold(locale_rules, "src", "analysis")
 
-    def test_what_names_a_shape_lies_in_its_folder_or_has_its_reason(self):
+    def test_code_that_names_a_shape_is_in_its_folder_or_has_a_reason(self):
         conventions = "the only table of conventions, shape by shape"
         guesses = "words by which the code of users names shapes and their parts"
         march = "a march takes all primitives together, and has a name among the shapes"
@@ -77,18 +77,18 @@ class Tree(unittest.TestCase):
         lists = [text for path, text in files if path.endswith(("intersect/catalogue.hpp", "/forms/forms.hpp"))]
         self.assertEqual(catalogue_agrees(files, "".join(lists)), [])
 
-    def test_what_one_file_alone_may_do(self):
+    def test_code_reserved_to_one_file_is_only_there(self):
         for text, path in (("#include <CLI/", "analysis/shell/command_line.cpp"),):
             self.assertEqual([file for file, has in tree("src", "analysis", "bench") if text in has], [path])
 
-    def test_no_file_has_outgrown_its_page(self):
+    def test_no_file_is_too_long(self):
         self.hold(file_length, "src", "analysis", "tests")
 
 
 class Rules(unittest.TestCase):
     """Each rule, on text that breaks it and on text that does not."""
 
-    def test_an_include_to_the_right_is_caught(self):
+    def test_a_forbidden_include_is_detected(self):
         rooms = rooms_in(read("src/README.md"))
         for path, text, offences in (
                 ("src/number/x.hpp", '#include "geometry/vec.hpp"\n', 1),
@@ -107,7 +107,7 @@ class Rules(unittest.TestCase):
                 ("analysis/x.cpp", '#include "output/file/csv.hpp"\n#include "commands.hpp"\n', 0)):
             self.assertEqual(len(include_directions(path, text, rooms)), offences, (path, text))
 
-    def test_a_crowded_room_and_another_namespace_are_caught(self):
+    def test_a_crowded_folder_and_a_wrong_namespace_are_detected(self):
         plain, helper = ("src/output/map/x.cpp", ""), ("src/shapes/sphere/forms/x.hpp", "")
         form = (helper[0], "static constexpr Info info{};")
         self.assertEqual(len(room_sizes([plain] * 23 + [helper] * 23)), 2)
@@ -118,7 +118,7 @@ class Rules(unittest.TestCase):
                                      ("src/geometry/x.hpp", "lostbits", 0)):
             self.assertEqual(len(room_namespace(path, f"namespace {name} {{\n}}\n")), offences, name)
 
-    def test_two_definitions_of_one_name_are_caught(self):
+    def test_two_definitions_of_one_name_are_detected(self):
         room, other = "namespace lostbits::measure {\n", "namespace lostbits::output {\n"
         kind, function = "struct Standing {\n    int x;\n};\n", "inline int twice(int x) {\n    return 2 * x;\n}\n"
         for a, b, offences in (
@@ -134,7 +134,7 @@ class Rules(unittest.TestCase):
             files = [("src/measure/evaluate/a.hpp", a + "}\n"), ("src/measure/sweep/b.hpp", b + "}\n")]
             self.assertEqual(len(names_are_unique(files)), offences, (a, b))
 
-    def test_a_form_that_includes_more_and_a_formula_that_breaks_a_rule_are_caught(self):
+    def test_a_forbidden_include_in_a_form_and_a_broken_formula_rule_are_detected(self):
         form, table = "src/shapes/sphere/forms/snippet.hpp", "src/intersect/table/table.cpp"
         for name, offences in (("<cmath>", 1), ('"scene/rays/camera.hpp"', 1), ('"roots.hpp"', 1),
                                ('"intersect/roots.hpp"', 0), ('"number/concept.hpp"', 0)):
@@ -156,12 +156,12 @@ class Rules(unittest.TestCase):
                      "if (!any_of(active)) break;", "for (int i = 0; i < 64; ++i) {}", "const T t0 = a.x * T(10);"):
             self.assertEqual(formula_rules(form, good), [], good)
 
-    def test_a_number_that_is_read_as_the_locale_says_is_caught(self):
+    def test_a_number_read_by_the_locale_is_detected(self):
         for bad in ("double x = std::stod(text);", "x = strtod(a, &b);", 'std::setlocale(LC_ALL, "");'):
             self.assertEqual(len(locale_rules("src/x.cpp", bad)), 1, bad)
         self.assertEqual(locale_rules("src/x.cpp", "// strtod() reads 0.5 as 0\nstd::from_chars(a, b, x);"), [])
 
-    def test_a_catalogue_that_disagrees_is_caught(self):
+    def test_a_catalogue_that_disagrees_is_detected(self):
         path = "src/shapes/sphere/forms/thin_lens.hpp"
         text = 'struct ThinLens {\n    static constexpr Info info{\n        .name = "sphere.thin_lens",\n'
         include = '#include "shapes/sphere/forms/thin_lens.hpp"\n'
@@ -174,7 +174,7 @@ class Rules(unittest.TestCase):
         renamed = text.replace("sphere.thin_lens", "sphere.thick_len")
         self.assertEqual(len(catalogue_agrees([(path, renamed)], include + entry)), 1)
 
-    def test_long_files_names_of_shapes_and_code_are_told_from_what_is_none(self):
+    def test_long_files_names_of_shapes_and_code_are_recognised(self):
         self.assertEqual(file_length("x", "\n" * 500 + "ü" * 120), [])
         self.assertEqual([len(file_length("x", text)) for text in ("\n" * 501, "x" * 121)], [1, 1])
         self.assertEqual(names_of_shapes("if (solid.shape != Shape::box) return;\nconst Sphere<S> sphere;"), 2)
@@ -187,7 +187,7 @@ class Rules(unittest.TestCase):
 class Format(unittest.TestCase):
     """The format of files, by one clang-format per processor at a time."""
 
-    def test_every_file_is_as_clang_format_says_and_one_that_is_not_is_seen(self):
+    def test_every_file_is_formatted_and_one_that_is_not_is_detected(self):
         program = shutil.which("clang-format-14") or shutil.which("clang-format")
         if not program:
             self.skipTest("clang-format is not installed")

@@ -7,7 +7,7 @@
 
 namespace {
 
-/// Whether this piece of work, the next one, is lost; and so is all that comes after.
+/// True if this piece of work, the next one, is lost; and so is all that comes after.
 bool is_lost(bool next) {
     static const char* const at = std::getenv("LOST_AT");
     static long count = 0;

@@ -1,4 +1,4 @@
-// Batches and the limits of a device, on a device that is none.
+// Batches and the limits of a device, on a fake device.
 #include <cstring>
 #include <memory>
 #include <vector>
@@ -64,8 +64,7 @@ ShaderSource some_shader() {
 
 }  // namespace
 
-TEST_CASE("shader: a batch larger than the device takes is answered in parts, each ray by its own primitive",
-          "[shader]") {
+TEST_CASE("shader: a batch larger than the device allows is split, and each ray keeps its own primitive", "[shader]") {
     constexpr std::size_t n = 1000;
     std::vector<float> rays(6 * n), primitives(4 * n), near_far(2 * n);
     std::vector<unsigned char> hit(n, 7);
@@ -103,7 +102,7 @@ TEST_CASE("shader: a ray that the device does not answer is an error, not a miss
                       "echo: the device is lost: it wrote no answer; does the shader run too long?");
 }
 
-TEST_CASE("shader: doubles are refused or left out where the device has none", "[shader]") {
+TEST_CASE("shader: doubles are refused or left out on a device that lacks them", "[shader]") {
     const auto without = std::make_shared<Echo>(DeviceLimits{.buffer_bytes = 1 << 20, .groups = 100});
     ShaderSource shader = some_shader();
     shader.f64 = true;

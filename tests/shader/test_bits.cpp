@@ -1,4 +1,4 @@
-// The bits of shaders on the drivers that are here, held against the forms of the catalogue.
+// Bits of shaders on the available drivers, compared with the forms of the catalogue.
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -51,8 +51,7 @@ std::vector<std::string> hex_of(const std::filesystem::path& table) {
 
 }  // namespace
 
-TEST_CASE("shader bits: with its sums written out, the analytic sphere has the bits of sphere.unit_half_b",
-          "[shader-device]") {
+TEST_CASE("shader bits: the analytic sphere with explicit sums has the bits of sphere.unit_half_b", "[shader-device]") {
     const auto all = drivers();
     for (const std::string scene : {"rtg-fig-7-3-4100-oblique", "near-benign", "camera-inside"}) {
         const Scratch folder;
@@ -74,7 +73,7 @@ TEST_CASE("shader bits: with its sums written out, the analytic sphere has the b
     }
 }
 
-TEST_CASE("shader bits: with dot, what differs is the order of its sum", "[shader-device]") {
+TEST_CASE("shader bits: dot differs only in the order of its sum", "[shader-device]") {
     const Scratch folder;
     const std::string text = replaced(contents(examples + "sphere_in_order.glsl"),
                                       "(f.x * f.x + f.y * f.y + f.z * f.z)", "(f.x * f.x + (f.y * f.y + f.z * f.z))");
@@ -105,7 +104,8 @@ TEST_CASE("shader bits: a march of a field has the t of sdf.sphere_trace", "[sha
     for (const auto& [device, dot] : drivers()) CHECK(hex_of(out / ("shader.field." + device + ".f32.csv")) == ours);
 }
 
-TEST_CASE("shader bits: every example does as it says, and boxes are those of the catalogue", "[shader-device]") {
+TEST_CASE("shader bits: every example keeps its contract, and boxes have the bits of the catalogue",
+          "[shader-device]") {
     const Scratch folder;
     const auto all = drivers();
     std::set<std::filesystem::path> files;
@@ -130,7 +130,7 @@ TEST_CASE("shader bits: every example does as it says, and boxes are those of th
     }
 }
 
-TEST_CASE("shader bits: what rests on the order of operations keeps it where it is precise", "[shader-device]") {
+TEST_CASE("shader bits: shaders that depend on the order of operations need precise", "[shader-device]") {
     const Scratch folder;
     const auto map_by = [&](const std::string& scene, std::initializer_list<const char*> shaders) {
         std::string words = "-i 'shader.*' -i sphere.kahan_discriminant -i sphere.filtered -f f32";
@@ -161,7 +161,7 @@ TEST_CASE("shader bits: what rests on the order of operations keeps it where it 
     }
 }
 
-TEST_CASE("shader bits: a march that asks for length differs by the order of its sum alone", "[shader-device]") {
+TEST_CASE("shader bits: a march that uses length differs only in the order of its sum", "[shader-device]") {
     const Scratch folder;
     std::string text = contents(examples + "sphere_tracer.glsl");
     const std::string asked = "length(p - sphere.xyz) - sphere.w";
@@ -188,7 +188,7 @@ TEST_CASE("shader bits: a march that asks for length differs by the order of its
     }
 }
 
-TEST_CASE("shader bits: the claims of the sources' shaders hold on the drivers that they name", "[shader-device]") {
+TEST_CASE("shader bits: claims about published shaders hold on the named drivers", "[shader-device]") {
     std::string command = "check --profile libraries --device all --filter 'shader.*' -v";
     for (const auto& entry : std::filesystem::directory_iterator(examples))
         command += " --shader " + entry.path().string();
@@ -200,7 +200,7 @@ TEST_CASE("shader bits: the claims of the sources' shaders hold on the drivers t
     CHECK(has(o.out, "does not run on Mesa 22.3.6") == !named);
 }
 
-TEST_CASE("shader bits: every file says which driver it was and how that rounds", "[shader-device]") {
+TEST_CASE("shader bits: every file names the driver and how it rounds", "[shader-device]") {
     const Scratch folder;
     const Outcome devices = run("devices --json");
     const auto first = nlohmann::json::parse(devices.out).at(0);

@@ -1,4 +1,4 @@
-// What drivers are asked of themselves.
+// Properties that drivers report.
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -10,7 +10,7 @@ namespace test_drivers {
 
 using namespace lostbits::test;
 
-TEST_CASE("drivers: each tells how it rounds, the same when it is asked again", "[shader-device]") {
+TEST_CASE("drivers: each one reports how it rounds, every time the same", "[shader-device]") {
     const Outcome o = must("devices --json");
     CHECK(o.out == run("devices --json").out);
     const auto devices = nlohmann::json::parse(o.out);
@@ -38,7 +38,7 @@ TEST_CASE("drivers: each tells how it rounds, the same when it is asked again", 
     CHECK(digests.size() == 2);
 }
 
-TEST_CASE("drivers: list devices is one line each", "[shader-device]") {
+TEST_CASE("drivers: list devices prints one line each", "[shader-device]") {
     const Outcome o = must("list devices");
     CHECK(has(o.out, "opengl"));
     CHECK(has(o.out, "vulkan"));

@@ -19,7 +19,7 @@ Outcome map_by(const Scratch& folder, const std::string& scene, const std::strin
 
 }  // namespace
 
-TEST_CASE("hlsl: the analytic sphere has the bits that it has in GLSL", "[shader-device]") {
+TEST_CASE("hlsl: the analytic sphere has the same bits as in GLSL", "[shader-device]") {
     for (const std::string scene : {"near-benign", "rtg-fig-7-3-4100-oblique"}) {
         const Scratch folder;
         const Outcome o = map_by(folder, scene,
@@ -34,7 +34,7 @@ TEST_CASE("hlsl: the analytic sphere has the bits that it has in GLSL", "[shader
     }
 }
 
-TEST_CASE("hlsl: boxes, fields, out parameters and other entry points are taken, on Vulkan without asking",
+TEST_CASE("hlsl: boxes, fields, out parameters and other entry points are accepted, without options on Vulkan",
           "[shader-device]") {
     const Scratch folder;
     const std::string box = folder.write("box.hlsl", R"(cbuffer Frame : register(b0) { float time; };
@@ -65,7 +65,7 @@ bool hit(float3 orig, float3 dir, float3 boxMin, float3 boxMax, out float tmin, 
     CHECK(contents(out / "shader.glsl.vulkan.f32.csv") == contents(out / "shader.hlsl.vulkan.f32.csv"));
 }
 
-TEST_CASE("hlsl: what does not run is told with the user's line, or in a sentence", "[shader-device]") {
+TEST_CASE("hlsl: a shader that does not run is reported with the user's line or a sentence", "[shader-device]") {
     const std::string head = "float f(float3 ro, float3 rd, float4 s) {\n    ";
     struct Fault {
         std::string text, words, says;

@@ -57,7 +57,7 @@ std::vector<NodeId> some_of(const Tape& made, int every) {
 
 }  // namespace
 
-TEST_CASE("shader bits: a mended form has on the driver the bits of its tape", "[shader-device]") {
+TEST_CASE("shader bits: a mended form on the driver has the bits of its tape", "[shader-device]") {
     for (const auto& [name, scene_name, forms] :
          {std::tuple("sphere", "rtg-fig-7-3-4100-oblique",
                      std::vector{"sphere.half_b", "sphere.unit_half_b", "sphere.kahan_discriminant"}),
@@ -119,7 +119,7 @@ TEST_CASE("shader bits: a mended form has on the driver the bits of its tape", "
     }
 }
 
-TEST_CASE("shader bits: what GLSL has not is refused with what has it", "[shader-device]") {
+TEST_CASE("shader bits: a function that GLSL lacks is refused with a replacement", "[shader-device]") {
     const auto& form = test::form_named("sphere.kahan_discriminant");
     const Tape plain = tape::tape_of(form, *find_format("f32"));
     const auto code = [&](const Tape& made) {

@@ -33,7 +33,7 @@ std::string users_part(const std::string& program) {
 
 }  // namespace
 
-TEST_CASE("shader text: what belongs to pixels moves no line and no column", "[shader]") {
+TEST_CASE("shader text: removing pixel code moves no line and no column", "[shader]") {
     const std::string text =
         "#version 300 es\n"
         "layout(location = 0) out vec4 color;\n"
@@ -52,7 +52,7 @@ TEST_CASE("shader text: what belongs to pixels moves no line and no column", "[s
     CHECK(std::ranges::count(users_part(program), '\n') == std::ranges::count(text, '\n'));
 }
 
-TEST_CASE("shader text: a file in float is rewritten for doubles, and back", "[shader]") {
+TEST_CASE("shader text: a file in float is converted to double and back", "[shader]") {
     const std::string floats =
         "precision highp float;\n#define H 0.5f\nfloat f(vec3 a) { return a.x * 1e-3 + 2.0 + H; // 1.5\n}";
     const std::string doubles = "\n#define H 0.5LF\ndouble f(dvec3 a) { return a.x * 1e-3LF + 2.0LF + H; // 1.5\n}";
@@ -63,7 +63,7 @@ TEST_CASE("shader text: a file in float is rewritten for doubles, and back", "[s
     CHECK(rewritten("int a[3]; uint b = 0xEFu; x.f1;", true) == "int a[3]; uint b = 0xEFu; x.f1;");
 }
 
-TEST_CASE("shader text: the errors of each compiler have the user's places", "[shader]") {
+TEST_CASE("shader text: compiler errors point to the user's lines for every compiler", "[shader]") {
     const ShaderSource shader = shader_of("// one\nfloat f(vec3 ro, vec3 rd, vec4 s) {\n    return nope;\n}\n");
     CHECK(errors_of("0:3(9): error: `nope' undeclared\n", shader) == "a.glsl:3:12: `nope' undeclared");
     CHECK(errors_of("ERROR: 0:3: 'nope' : undeclared identifier\nERROR: 1 compilation errors.\n", shader) ==
@@ -82,7 +82,7 @@ TEST_CASE("shader text: the errors of each compiler have the user's places", "[s
     CHECK(has(errors_of("0:3(1): error: \x1b[2Jx\n", shader), "\\x1b[2Jx"));
 }
 
-TEST_CASE("shader text: a field is marched through with the constants of the file", "[shader]") {
+TEST_CASE("shader text: a distance field is marched with the constants of the file", "[shader]") {
     ShaderSource shader = shader_of("float map(vec3 p) { return length(p) - 1.0; }");
     shader.march = {.hit_eps = 0.0001, .max_dist = 50, .max_steps = 128};
     const std::string program = program_text(shader, 32, 430);

@@ -1,4 +1,4 @@
-// Shaders that are told where rays begin and end.
+// Shaders that take the range of a ray.
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -48,8 +48,7 @@ struct Written {
 
 }  // namespace
 
-TEST_CASE("shader ranges: rays that begin and end are met in their range, on every driver and in HLSL",
-          "[shader-device]") {
+TEST_CASE("shader ranges: ray ranges are respected on every driver and in HLSL", "[shader-device]") {
     const Scratch folder;
     folder.write("closed.toml", scene("tmin = 4.5\ntmax = 5.5", sphere));
     folder.write("open.toml", scene("tmin = 4.5\ntmax = 5.5\nopen_ends = \"both\"", sphere));
@@ -89,7 +88,7 @@ TEST_CASE("shader ranges: rays that begin and end are met in their range, on eve
               "a range that begins behind the primitive, at t = 8, hits; it should miss: `starts` says where"));
 }
 
-TEST_CASE("shader ranges: a primitive of every shape comes with its range, in floats and doubles", "[shader-device]") {
+TEST_CASE("shader ranges: a primitive of every shape works with a range, in floats and doubles", "[shader-device]") {
     for (const ShapeRow& row : shape_rows) {
         const Scratch folder;
         const Written primitive(primitive_around(row.shape, Vec<double>(0.25, -0.5, 0.125), 1.5));

@@ -1,4 +1,4 @@
-// What a file of GLSL says of its function.
+// Functions and contracts read from GLSL files.
 #include <ctime>
 #include <filesystem>
 #include <initializer_list>
@@ -49,7 +49,7 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 
 }  // namespace
 
-TEST_CASE("shader: the functions of shader sites are recognised by their types", "[shader]") {
+TEST_CASE("shader: functions in the style of shader sites are recognised by their types", "[shader]") {
     struct Known {
         std::string function, arguments;
         Shape shape;
@@ -98,7 +98,7 @@ TEST_CASE("shader: the functions of shader sites are recognised by their types",
     }
 }
 
-TEST_CASE("shader: a primitive of every shape, and where rays begin and end, are recognised in any order", "[shader]") {
+TEST_CASE("shader: parameters for primitives of every shape and for ranges are recognised in any order", "[shader]") {
     for (const ShapeRow& row : shape_rows) {
         std::string parameters, arguments;
         for_each_key(row.shape, [&](const Key& key, std::size_t k) {
@@ -119,7 +119,7 @@ TEST_CASE("shader: a primitive of every shape, and where rays begin and end, are
     }
 }
 
-TEST_CASE("shader: helpers, prototypes, calls and comments are not taken for the function", "[shader]") {
+TEST_CASE("shader: helpers, prototypes, calls and comments are not mistaken for the function", "[shader]") {
     const File file(R"(
 /* float no(vec3 ro, vec3 rd, vec4 s) { return 1.0; } */
 float yes(vec3 ro, vec3 rd, vec4 s);
@@ -136,7 +136,7 @@ float yes(vec3 ro, vec3 rd, vec4 s) { if (ro.x > 0.0) { return -1.0; } return ma
     CHECK(read_shader(file.path() + ":noise").signature.kind == Signature::Kind::field);
 }
 
-TEST_CASE("shader: comments and words of the command line say the contract", "[shader]") {
+TEST_CASE("shader: comments and command-line options set the contract", "[shader]") {
     const File file(R"(// lostbits: roots=first touching=miss miss=1e20
 /* lostbits: title="two words" format=both
    lostbits: flags=one_thread */
@@ -155,7 +155,7 @@ float f(vec3 ro, vec3 rd, vec4 s) { return 1.0; }
     CHECK_FALSE(other.f32);
 }
 
-TEST_CASE("shader: what is wrong is said with its place", "[shader]") {
+TEST_CASE("shader: errors are reported with their place", "[shader]") {
     const std::string f = "float f(vec3 ro, vec3 rd, vec4 s) { return 1.0; }\n";
     CHECK(has(refused("// x\n  // lostbits: roots=some\n" + f),
               "mine.glsl:2:6: roots is \"some\"; it must be one of both"));
@@ -182,7 +182,7 @@ TEST_CASE("shader: what is wrong is said with its place", "[shader]") {
     CHECK_THROWS_AS(read_shader(std::filesystem::temp_directory_path().string()), InputError);
 }
 
-TEST_CASE("shader: numbers say miss as each convention has it", "[shader]") {
+TEST_CASE("shader: numbers mean a miss by the chosen convention", "[shader]") {
     using Kind = Sentinel::Kind;
     const double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
     CHECK(Sentinel{Kind::negative}.says_miss(-1, -1));
@@ -201,7 +201,7 @@ TEST_CASE("shader: numbers say miss as each convention has it", "[shader]") {
     CHECK_FALSE(Sentinel{Kind::above, 1e20}.says_miss(9e19, 9e19));
 }
 
-TEST_CASE("shader: loops are found with what bounds them", "[shader]") {
+TEST_CASE("shader: loops are found together with their bounds", "[shader]") {
     const File file(R"(#define STEPS 100000
 const int FEW = 5;
 float f(vec3 ro, vec3 rd, vec4 s) {
@@ -229,7 +229,7 @@ float f(vec3 ro, vec3 rd, vec4 s) {
     CHECK(is(5, 11, CountedLoop::endless, CountedLoop::endless));
 }
 
-TEST_CASE("shader: loops that stand in each other are counted up to a bound", "[shader]") {
+TEST_CASE("shader: nested loops are counted up to a limit", "[shader]") {
     std::string text = "float f(vec3 ro, vec3 rd, vec4 s) {\n";
     for (int i = 0; i < 40; ++i) text += "for (int i = 0; i < 1000000000; ++i) ";
     const File file(text + "ro.x += 1.0;\nreturn ro.x;\n}\n");
@@ -239,7 +239,7 @@ TEST_CASE("shader: loops that stand in each other are counted up to a bound", "[
     for (std::size_t i = 1; i < loops.size(); ++i) CHECK(loops[i].together == 1'000'000'000'000);
 }
 
-TEST_CASE("shader: a megabyte of anything is read at once", "[shader]") {
+TEST_CASE("shader: a megabyte of any text is read at once", "[shader]") {
     const auto many = [](const std::string& part) {
         std::string text;
         while (text.size() < 1'000'000) text += part;

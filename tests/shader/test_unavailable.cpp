@@ -22,7 +22,7 @@ Outcome map_by(const Scratch& folder, const std::string& shader, const std::stri
 
 }  // namespace
 
-TEST_CASE("shader: what does not compile is told with the user's lines on each driver", "[shader-device]") {
+TEST_CASE("shader: a compile error is reported with the user's lines on each driver", "[shader-device]") {
     struct Fault {
         std::string text, place, says;
     };
@@ -45,7 +45,7 @@ TEST_CASE("shader: what does not compile is told with the user's lines on each d
     }
 }
 
-TEST_CASE("shader: without a driver it is refused with a sentence", "[shader-device]") {
+TEST_CASE("shader: a missing driver is reported in a sentence", "[shader-device]") {
     const std::string no_gl = "__EGL_VENDOR_LIBRARY_FILENAMES=/dev/null ", no_vulkan = "VK_ICD_FILENAMES=/dev/null ";
     const std::string no_mesa = "LIBGL_DRIVERS_PATH=/nonexistent GALLIUM_DRIVER=none ";
     // Modules that do not load, as where the libraries that they were linked with are missing.
@@ -86,7 +86,7 @@ TEST_CASE("shader: without a driver it is refused with a sentence", "[shader-dev
     CHECK(has(contents(folder.path() / "out" / "near-benign" / "datapackage.json"), "Vulkan"));
 }
 
-TEST_CASE("shader: one that runs for ever is ended and named", "[shader-device]") {
+TEST_CASE("shader: an endless shader is stopped and named", "[shader-device]") {
     const Scratch folder;
     std::string body = "n = pow(abs(sin(n * 1.37 + rd.x)), 1.01);";
     for (int k = 0; k < 6; ++k) body += body;
@@ -115,7 +115,7 @@ TEST_CASE("shader: a compiler of shaders that is killed leaves no temporary fold
     CHECK(fs::is_empty(temporary.path()));
 }
 
-TEST_CASE("shader: a device that is lost ends the run with a line, and nothing is half-written", "[shader-device]") {
+TEST_CASE("shader: a lost device ends the run with a message, and nothing is half-written", "[shader-device]") {
     for (const std::string device : {"opengl", "vulkan"}) {
         for (const std::string silently : {"", "SILENTLY=1 "}) {
             // Its first work is the driver's probe, later ones are batches of rays; at last more than there are.
@@ -140,7 +140,7 @@ TEST_CASE("shader: a device that is lost ends the run with a line, and nothing i
     }
 }
 
-TEST_CASE("shader: a loop beyond the limit of the driver is told", "[shader-device]") {
+TEST_CASE("shader: a loop beyond the driver's limit is reported", "[shader-device]") {
     const Scratch folder;
     const std::string text =
         "#define STEPS 100000\nfloat f(vec3 ro, vec3 rd, vec4 s) {\n    float t = 0.0;\n"
@@ -169,7 +169,7 @@ TEST_CASE("shader: a loop beyond the limit of the driver is told", "[shader-devi
     CHECK_FALSE(has(both.err, "nested.glsl:5:"));
 }
 
-TEST_CASE("shader: pictures of shader sites and of pixel programs are taken as they are", "[shader-device]") {
+TEST_CASE("shader: code from shader sites and pixel programs is accepted unchanged", "[shader-device]") {
     const Scratch folder;
     const std::string site = folder.write("site.glsl", R"(#define AA 2
 uniform float speed;
@@ -209,7 +209,7 @@ void main() {
     }
 }
 
-TEST_CASE("shader: NaN and infinities come back as they are", "[shader-device]") {
+TEST_CASE("shader: NaN and infinities come back unchanged", "[shader-device]") {
     const Scratch folder;
     const std::string nan =
         folder.write("nan.glsl", "float f(vec3 ro, vec3 rd, vec4 s) { return uintBitsToFloat(0x7fc00000u); }");
@@ -230,7 +230,7 @@ TEST_CASE("shader: NaN and infinities come back as they are", "[shader-device]")
     CHECK(others > 0);
 }
 
-TEST_CASE("shader: explain says why it cannot look inside, and judge, sweep, diff and choose take a shader",
+TEST_CASE("shader: explain says why it cannot look inside, and judge, sweep, diff and choose accept a shader",
           "[shader-device]") {
     const Scratch folder;
     const std::string option = " --shader " + examples + "sphere.glsl";

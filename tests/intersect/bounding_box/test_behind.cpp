@@ -94,7 +94,7 @@ Primitive<double> triangle_in(Seeded& r, const Box<double>& box) {
     return Triangle<double>{p[0], p[1], p[2]};
 }
 
-/// Whether a ray meets a closed triangle in its range, by its point in the plane, in fractions.
+/// True if a ray meets a closed triangle in its range, by its point in the plane, in fractions.
 bool truly_meets(const Ray<double>& ray, const Primitive<double>& triangle, double tmax) {
     const auto minus = [](const Point& a, const Point& b) { return Point{a[0] - b[0], a[1] - b[1], a[2] - b[2]}; };
     const auto cross = [](const Point& x, const Point& y) {

@@ -1,5 +1,5 @@
-// The box around a primitive against fractions: rounded outward it is the least of its format, computed it is off by
-// what rounds, and rays that truly hit the primitive truly hit it.
+// The box around a primitive, compared with fractions: rounded outward it is the smallest of its format, and computed
+// it is off by the roundings. Rays that truly hit the primitive truly hit the box.
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -1,4 +1,4 @@
-// Rows behind boxes: where a ray may end so that its hit is found, and their tapes.
+// Rows behind boxes: the margin by which the end of a ray must exceed its hit, and their tapes.
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -1,4 +1,4 @@
-// Box forms in floats beside each other and beside fractions: what paddings are for.
+// Box forms in floats, compared with each other and with fractions: the purpose of paddings.
 #include <map>
 #include <string_view>
 

@@ -1,5 +1,5 @@
-// Primitives and rays of every shape for rows that must answer alike, to the bit: hit, t, near and far, also where hit
-// is false, because the same operations on the same numbers leave the same numbers.
+// Primitives and rays of every shape for rows that must answer alike, to the bit. That covers hit, t, near and far,
+// also where hit is false: the same operations on the same numbers leave the same numbers.
 #pragma once
 
 #include <sys/mman.h>

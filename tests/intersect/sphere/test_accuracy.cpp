@@ -1,5 +1,5 @@
-// What exactness cannot show: a correction that is zero when nothing is rounded (a Newton step, a second solution) must
-// still go the right way when something is.
+// Corrections that are zero without rounding (a Newton step, a second solution) must still go the right way with
+// rounding, which exact tests cannot show.
 #include <cmath>
 #include <map>
 #include <string_view>

@@ -1,5 +1,5 @@
-// Every way into the space of a primitive with every form: in exact arithmetic t is what it is, in batches as ray by
-// ray, on a tape as in the kernel, and what its steps are assigned is the whole error.
+// Every transform method with every form: t is right in exact arithmetic, batches answer as single rays, the tape as
+// the kernel, and the errors of the steps sum to the whole error.
 #include <cmath>
 #include <set>
 #include <vector>

@@ -1,4 +1,4 @@
-// Triangle forms on the rim, where they cull, and what they name.
+// Triangle forms on the rim, their culling, and the weights that they name.
 #include <map>
 #include <set>
 #include <string_view>

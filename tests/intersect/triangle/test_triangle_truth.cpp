@@ -32,7 +32,7 @@ Rational power(std::int64_t e) {
     return e < 0 ? 1 / p : p;
 }
 
-/// Whether the certified number encloses the fraction.
+/// True if the certified number encloses the fraction.
 bool encloses(const measure::truth::Certified& x, const Rational& t) {
     if (x.is_zero()) return t == 0;
     const Rational scaled = t / power(x.exponent);

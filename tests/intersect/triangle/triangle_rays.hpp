@@ -32,7 +32,7 @@ struct TriangleAnswer {
         return meets() && (facing == intersect::Facing::both || front == (facing == intersect::Facing::front));
     }
     [[nodiscard]] bool on_rim() const { return u == 0 || v == 0 || w == 0; }
-    /// How far the nearest decision is from an equality.
+    /// Distance of the nearest decision from equality.
     [[nodiscard]] Rational slack() const {
         Rational least = abs(t);
         for (const Rational& x : {u, v, w}) least = abs(x) < least ? abs(x) : least;

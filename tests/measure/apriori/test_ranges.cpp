@@ -1,4 +1,5 @@
-// Bounds over ranges of a form's inputs against rays in them: hostile ones over all exponents, and those of scenes.
+// Bounds over ranges of a form's inputs, compared with rays in them: hostile ones over all exponents, and those of
+// scenes.
 #include <tbb/global_control.h>
 
 #include <algorithm>

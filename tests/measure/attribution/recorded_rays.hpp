@@ -12,7 +12,7 @@
 
 namespace lostbits::test {
 
-/// What a form is given: a ray, and what it is aimed at.
+/// Inputs of a form: a ray and its target.
 struct Setting {
     Ray<double> ray;
     std::vector<Primitive<double>> primitives;

@@ -1,5 +1,5 @@
-// Errors shared out among operations: what is recorded is what the machine does, exact values are exact, and nothing is
-// left over.
+// Errors shared out among operations: the recording has the bits of the machine, exact values are exact, and the shares
+// sum to the error.
 #include "measure/attribution/attribution.hpp"
 
 #include "catch.hpp"

@@ -1,4 +1,4 @@
-// Culprits as categories: every operation that can be one has a place and a name, and colours go to those that are.
+// Culprits as categories: every possible culprit has an index and a name, and colours go to those that occur.
 #include "measure/attribution/culprits.hpp"
 
 #include <algorithm>

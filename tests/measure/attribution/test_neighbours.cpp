@@ -1,4 +1,4 @@
-// What does better on a ray is ranked on the rays around it, where luck evens out.
+// Better forms for a ray are ranked on the rays around it, to average out luck.
 #include <algorithm>
 #include <cmath>
 

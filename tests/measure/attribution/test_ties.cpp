@@ -1,5 +1,4 @@
-// Operations that contribute the same: which of them is the culprit hangs on the formula, and not on the order in which
-// its tape happens to stand.
+// Operations that contribute the same: the culprit among them depends on the formula, and not on the order of its tape.
 #include "measure/attribution/attribution.hpp"
 
 #include <algorithm>
@@ -62,7 +61,7 @@ Shuffled shuffle(const Tape& tape, Random& random) {
     return s;
 }
 
-/// What was seen of ties over many tapes.
+/// Counts of ties over many tapes.
 struct Seen {
     int ties = 0;       ///< tapes with equals
     int not_first = 0;  ///< of which the culprit is not the first on the tape

@@ -1,4 +1,4 @@
-// Forms that meet a requirement, and how far it holds; times play no part.
+// Forms that meet a requirement, and the margin of that. Times play no part.
 #include <algorithm>
 #include <cmath>
 #include <set>

@@ -1,5 +1,5 @@
-// A choice for rays of files is that for the scene they come from; they are stretched as a scene is; and what stands in
-// the obstacle to a requirement is found by storing the inputs otherwise.
+// A choice for rays of files is that for the scene they come from, and they are stretched as a scene is. Storing the
+// inputs in another format finds the obstacle to a requirement.
 #include <algorithm>
 
 #include "catch.hpp"

@@ -1,4 +1,4 @@
-// What each pixel requires: held against maps of each row by itself.
+// Requirements of each pixel, compared with maps of each row by itself.
 #include <algorithm>
 #include <numeric>
 

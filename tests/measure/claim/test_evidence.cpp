@@ -1,4 +1,4 @@
-// A sentence about all cases says what its verdict rests on, and the claim has that.
+// A sentence about all cases states what its verdict rests on, and the claim has that evidence.
 #include <regex>
 
 #include "catch.hpp"
@@ -31,7 +31,7 @@ std::string universal_word(const std::string& statement) {
     return std::regex_search(statement, found, word) ? found[1].str() : "";
 }
 
-/// Whether a sentence says that it is about a sample: by that word, as "random", or by how many were tried ("none of
+/// True if a sentence says that it is about a sample: by that word, as "random", or by how many were tried ("none of
 /// 1024 rays", "of the 65,536 pixels").
 bool tells_of_a_sample(const std::string& text) {
     static const std::regex words(R"(\b(samples?|random|[0-9][0-9,]* (rays|pixels|points|numbers|marches))\b)",

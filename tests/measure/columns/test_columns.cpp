@@ -1,5 +1,5 @@
-// Errors and residuals over columns have the bits of the metrics' own functions, at every register width; what a
-// register cannot answer for is left, and nothing else is.
+// Errors and residuals over columns have the bits of the metrics' own functions, at every register width. Only what a
+// register cannot compute is left to those functions.
 #include <algorithm>
 #include <bit>
 #include <cmath>

@@ -16,7 +16,7 @@ using measure::truth::missing;
 
 namespace {
 
-/// Where the numbers of a scene come from.
+/// Source of the numbers of a scene.
 enum class Range { near, far, extreme };
 
 /// Rays that point at primitives from all sides, answers close to a surface or anywhere.

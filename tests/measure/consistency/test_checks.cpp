@@ -1,4 +1,4 @@
-// What the checks rest on: any hit before an end, a segment in two ways, a chord from either end.
+// Parts of the consistency checks: any hit before an end, a segment in two ways, a chord from either end.
 #include <cmath>
 #include <random>
 

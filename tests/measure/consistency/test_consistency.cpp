@@ -1,4 +1,4 @@
-// Consistency over scenes: what holds of every form, numbers of an independent computation, and forms that are made to
+// Consistency over scenes: properties of every form, numbers of an independent computation, and forms that are made to
 // contradict themselves.
 #include <cmath>
 #include <numeric>
@@ -32,7 +32,7 @@ std::vector<RowChecks> run(const scene::file::Scene& scene, std::vector<measure:
         ConsistencyStudy{.scene = scene, .rows = std::move(rows), .checks = std::move(among)});
 }
 
-/// Of one check of one row.
+/// Result of one check for one row.
 CheckSummary one(const std::string& scene, std::string_view form, std::string_view format, std::string_view check,
                  int width = 16, int height = 12) {
     const auto s = load(scene, width, height);

@@ -1,5 +1,5 @@
-// A tree of boxes never leaves out a primitive that the ray meets: over all exponents, for every shape. And no form
-// answers otherwise.
+// A tree of boxes never leaves out a primitive that the ray meets: over all exponents, for every shape. It changes no
+// form's answer.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,5 +1,6 @@
-// The filter of rays that start inside, against whole numbers: it never denies that a ray starts in a primitive or on
-// it, at sizes from the least subnormal number to the largest, under matrices too; and where doubles can tell it does.
+// The filter of rays that start inside, compared with integers. It never denies that a ray starts in a primitive or on
+// it, at sizes from the least subnormal number to the largest, under matrices too. Where doubles can tell, it detects
+// it.
 #include <algorithm>
 #include <cmath>
 #include <string>

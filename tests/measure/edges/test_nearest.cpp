@@ -1,4 +1,4 @@
-// The search along edges: what it finds is there, lies within its range, and is the same on any number of threads.
+// The search along edges: its ray exists, lies within its range, and is the same on any number of threads.
 #include "measure/edges/nearest.hpp"
 
 #include <algorithm>

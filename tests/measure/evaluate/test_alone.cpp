@@ -1,5 +1,5 @@
 // Rays that each have a primitive of their own, measured together and alone: in files of rays, and as distributions
-// draw them. Whatever a metric says of a ray, and whatever is counted, does not depend on the rays beside it.
+// draw them. The metrics and counts of a ray do not depend on the rays beside it.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -48,7 +48,7 @@ std::vector<const Metric*> all_of(const std::vector<TestedForm>& rows, const Ray
 
 bool are_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-/// What is found of each ray by each row: the outcome, then the metrics.
+/// Results of each row for each ray: the outcome, then the metrics.
 using Found = std::map<std::pair<std::size_t, std::uint64_t>, std::vector<double>>;
 
 /// The rays as a file with a primitive each.

@@ -1,4 +1,4 @@
-// What is measured of marches: the split of their error, their records, one ray looked at closely.
+// Measurements of marches: the parts of their error, their records, and one ray in detail.
 #include <cmath>
 
 #include "catch.hpp"

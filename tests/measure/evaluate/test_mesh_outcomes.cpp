@@ -124,7 +124,7 @@ public:
                     return met.contains(s) && !beside(s, first) && compare(met.at(s).t, met.at(first).t) < 0;
                 };
                 const bool passed = met.contains(first) && std::ranges::any_of(claimed, nearer);
-                // Of triangles that are met at one t any is the first.
+                // Any of the triangles that are hit at one t counts as the first.
                 const auto is_beside = [&](const auto& m) {
                     return compare(m.second.t, truly->second.t) != 0 || beside(first, m.first);
                 };

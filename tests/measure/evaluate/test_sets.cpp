@@ -1,4 +1,4 @@
-// Sets of forms, one a shape: they answer what their forms do, and each primitive is judged by the words of its own
+// Sets of one form per shape: they answer as their forms do, and each primitive is judged by the contract of its own
 // form.
 #include <array>
 #include <cmath>
@@ -65,7 +65,7 @@ Answers answers_of(const Intersector& form, const Mixed& mixed, const std::vecto
     return measure::answer::evaluate(form, inputs);
 }
 
-/// Of two answers the nearer; the first where they are equal, and a number before NaN.
+/// The nearer of two answers: the first if they are equal, and a number before NaN.
 bool comes_first(const Answers& a, const Answers& b, std::size_t i) {
     if (b.hit[i] == 0 || a.hit[i] == 0) return b.hit[i] == 0;
     if (std::isnan(a.t[i]) || std::isnan(b.t[i])) return !std::isnan(a.t[i]) || std::isnan(b.t[i]);

@@ -1,4 +1,4 @@
-// Rules of rewriting: without rounding a formula stays what it was, whatever form and ray it is tried on.
+// Rules of rewriting: without rounding they keep the value of a formula, for every form and ray tried.
 #include "measure/identity/rules.hpp"
 
 #include <algorithm>
@@ -52,7 +52,7 @@ bool is_near(double a, double b) {
 }
 
 /// The answers of both without rounding; a ray that meets no rule's condition tells nothing.
-/// How many of these rays hit.
+/// Number of these rays that hit.
 int check_same(const Tape& before, const Tape& after, const Intersector& form, std::uint64_t seed) {
     Numbers numbers(seed);
     int hits = 0;
@@ -74,7 +74,7 @@ std::optional<Triple> unit_of(const Intersector& form, const Terms& terms) {
     return direction_of(terms);
 }
 
-/// Whether `of` is computed from node i.
+/// True if `of` is computed from node i.
 bool computes(const Tape& tape, NodeId i, NodeId of) {
     return i == of || (!is_given(tape[of].op) && std::ranges::any_of(tape[of].operands, [&](NodeId operand) {
                return operand != no_node && computes(tape, i, operand);

@@ -1,5 +1,5 @@
-// The answers of a file measure as the form measures that gave them, and the truth of rays with primitives of their own
-// is that of each alone.
+// The answers in a file measure the same as the form that gave them. The truth of rays with primitives of their own is
+// that of each alone.
 #include "measure/judge/judge.hpp"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// How far a ray is from the ideal one, where that can be said by hand.
+// Errors of rays that can be worked out by hand.
 #include <cmath>
 
 #include "catch.hpp"

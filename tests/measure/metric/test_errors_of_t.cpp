@@ -1,4 +1,4 @@
-// What an ulp of t* does not say: errors at t* = 0, wrong roots, and derivatives.
+// Errors that are not measured in ulps of t*: at t* = 0, wrong roots, and derivatives.
 #include <cmath>
 
 #include "catch.hpp"

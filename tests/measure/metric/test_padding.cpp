@@ -60,7 +60,7 @@ Ends ends_of(std::uint64_t tmax, std::uint64_t tmin, std::uint64_t reach) {
     return ends;
 }
 
-/// Whether a ray hits whose slabs are three last places apart there.
+/// True if a ray hits whose slabs are three last places apart there.
 bool can_be(const Ends& ends) {
     return ends.last_exit.d != 0 && ends.first_entry.d != 0 && !(ends.last_exit < ends.first_entry);
 }

@@ -62,7 +62,7 @@ Tape sum_of(double a, double b, double threshold = 0) {
 const Format floats = *find_format("f32");
 constexpr double ulp = 0x1p-23;
 
-/// How many of the runs are above 1.
+/// Number of runs above 1.
 int ups_of(const Tape& tape) {
     int ups = 0;
     for (const double t : RandomRuns(tape).t) {

@@ -1,4 +1,4 @@
-// How many hits a quantile stands for; what draws come to, and the interval that a claim takes from them.
+// Hits behind a quantile, spreads over draws, and the interval that a claim takes from them.
 #include "measure/metric/statistics.hpp"
 
 #include "catch.hpp"

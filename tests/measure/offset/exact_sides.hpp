@@ -1,4 +1,5 @@
-// What an exact half-line does with a primitive, in rationals: a second opinion that shares no code with the first.
+// Intersection of an exact half-line with a primitive, in rationals: a second answer that shares no code with the
+// first.
 #pragma once
 
 #include "intersect/exact.hpp"

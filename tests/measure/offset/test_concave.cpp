@@ -1,5 +1,5 @@
-// Offsets of primitives that a ray which leaves them may truly meet again, or that have no inside: a far wall is no
-// self-hit, and a flat piece is left to either side.
+// Offsets of primitives that a leaving ray may truly meet again, or that have no inside: a far wall is not a self-hit,
+// and rays leave a flat primitive on either side.
 #include <cmath>
 
 #include "catch.hpp"
@@ -104,7 +104,7 @@ TEST_CASE("offsets: the next wall of a torus is where the ray enters by rational
         else {
             const double e = 1e-9 * wall + 1e-10 / length(w);
             ++met;
-            // Where it is not too near a tangent for doubles to tell: outside before it, inside behind it.
+            // Far enough from a tangent for doubles, the point before it is outside and the point behind it is inside.
             CHECK(ring_at(ray, wall - e) > 0);
             CHECK((ring_at(ray, wall + e) < 0 || ring_at(ray, wall + 2 * e) > 0));
             CHECK_FALSE(meets_before({ray, 1e-9 / length(w)}, wall - e, ring));

@@ -1,4 +1,4 @@
-// Offsets over scenes: what the smallest safe one promises, what each strategy does, and what follows from both.
+// Offsets over scenes: the smallest safe one, the effect of each strategy, and consequences of both.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -39,7 +39,7 @@ Vec<double> moved_in_float(const PointWork::Start& at, Side side, double e) {
     return o;
 }
 
-/// Of a float offset, by rationals.
+/// Exact check of a float offset, by rationals.
 bool is_truly_safe(const PointWork& work, const ScenePoints& points, std::size_t k, Side side, double e) {
     const PointWork::Start start = work.start(points.met[k]).value();
     for (const NewRay& r : work.rays(points.met[k], *all_strategies().front(), side)) {

@@ -1,4 +1,4 @@
-// Shares of a run's units: together they are all of them, one behind another, as even as they can be.
+// Shares of a run's units: they are consecutive, cover all units, and are as even as possible.
 #include <algorithm>
 
 #include "catch.hpp"

@@ -1,5 +1,4 @@
-// Quotients of speeds: a real difference is seen, none is claimed between equals, and every kernel that is timed does
-// its work.
+// Ratios of speeds: a real difference is found, equal work shows none, and every timed kernel does its work.
 #include <algorithm>
 #include <array>
 #include <atomic>

@@ -1,4 +1,4 @@
-// Speed against accuracy: what is judged by what, on rays that are what they are said to be. No test asserts a time.
+// Speed against accuracy: the inputs of a comparison, on rays with the stated properties. No test asserts a time.
 #include <sched.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Hard rays in lists, and what two truths of one agree on.
+// Lists of hard rays, and the comparison of two truths of one ray.
 #pragma once
 
 #include <cstdlib>
@@ -24,7 +24,7 @@ inline std::vector<HardRay> problems_of(Shape shape, const FloatFormat& storage,
     return problems;
 }
 
-/// Of the random distribution alone.
+/// For the random distribution only.
 inline std::vector<HardRay> random_problems(Shape shape, const FloatFormat& storage) {
     Seeded rng(17);
     std::vector<HardRay> problems;
@@ -33,7 +33,7 @@ inline std::vector<HardRay> random_problems(Shape shape, const FloatFormat& stor
     return problems;
 }
 
-/// Whether both are the same, to within their bounds.
+/// True if both are the same, to within their bounds.
 inline bool agree(const measure::truth::Truth& a, const measure::truth::Truth& b) {
     return a.decision == b.decision && a.object == b.object && a.touches == b.touches && a.on_surface == b.on_surface &&
            compare(a.t, b.t) == 0 && compare(a.distance, b.distance) == 0;

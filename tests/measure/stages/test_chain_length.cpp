@@ -1,5 +1,5 @@
-// How many roundings a bound of `Running` has one after the other: counted through the spans of all shapes, under a
-// matrix too, and what the stages make of them. And that a sum whose words overflow on the way decides nothing.
+// Number of consecutive roundings in a bound of `Running`: counted through the spans of all shapes, under a matrix too,
+// and through the stages. Also a sum whose words overflow internally, which decides nothing.
 #include <algorithm>
 #include <array>
 #include <bit>

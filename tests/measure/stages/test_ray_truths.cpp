@@ -1,4 +1,4 @@
-// Truths of many rays among primitives are those of each ray alone, in doubles and in numbers that no double holds.
+// Truths of many rays among primitives are those of each ray alone, in doubles and in numbers that double cannot hold.
 #include <optional>
 
 #include "catch.hpp"

@@ -73,7 +73,7 @@ const measure::truth::Certified& length_of(const Truth& truth, Length length) {
     return length == Length::parameter ? truth.t : truth.distance;
 }
 
-/// How many rays do not have, in the columns, what they have alone.
+/// Number of rays whose results in columns differ from those alone.
 std::size_t count_different(std::span<const Problem> problems, const TruthColumns& found, Length length, bool tight) {
     std::size_t different = 0;
     for (std::size_t i = 0; i < problems.size(); ++i) {

@@ -1,4 +1,4 @@
-// Named cases: verdicts that follow by hand, rays that are none, and the files under data/sweeps/extremes.
+// Named cases: verdicts worked out by hand, improper rays, and the files under data/sweeps/extremes.
 #include "measure/sweep/sweep.hpp"
 
 #include <cmath>

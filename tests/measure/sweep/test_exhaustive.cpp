@@ -1,4 +1,4 @@
-// Sweeps over every float, held against one float after another: the forms' own kernels and the whole truth.
+// Sweeps over every float, compared with single floats: the forms' kernels and the full truth.
 #include "measure/sweep/exhaustive.hpp"
 
 #include <algorithm>
@@ -90,7 +90,7 @@ sweep::ExhaustiveState run(const sweep::ExhaustiveRequest& request) {
     return state;
 }
 
-/// How many floats were compared, and in how many rows something was wrong.
+/// Number of floats compared, and number of wrong rows.
 struct Compared {
     std::uint64_t floats = 0, wrong = 0;
 };

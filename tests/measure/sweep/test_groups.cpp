@@ -1,4 +1,4 @@
-// The rays of a distribution have a primitive for each view: measured together they are what they are one view at a
+// The rays of a distribution have a primitive for each view. Measured together they give the results of one view at a
 // time.
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// The worst rays that searches found, kept in data/hard: each still measures what its name says.
+// The worst rays that searches found, kept in data/hard. Each still has the measured value in its name.
 #include <fmt/format.h>
 
 #include <regex>

@@ -1,4 +1,4 @@
-// Every float across a mesh, held against its triangles asked one by one.
+// Every float across a mesh, compared with its triangles asked one by one.
 #include <algorithm>
 #include <map>
 

@@ -1,4 +1,4 @@
-// What test_contraction.cpp and the object that is compiled with -ffp-contract=fast say to each other: plain pointers.
+// Interface between test_contraction.cpp and the object compiled with -ffp-contract=fast: plain pointers.
 #pragma once
 
 namespace lostbits::test::test_contraction {

@@ -36,7 +36,7 @@ Tape tape_of_four(const F& f) {
     return tape;
 }
 
-/// How often an operation stands on what is left of a tape.
+/// Number of occurrences of an operation on the remaining tape.
 template <class F>
 std::map<TapeOp, int> operations_of(const F& f) {
     const Tape tape = contracted(tape_of_four(f));
@@ -88,7 +88,7 @@ TEST_CASE("a product that is only added is fused, and one that is used elsewhere
 #ifdef LOSTBITS_HAS_CONTRACTED
 namespace {
 
-/// What compiled code answers about one ray.
+/// Answer of compiled code for one ray.
 template <class F>
 Hit<double> compiled(EvaluatePlain<F> ask, const Setting& s) {
     const auto &o = s.ray.origin, &d = s.ray.direction;

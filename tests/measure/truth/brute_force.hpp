@@ -47,7 +47,7 @@ std::array<Slab<N>, 3> slabs_of(const NumbersOf<N>& x) {
     return {Slab<N>(x, 0), Slab<N>(x, 1), Slab<N>(x, 2)};
 }
 
-/// What decides whether the ray meets the primitive: the signs of these.
+/// Quantities whose signs decide whether the ray hits the primitive.
 template <class N>
 std::vector<N> deciding(Shape shape, const NumbersOf<N>& x) {
     if (shape == Shape::sphere) {
@@ -88,7 +88,7 @@ bool line_meets(const std::array<Slab<N>, 3>& slabs) {
     return true;
 }
 
-/// Whether it is a problem at all: a box does not end before it begins.
+/// True if it is a problem at all: a box does not end before it begins.
 template <class N>
 bool is_problem(Shape shape, const NumbersOf<N>& x) {
     return shape != Shape::box || (x[6] <= x[9] && x[7] <= x[10] && x[8] <= x[11]);

@@ -76,14 +76,14 @@ private:
 Dyadic lower_end(const measure::truth::Certified& x);
 Dyadic upper_end(const measure::truth::Certified& x);
 
-/// Whether t* lies between both ends; the same for the distance.
+/// True if t* lies between both ends; the same for the distance.
 bool encloses(const measure::truth::Certified& t, const ExactHit& exact);
 bool encloses_distance(const measure::truth::Certified& distance, const ExactHit& exact);
 
-/// Whether 2^k ≤ x* < 2^(k + 1) for the k = ⌊log2 x⌋ that x gives, `side(m)` being the sign of x* − m; or both are 0.
+/// True if 2^k ≤ x* < 2^(k + 1) for the k = ⌊log2 x⌋ that x gives, `side(m)` being the sign of x* − m; or both are 0.
 bool is_in_binade(const measure::truth::Certified& x, const std::function<int(const Dyadic&)>& side);
 
-/// Whether `rounded` is a number x* ≥ 0 rounded to nearest, ties to even, where `side(m)` is the sign of x* − m: x*
+/// True if `rounded` is a number x* ≥ 0 rounded to nearest, ties to even, where `side(m)` is the sign of x* − m: x*
 /// lies between the midpoints on either side of `rounded`, and on one of them only where `rounded` is the even
 /// neighbour. Beyond the largest number stands infinity.
 bool is_rounded(double rounded, const std::function<int(const Dyadic&)>& side, const FloatFormat& format);

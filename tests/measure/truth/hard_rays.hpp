@@ -26,7 +26,7 @@ struct HardDistribution {
     std::function<HardRay(Seeded&)> draw;
 };
 
-/// Those of spheres with exponents anywhere too, or without.
+/// Spheres with exponents of any size, or without.
 enum class Wide { no, yes };
 
 /// The distributions of a shape in these formats; the one first that is random. Triangles are of floats.

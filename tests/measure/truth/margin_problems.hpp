@@ -21,7 +21,7 @@ struct MarginProblem {
     [[nodiscard]] bool is_proper() const {
         return measure::truth::is_proper(ray) && measure::truth::is_proper(primitive);
     }
-    /// Whether the ray hits; nothing where this is no problem.
+    /// True if the ray hits; nothing where this is no problem.
     [[nodiscard]] std::optional<bool> hits() const {
         if (!is_proper()) return std::nullopt;
         return measure::truth::find_truth(ray, primitive).is_hit();

@@ -1,4 +1,4 @@
-// How far errors of the inputs can move t, in units of t: rounded up where that is subnormal.
+// Reach of t under errors of the inputs, in units of t. A subnormal reach is rounded up.
 #pragma once
 
 #include <cmath>

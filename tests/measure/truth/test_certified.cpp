@@ -1,4 +1,4 @@
-// What an enclosure leaves behind: every operation on certified values against exact integers.
+// Certified values, which enclosures produce: every operation is compared with exact integers.
 #include <bit>
 #include <cmath>
 

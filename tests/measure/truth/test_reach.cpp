@@ -41,9 +41,9 @@ public:
         certified_ = found.t;
         find_root(found.t);
     }
-    /// Whether the answer is a root or a face of the textbook, and not where the ray begins inside.
+    /// True if the answer is a root or a face of the textbook, and not where the ray begins inside.
     [[nodiscard]] bool is_of_use() const { return t_.has_value(); }
-    /// Whether the ray still hits where t moves most, to both sides.
+    /// True if the ray still hits where t moves most, to both sides.
     [[nodiscard]] bool is_decided() const { return is_decided_; }
 
     /// The farthest that t was seen to move, over what it can reach; both 0 is 0.
@@ -118,7 +118,7 @@ private:
         up[i] += step, down[i] -= step;
         return (residual(primitive_.shape, up, *t_, axis_) - residual(primitive_.shape, down, *t_, axis_)) / (2 * step);
     }
-    /// Whether that problem has an answer.
+    /// True if that problem has an answer.
     bool take(const Numbers& moved, Wide& most) const {
         const auto t = book_.t(primitive_.shape, moved);
         if (t) most = std::max(most, Wide(abs(Wide(*t - *t_))));

@@ -116,7 +116,7 @@ int cell_ends(const std::string& row) {
     return ends;
 }
 
-/// Whether Markdown sees a tag, or brackets of a link.
+/// True if Markdown sees a tag, or brackets of a link.
 bool has_markup(const std::string& line) {
     for (std::size_t i = 0; i < line.size(); ++i) {
         if (line[i] == '\\') ++i;

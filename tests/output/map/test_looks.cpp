@@ -1,4 +1,4 @@
-// What can be told apart in pictures: forms in every plot, and whatever stands in one legend.
+// Distinct styles in pictures: of forms in every plot and of the entries of a legend.
 #include <map>
 #include <set>
 #include <tuple>

@@ -1,4 +1,4 @@
-// What the colours and captions of maps say.
+// Colours and captions of maps.
 #include <algorithm>
 #include <array>
 #include <limits>

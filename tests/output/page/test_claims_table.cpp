@@ -1,4 +1,4 @@
-// What the page says of a claim's verdict: how it came out, and what it rests on.
+// Verdicts of claims on the page: the result, and what it rests on.
 #include "catch.hpp"
 #include "output/page/page.hpp"
 

@@ -119,7 +119,7 @@ TEST_CASE("labels keep their order and do not overlap", "[plot]") {
 
 namespace {
 
-/// Whether a black figure covers about half of a white pixel: Cairo samples a pixel on 15 lines.
+/// True if a black figure covers about half of a white pixel: Cairo samples a pixel on 15 lines.
 bool is_half(Rgb8 p) { return p.r == p.g && p.g == p.b && std::abs(p.r - 128) <= 9; }
 
 }  // namespace

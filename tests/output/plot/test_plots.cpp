@@ -42,7 +42,7 @@ PlotFrame frame_of(const image::PngImage& image) {
     return out;
 }
 
-/// Whether the first line is there: all but the other lines is grey.
+/// True if the first line is there: all but the other lines is grey.
 bool tinted(image::Rgb8 p) { return p.b > p.r + 70; }
 
 /// Tinted pixels within the frame.

@@ -1,4 +1,4 @@
-// Bits of shards that are not what their reader takes them for.
+// Malformed bits of shards.
 #include <sys/resource.h>
 
 #include <algorithm>

@@ -63,7 +63,7 @@ Fraction cross2(const Fractions& a, const Fractions& b) {
 
 const Fraction tiny = Fraction(1) / (boost::multiprecision::cpp_int(1) << 400);  // of a square: 2^-200
 
-/// Whether a ray goes through its pixel, to 2^-200 of its direction, and begins so far off from where it should.
+/// True if a ray goes through its pixel, to 2^-200 of its direction, and begins so far off from where it should.
 void check_ray(const Ray<Real>& ray, int pixel, const Fraction& near, const Fraction& off_at_most) {
     const Fractions d = direction_of(pixel % width, pixel / width), made = exactly(ray.direction);
     CHECK(cross2(made, d) < tiny * dot(d, d));

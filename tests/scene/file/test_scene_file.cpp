@@ -1,4 +1,4 @@
-// What a scene file says, its variants, and overrides.
+// Scene files, their variants, and overrides.
 #include <unistd.h>
 
 #include "catch.hpp"

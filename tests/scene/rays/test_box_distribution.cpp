@@ -1,4 +1,4 @@
-// Families of rays at boxes and at any shape: what they are aimed at, by arithmetic of their own.
+// Ray distributions for boxes and for any shape: their targets, computed independently.
 #include <bit>
 #include <cmath>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Families of rays by exact arithmetic: where the eye is, how far the centre, how close the line passes.
+// Ray distributions in exact arithmetic: position of the eye, distance of the centre, and gap of the line.
 #include "shapes/sphere/distribution/distribution.hpp"
 
 #include <algorithm>

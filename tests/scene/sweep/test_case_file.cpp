@@ -1,4 +1,4 @@
-// Files of named cases, and the searches that are their cousins.
+// Files of named cases, and search files.
 #include "scene/sweep/case_file.hpp"
 
 #include <array>

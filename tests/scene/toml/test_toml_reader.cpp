@@ -1,4 +1,4 @@
-// TOML as values with their places; errors that say what to try.
+// TOML values with their positions, and errors with advice.
 #include <fcntl.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
