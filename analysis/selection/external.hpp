@@ -9,6 +9,7 @@
 #include "analysis/shell/command_line.hpp"
 #include "intersect/external/contract.hpp"
 #include "intersect/external/formulas.hpp"
+#include "intersect/function/function.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "measure/evaluate/evaluate.hpp"
 
@@ -62,6 +63,10 @@ ExternalForms open_each(const ExternalOptions& words, int threads);
 
 /// Calls `open_each` and adds the forms to the table. Call it before any row of the table is used.
 void open_external(const ExternalOptions& words, int threads);
+
+/// Compiles a function of the user and prints on stderr what its arguments are taken for. Call `open_each` before.
+std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std::string& named,
+                                                                       const ExternalOptions& words);
 
 /// Prints on stderr which libraries change the floating-point state of the processor when they are loaded.
 void note_states();

@@ -81,7 +81,7 @@ private:
             case 6: return "(- " + part() + ")";
             case 7: return math("fabs") + "(" + part() + ")";
             case 8: return math("sqrt") + "(" + part() + ")";
-            case 9: return math(one_of({"fmin", "fmax"})) + "(" + part() + ", " + part() + ")";
+            case 9: return "(" + math(one_of({"fmin", "fmax"})) + "(" + part() + ", " + part() + ") + 0)";
             case 10: return math("copysign") + "(" + part() + ", definite(" + part() + "))";
             case 11: return (type_ == "float" ? "fmaf(" : "fma(") + part() + ", " + part() + ", " + part() + ")";
             case 12:

@@ -46,7 +46,7 @@ template <class S>
 std::size_t differences(const intersect::table::Kernel<S>& a, const intersect::table::Kernel<S>& b, Shape shape) {
     std::mt19937_64 random(7);
     const auto uniform = [&random] { return static_cast<S>(static_cast<double>(random() >> 11) * 0x1p-52 - 1); };
-    constexpr std::size_t count = 20'000;
+    const std::size_t count = is_long() ? 1'000'000 : 20'000;
     std::vector<Primitive<S>> primitives(count, Primitive<S>(shape));
     std::array<std::vector<S>, 6> rays;
     for (Primitive<S>& primitive : primitives) {
@@ -97,7 +97,17 @@ TEST_CASE("functions: the operations give the bits of the compiled function", "[
           Case{"sphere.cpp:scene::intersect_sphere", "hit where its hit is not 0, t = its t"},
           Case{"box.c:hit_box", "lo = b.bounds[0], hi = b.bounds[1]"}, Case{"box.c:slabs", "1/direction = inv_dir"},
           Case{"triangle.cpp:hit_triangle", "triangle: origin = orig, direction = dir, a = v0, b = v1, c = v2"},
-          Case{"sphere.rs:hit_sphere", "hit where the result is there"}, Case{"sphere.rs:hit_box", "far = its __1"}}) {
+          Case{"sphere.rs:hit_sphere", "hit where the result is there"}, Case{"sphere.rs:hit_box", "far = its __1"},
+          Case{"public.c:ray_triangle", "c = v2; hit where the result is not 0, t = d"},
+          Case{"public.c:HitBoundingBox",
+               "lo = minB, hi = maxB, origin = origin, direction = dir; hit where the result"},
+          Case{"public.cpp:sphere_ray_intersect",
+               "origin = orig, direction = dir; hit where the result is not 0, t = t0"},
+          Case{"public.cpp:sphere::hit",
+               "tmin = ray_t.min, tmax = ray_t.max; hit where the result is not 0, t = rec.t"},
+          Case{"public.rs:Sphere::intersect", "hit where the result is there, t = the result"},
+          Case{"public.rs:intersects_triangle", "c = c; t = its distance; hit where t is not infinite"},
+          Case{"public.rs:intersection_slice_for_aabb", "1/direction = inv_direction, lo = aabb.min, hi = aabb.max"}}) {
         CAPTURE(named);
         if (std::string(named).find(".rs:") != std::string::npos && !has_rustc()) continue;
         const auto f = intersect::function::load_function(folder + named, {});
@@ -128,6 +138,26 @@ TEST_CASE("functions: the culprit is a line of the user's file", "[external]") {
         "--function " +
             folder + "sphere.c:hit_sphere",
         made.path());
+}
+
+TEST_CASE("functions: plugin check, choose, diff and claims take them", "[external]") {
+    const Scratch made;
+    const std::string schoolbook = " --function " + folder + "sphere.c:schoolbook ";
+    CHECK(must("plugin check" + schoolbook).out.find("function.schoolbook in binary32, a sphere:") !=
+          std::string::npos);
+    CHECK(must("choose near-benign --size 8x8 --bits 8 -f f32 -i function.schoolbook" + schoolbook, made.path())
+              .out.find("The cheapest is function.schoolbook in f32") != std::string::npos);
+    must("map near-benign --size 8x8 -f f32 -o out -i function.schoolbook -i sphere.schoolbook" + schoolbook,
+         made.path());
+    CHECK(must("diff out -i function.schoolbook -i sphere.schoolbook", made.path()).out.find("same") !=
+          std::string::npos);
+    std::ofstream(made.path() / "mine.toml")
+        << "schema = \"lostbits-claims/1\"\nprofile = \"libraries\"\n[[claim]]\nid = \"mine.decides\"\nstatement = "
+           "\"Mine decides rightly\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\nscene = "
+           "\"near-benign\"\nform = \"function.schoolbook\"\nformat = \"f32\"\n[claim.expect]\nmetric = "
+           "\"false_hit_fraction\"\nin = [0, 0]\ncriterion = \"= 0\"\n";
+    CHECK(must("check mine.toml --profile libraries" + schoolbook, made.path()).out.find("1 verdict confirmed") !=
+          std::string::npos);
 }
 
 TEST_CASE("functions: what cannot be followed is refused with its place", "[external]") {

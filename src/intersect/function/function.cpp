@@ -219,19 +219,40 @@ std::string probe_of(SourceLanguage language, const fs::path& file, const std::s
     return include + "auto lostbits_keep = &" + name + ";\n";
 }
 
-/// The words after `lostbits:` in a comment of the file; the last one that names the function, or that names none.
-Stated stated_in(const std::string& source, const std::string& path) {
-    Stated found;
+/// The words after `lostbits:` in a comment right above the function that is defined at that line; without one, the
+/// last comment that stands above no other function.
+Stated stated_in(const std::string& source, const std::string& path, int definition) {
+    std::optional<Stated> own, other;
     constexpr std::string_view mark = "lostbits:";
-    int line = 1;
-    std::istringstream lines(source);
-    for (std::string text; std::getline(lines, text); ++line) {
-        const std::size_t at = text.find(mark), comment = text.find("//"), block = text.find("/*");
-        if (at == std::string::npos || std::min(comment, block) > at) continue;
-        found =
-            stated_by(text.substr(at + mark.size()), path + ":" + std::to_string(line) + ":" + std::to_string(at + 1));
+    std::vector<std::string> lines;
+    std::istringstream in(source);
+    for (std::string text; std::getline(in, text);) lines.push_back(text);
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+        const std::size_t at = lines[k].find(mark);
+        if (at == std::string::npos || std::min(lines[k].find("//"), lines[k].find("/*")) > at) continue;
+        const auto stated = [&] {
+            return stated_by(lines[k].substr(at + mark.size()),
+                             path + ":" + std::to_string(k + 1) + ":" + std::to_string(at + 1));
+        };
+        std::size_t below = k + 1;  // the first line of code
+        while (below < lines.size() && lines[below].find_first_not_of(" \t") != std::string::npos &&
+               std::string_view("/*#").find(lines[below][lines[below].find_first_not_of(" \t")]) !=
+                   std::string_view::npos)
+            ++below;
+        const auto line = static_cast<std::size_t>(std::max(definition - 1, 0));
+        const auto ends = [](const std::string& text) { return text.find_first_of("{;") != std::string::npos; };
+        const bool is_above = below <= line && line < lines.size() &&
+                              std::none_of(lines.begin() + static_cast<std::ptrdiff_t>(below),
+                                           lines.begin() + static_cast<std::ptrdiff_t>(line), ends);
+        const bool is_inside = k >= line && definition > 0 && k < lines.size() &&
+                               std::none_of(lines.begin() + static_cast<std::ptrdiff_t>(line),
+                                            lines.begin() + static_cast<std::ptrdiff_t>(k),
+                                            [](const std::string& text) { return text.starts_with('}'); });
+        const bool is_function = below < lines.size() && lines[below].find('(') != std::string::npos;
+        if (is_inside || (is_above && is_function)) own = stated();
+        else if (!is_function) other = stated();
     }
-    return found;
+    return own ? *own : other.value_or(Stated());
 }
 
 bool says_miss(const MissValue& s, double t) {
@@ -417,14 +438,15 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     made->path = parts.file.string();
     Compiler compiler(parts.file, language, terms);
     made->source = language == SourceLanguage::llvm ? compiler.ir_of_file() : text_of(parts.file);
-    Stated stated = stated_in(made->source, made->path);
-    if (!parts.words.empty()) stated = stated_by(parts.words, "--function " + named);
     const std::string who = made->path + ":" + parts.function;
 
     const bool is_ir = language == SourceLanguage::llvm;
     Module probe(is_ir ? made->source : compiler.ir(probe_of(language, compiler.file(), parts.function), false));
     UserSignature signature = signature_of(probe, made->path, parts.function, language);
-    guess(signature, stated, who);
+    guess(signature,
+          parts.words.empty() ? stated_in(made->source, made->path, signature.line)
+                              : stated_by(parts.words, "--function " + named),
+          who);
     const std::string wrapper =
         is_ir ? ir_wrapper_of(signature, probe, who)
               : wrapper_of(signature, language == SourceLanguage::rust ? made->source : compiler.file().string());

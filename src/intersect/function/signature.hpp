@@ -63,6 +63,7 @@ struct UserSignature {
     std::string call;    ///< the function as the source calls it
     std::string symbol;  ///< the function in the LLVM IR
     std::string folder;  ///< of the source file that debug information names; or empty
+    int line = 0;        ///< of its definition in that file
     bool is_method = false;
     std::vector<Argument> arguments;
     SourceType returned;

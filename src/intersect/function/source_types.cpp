@@ -195,6 +195,7 @@ UserSignature signature_of(Module& module, const std::string& path, const std::s
     s.language = language;
     s.call = name;
     s.symbol = found->name;
+    s.line = static_cast<int>(number_in(field(text, "line")));
     if (language == SourceLanguage::llvm) {
         if (found->subprogram < 0) {
             take_ir_types(s, module, *found, path);
