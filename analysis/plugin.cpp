@@ -78,10 +78,16 @@ Exit try_forms(const std::string& library, const Common& common) {
     if (!library.empty()) words.plugins.push_back(library);
     if (const std::string here = selection::loaded_here(words); !here.empty()) shell::supervise(here, words.seconds);
     const auto [forms, formulas] = selection::open_each(words, common.threads);
-    if (forms.empty()) throw InputError("plugin check: name a library, or a command by --pipe");
+    if (forms.empty() && words.functions.empty())
+        throw InputError("plugin check: name a library, a command by --pipe, or a function by --function");
     bool good = true;
     for (const ForeignForm& form : forms)
         good = show_trial(form, intersect::external::first_of(formulas, form), common.quiet) && good;
+    for (const std::string& named : words.functions) {
+        const auto function = selection::load_shown_function(named, words);
+        const auto& answers = function->answers->of32 ? function->answers->of32 : function->answers->of64;
+        good = show_trial(answers->form(), {}, common.quiet) && good;
+    }
     return good ? Exit::done : Exit::answer_is_no;
 }
 
@@ -97,10 +103,10 @@ int take_standard_output(const std::string& command) {
 void add_plugin(const shell::Command& program, const Common& common) {
     auto command = program.add_command("plugin", "Check a library of intersectors against what it promises");
     const auto library = std::make_shared<std::string>();
-    auto tried = command.add_command(
-        "check",
-        "Ask every form of a library, or of --pipe, questions whose answers can be checked by hand; exit 1 if a "
-        "form breaks one of its promises");
+    auto tried = command.add_command("check",
+                                     "Ask every form of a library, of --pipe or of --function, questions whose answers "
+                                     "can be checked by hand; exit 1 if a "
+                                     "form breaks one of its promises");
     tried.add("LIBRARY", *library, "The library");
     tried.runs([library, &common] { return try_forms(*library, common); });
     auto served = command.add_command(

@@ -90,6 +90,7 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
     return guarded(error, [&] {
         require(form, "form");
         require(operations, "operations");
+        if (form->asked == nullptr) throw InputError("form: is a function of a file, whose operations are known");
         if (bits != 32 && bits != 64) throw InputError("bits must be 32 or 64");
         WrittenFormula formula{.name = std::string(form->asked->info.name),
                                .shape = form->row.shape,
@@ -104,6 +105,35 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
         require_sense(formula);
         form->formulas[bits == 32 ? 0 : 1] = std::make_shared<const WrittenFormula>(std::move(formula));
         renew(*form);
+        return Exit::done;
+    });
+}
+
+int lostbits_form_function(const char* named, lostbits_form** form, const lostbits_run* run, lostbits_result** result,
+                           lostbits_error* error) {
+    return guarded(error, [&] {
+        require(named, "named");
+        require(form, "form");
+        require(result, "result");
+        auto made = std::make_unique<lostbits_form>();
+        made->function = intersect::function::load_function(named, {.stop = CallRun(run).stop()});
+        const auto& function = *made->function;
+        made->row = function.row;
+        made->alone = function.written->row(function.answers->info);
+        auto found = std::make_unique<lostbits_result>();
+        found->tables
+            .emplace_back("function",
+                          std::vector<output::file::Column>{
+                              {"name", "string", "", "name of the form"},
+                              {"shape", "string", "", "shape that it intersects"},
+                              {"signature", "string", "", "what its arguments and its result are taken for"}})
+            .writer()
+            .add(function.answers->info.name)
+            .add(name_of(function.row.shape))
+            .add(function.shown)
+            .end_row();
+        hand_over(std::move(found), result);
+        *form = made.release();
         return Exit::done;
     });
 }

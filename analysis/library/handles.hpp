@@ -24,6 +24,7 @@
 #include "analysis/library/lostbits.h"
 #include "analysis/selection/select.hpp"
 #include "intersect/external/foreign_batch.hpp"
+#include "intersect/function/function.hpp"
 #include "intersect/process/floating_point.hpp"
 #include "intersect/table/written_formula.hpp"
 #include "measure/culling/culling.hpp"
@@ -131,6 +132,7 @@ struct lostbits_scene {
 
 struct lostbits_form {
     std::unique_ptr<lostbits::intersect::external::ForeignRow> asked = {};
+    std::unique_ptr<lostbits::intersect::function::UserFunction> function = {};  ///< in place of those around
     std::array<std::shared_ptr<const lostbits::intersect::table::WrittenFormula>, 2> formulas = {};  ///< f32, f64
     std::optional<lostbits::intersect::table::WrittenForm> written = {};
     lostbits::intersect::table::Intersector row{};    ///< the function in its formats, the written operations elsewhere

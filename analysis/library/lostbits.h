@@ -31,7 +31,7 @@ extern "C" {
 #endif
 
 /* The version of this interface. It changes when a program compiled with the old header would no longer work. */
-#define LOSTBITS_ABI 8
+#define LOSTBITS_ABI 9
 
 enum {
     LOSTBITS_OK = 0,           /* done */
@@ -158,6 +158,13 @@ typedef struct lostbits_run {
     void (*progress)(void* own, uint64_t done, uint64_t of);
     void* own;
 } lostbits_run;
+
+/* Makes a form from a function in a file of C, C++, Rust or LLVM IR as it stands, as `--function` does: `FILE.c:NAME`
+ * (docs/your-function.md). It has its operations, so lostbits_form_write refuses it. Runs a compiler, which `run->stop`
+ * ends; `run` may be NULL. `result` has one table `function` with one row: the form's `name`, its `shape`, and
+ * `signature`, what its arguments are taken for. */
+LOSTBITS_API int lostbits_form_function(const char* named, lostbits_form** form, const lostbits_run* run,
+                                        lostbits_result** result, lostbits_error* error);
 
 /* Measures every chosen form and format on the pixels of a scene. Tables: `summary`, as summary.csv of `lostbits map`.
  * With `rows` also a table FORM.FORMAT for each form and format: outcome, object, truth_object, t, truth, and one

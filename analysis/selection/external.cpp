@@ -224,12 +224,16 @@ void open_external(const ExternalOptions& words, int threads) {
     });
     intersect::external::register_formulas(found.formulas);
     intersect::external::register_forms(std::move(found.forms));
-    for (const std::string& named : words.functions) {
-        auto function = intersect::function::load_function(named, {.seconds = words.seconds, .stop = words.stop});
-        scene::toml::note_read(function->path);
-        if (!words.quiet) fmt::print(stderr, "lostbits: {}\n", function->shown);
-        intersect::function::register_forms(std::move(function));
-    }
+    for (const std::string& named : words.functions)
+        intersect::function::register_forms(load_shown_function(named, words));
+}
+
+std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std::string& named,
+                                                                       const ExternalOptions& words) {
+    auto function = intersect::function::load_function(named, {.seconds = words.seconds, .stop = words.stop});
+    scene::toml::note_read(function->path);
+    if (!words.quiet) fmt::print(stderr, "lostbits: {}\n", function->shown);
+    return function;
 }
 
 void note_states() {

@@ -9,6 +9,7 @@
 #include "analysis/shell/command_line.hpp"
 #include "intersect/external/contract.hpp"
 #include "intersect/external/formulas.hpp"
+#include "intersect/function/function.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "measure/evaluate/evaluate.hpp"
 
@@ -19,7 +20,7 @@ struct ExternalOptions {
     std::vector<std::string> plugins;         ///< libraries, see `find_plugin`, each with an optional NAME= before it
     std::vector<std::string> pipes;           ///< commands for the shell
     std::vector<std::string> shaders;         ///< files of GLSL, see `read_shader`
-    std::vector<std::string> functions;       ///< of C, C++ and Rust, see `load_function`
+    std::vector<std::string> functions;       ///< of C, C++, Rust and LLVM IR, see `load_function`
     std::vector<std::string> devices;         ///< for the shaders: `device_kinds` or `all`; empty: the first available
     bool isolate = false;                     ///< every library runs in its own process, even one with formulas
     bool in_process = false;                  ///< no library runs in its own process
@@ -62,6 +63,10 @@ ExternalForms open_each(const ExternalOptions& words, int threads);
 
 /// Calls `open_each` and adds the forms to the table. Call it before any row of the table is used.
 void open_external(const ExternalOptions& words, int threads);
+
+/// Compiles a function of the user and prints on stderr what its arguments are taken for. Call `open_each` before.
+std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std::string& named,
+                                                                       const ExternalOptions& words);
 
 /// Prints on stderr which libraries change the floating-point state of the processor when they are loaded.
 void note_states();

@@ -13,7 +13,8 @@ Start with help(lb.map), help(lb.intersector) or docs/python.md.
 """
 
 from ._arrays import SHAPES
-from ._forms import Intersector, intersector
+from ._forms import Function, Intersector, intersector
+from ._forms import Function as function
 from ._library import EnvironmentFault, Error, InputError, NothingSelected, library
 from ._measure import (Suspicious, ask, assert_keeps, check, choose, consistency, explain, hits, inside, judge, map,
                        mend, offsets, render, sweep, truth)
@@ -23,7 +24,7 @@ from ._tables import Table
 from ._trace import Unfollowed
 
 __version__: str = library.lostbits_version().decode()
-__all__ = ["Checked", "Choice", "EnvironmentFault", "Error", "Explanation", "Hits", "InputError", "Inside",
+__all__ = ["Checked", "Choice", "EnvironmentFault", "Error", "Explanation", "Function", "Hits", "InputError", "Inside",
            "Intersector", "Judgement", "Map", "Mended", "NothingSelected", "SHAPES", "Scene", "Study", "Suspicious",
            "Sweep", "Table", "Truths", "Unfollowed", "ask", "assert_keeps", "check", "choose", "consistency", "explain",
-           "hits", "inside", "intersector", "judge", "map", "mend", "offsets", "render", "scene", "sweep", "truth"]
+           "function", "hits", "inside", "intersector", "judge", "map", "mend", "offsets", "render", "scene", "sweep", "truth"]

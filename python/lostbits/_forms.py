@@ -218,6 +218,33 @@ class Intersector:
                 f"operations give {said.t[i]!r} (hit: {bool(said.hit[i])}); some operation was not recorded")
 
 
+class Function(Intersector):
+    """A function in a file of C, C++, Rust or LLVM IR as it stands: the form `function.NAME`.
+
+    `.signature` says what its arguments are taken for. `words` overrides it, as in `"sphere(o, d, c, r), miss = -1"`
+    (docs/your-function.md). Raises InputError for a file that does not compile and for what cannot be followed.
+
+    >>> lb.explain(lb.function("scene.c", "hit_sphere"), "rtg-fig-7-3-4100-oblique", pixel=(128, 128))
+    """
+
+    def __init__(self, file: str, name: str, words: str = "") -> None:
+        self.handle = lib.Handle("form")
+        named = f"{os.fspath(file)}:{name}" + (f":{words}" if words else "")
+        _, result = lib.long_call("lostbits_form_function", lib.in_utf8(named, "function"),
+                                  c.byref(self.handle.pointer))
+        about = tables_of(result)["function"]
+        self.name, self.shape, self.signature = (str(about[key][0]) for key in ("name", "shape", "signature"))
+        self.tapes: dict[str, Tape] = {}
+        self.unlock()
+        _all.add(self)
+
+    def __call__(self, *arguments: Any) -> Any:
+        raise lib.InputError(f"{self.name} is compiled code and takes no arrays; write lb.ask(form, o, d, primitives)")
+
+    def write(self, sample: Sample) -> None:
+        """Its operations are known."""
+
+
 _all: weakref.WeakSet[Intersector] = weakref.WeakSet()
 
 

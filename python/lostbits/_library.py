@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 from typing import Any, Sequence
 
-ABI = 8
+ABI = 9
 
 
 class Error(Exception):

@@ -3,20 +3,27 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
+#include <fstream>
 #include <random>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "catch.hpp"
 #include "cli/program.hpp"
+#include "counts.hpp"
+#include "intersect/external/plugin.hpp"
 #include "intersect/function/function.hpp"
 #include "intersect/function/walk.hpp"
 #include "number/error.hpp"
+#include "random_functions.hpp"
 
 namespace test_functions {
 
 using namespace lostbits;
 using namespace lostbits::test;
+namespace table = lostbits::intersect::table;
 
 namespace {
 
@@ -39,7 +46,7 @@ template <class S>
 std::size_t differences(const intersect::table::Kernel<S>& a, const intersect::table::Kernel<S>& b, Shape shape) {
     std::mt19937_64 random(7);
     const auto uniform = [&random] { return static_cast<S>(static_cast<double>(random() >> 11) * 0x1p-52 - 1); };
-    constexpr std::size_t count = 20'000;
+    const std::size_t count = is_long() ? 1'000'000 : 20'000;
     std::vector<Primitive<S>> primitives(count, Primitive<S>(shape));
     std::array<std::vector<S>, 6> rays;
     for (Primitive<S>& primitive : primitives) {
@@ -90,7 +97,17 @@ TEST_CASE("functions: the operations give the bits of the compiled function", "[
           Case{"sphere.cpp:scene::intersect_sphere", "hit where its hit is not 0, t = its t"},
           Case{"box.c:hit_box", "lo = b.bounds[0], hi = b.bounds[1]"}, Case{"box.c:slabs", "1/direction = inv_dir"},
           Case{"triangle.cpp:hit_triangle", "triangle: origin = orig, direction = dir, a = v0, b = v1, c = v2"},
-          Case{"sphere.rs:hit_sphere", "hit where the result is there"}, Case{"sphere.rs:hit_box", "far = its __1"}}) {
+          Case{"sphere.rs:hit_sphere", "hit where the result is there"}, Case{"sphere.rs:hit_box", "far = its __1"},
+          Case{"public.c:ray_triangle", "c = v2; hit where the result is not 0, t = d"},
+          Case{"public.c:HitBoundingBox",
+               "lo = minB, hi = maxB, origin = origin, direction = dir; hit where the result"},
+          Case{"public.cpp:sphere_ray_intersect",
+               "origin = orig, direction = dir; hit where the result is not 0, t = t0"},
+          Case{"public.cpp:sphere::hit",
+               "tmin = ray_t.min, tmax = ray_t.max; hit where the result is not 0, t = rec.t"},
+          Case{"public.rs:Sphere::intersect", "hit where the result is there, t = the result"},
+          Case{"public.rs:intersects_triangle", "c = c; t = its distance; hit where t is not infinite"},
+          Case{"public.rs:intersection_slice_for_aabb", "1/direction = inv_direction, lo = aabb.min, hi = aabb.max"}}) {
         CAPTURE(named);
         if (std::string(named).find(".rs:") != std::string::npos && !has_rustc()) continue;
         const auto f = intersect::function::load_function(folder + named, {});
@@ -123,6 +140,26 @@ TEST_CASE("functions: the culprit is a line of the user's file", "[external]") {
         made.path());
 }
 
+TEST_CASE("functions: plugin check, choose, diff and claims take them", "[external]") {
+    const Scratch made;
+    const std::string schoolbook = " --function " + folder + "sphere.c:schoolbook ";
+    CHECK(must("plugin check" + schoolbook).out.find("function.schoolbook in binary32, a sphere:") !=
+          std::string::npos);
+    CHECK(must("choose near-benign --size 8x8 --bits 8 -f f32 -i function.schoolbook" + schoolbook, made.path())
+              .out.find("The cheapest is function.schoolbook in f32") != std::string::npos);
+    must("map near-benign --size 8x8 -f f32 -o out -i function.schoolbook -i sphere.schoolbook" + schoolbook,
+         made.path());
+    CHECK(must("diff out -i function.schoolbook -i sphere.schoolbook", made.path()).out.find("same") !=
+          std::string::npos);
+    std::ofstream(made.path() / "mine.toml")
+        << "schema = \"lostbits-claims/1\"\nprofile = \"libraries\"\n[[claim]]\nid = \"mine.decides\"\nstatement = "
+           "\"Mine decides rightly\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\nscene = "
+           "\"near-benign\"\nform = \"function.schoolbook\"\nformat = \"f32\"\n[claim.expect]\nmetric = "
+           "\"false_hit_fraction\"\nin = [0, 0]\ncriterion = \"= 0\"\n";
+    CHECK(must("check mine.toml --profile libraries" + schoolbook, made.path()).out.find("1 verdict confirmed") !=
+          std::string::npos);
+}
+
 TEST_CASE("functions: what cannot be followed is refused with its place", "[external]") {
     CHECK(refusal("refused.c:sine").find("refused.c:4:78: it calls sin") != std::string::npos);
     CHECK(refusal("refused.c:endless").find("refused.c:8:5: a loop has no bound") != std::string::npos);
@@ -131,6 +168,174 @@ TEST_CASE("functions: what cannot be followed is refused with its place", "[exte
     CHECK(refusal("refused.c:nothing").find("does not compile") != std::string::npos);
     CHECK(refusal("sphere.c").find("names no function") != std::string::npos);
     CHECK(refusal("nowhere.c:f").find("no such file") != std::string::npos);
+}
+
+TEST_CASE("functions: LLVM IR as text and as bitcode, with and without debug information", "[external]") {
+    const Scratch made;
+    const auto shell = [](const std::string& command) { REQUIRE(std::system(command.c_str()) == 0); };
+    const std::string to = made.path().string() + "/";
+    shell("clang -O1 -g -S -emit-llvm -o " + to + "with.ll " + folder + "sphere.c");
+    shell("clang++ -std=gnu++20 -O0 -g -S -emit-llvm -o " + to + "cpp.ll " + folder + "sphere.cpp");
+    shell("clang -O1 -S -emit-llvm -fno-discard-value-names -o " + to + "none.ll " + folder + "sphere.c");
+    shell("clang -O0 -c -emit-llvm -o " + to + "none.bc " + folder + "sphere.c");
+    struct Case {
+        const char *named, *says;
+    };
+    for (const auto& [named, says] :
+         {Case{"with.ll:hit_sphere",
+               "origin = o, direction = d, centre = c, radius = r; hit where the result is not 0"},
+          Case{"with.ll:schoolbook", "hit where t is not negative"},
+          Case{"cpp.ll:scene::intersect_sphere", "direction = ray.direction, tmin = ray.tmin, tmax = ray.tmax"},
+          Case{"none.ll:schoolbook", "centre = centre, radius = radius"},
+          Case{"none.bc:precise", "origin = p0, direction = p1, centre = p2, radius = p3"}}) {
+        CAPTURE(named);
+        const auto f = intersect::function::load_function(to + named, {});
+        CHECK(f->shown.find(says) != std::string::npos);
+        const auto alone = f->written->row(f->answers->info);
+        if (f->answers->of32) CHECK(differences(f->row.native32, alone.native32, f->row.shape) == 0);
+        else CHECK(differences(f->row.native64, alone.native64, f->row.shape) == 0);
+    }
+    const auto culprit = [&](const std::string& file) {
+        return must("explain rtg-fig-7-3-4100-oblique --pixel 128,128 -f f32 -i function.schoolbook --function " + to +
+                    file + ":schoolbook")
+            .out;
+    };
+    CHECK(culprit("with.ll").find("sphere.c:34:55\n 34 |     float c = v[0] * v[0]") != std::string::npos);
+    const std::string line = culprit("none.ll");
+    CHECK(line.find("none.ll:") != std::string::npos);
+    CHECK(line.find(" = call float @llvm.fmuladd.f32(") != std::string::npos);
+    try {
+        intersect::function::load_function(to + "none.ll:hit_sphere", {});
+        CHECK(false);
+    } catch (const InputError& error) {
+        CHECK(std::string(error.what()).find("compile it with -g") != std::string::npos);
+    }
+}
+
+namespace {
+
+struct RandomCounts {
+    std::size_t functions = 0, refused = 0, differ = 0, hits = 0;
+    std::string first;  ///< about the first one that is refused or differs
+};
+
+/// Numbers of random rays: ordinary ones, small whole numbers, zeros of both signs, and those at the ends of the
+/// format.
+template <class S>
+std::vector<S> random_inputs(std::mt19937_64& random, std::size_t count) {
+    constexpr S infinity = std::numeric_limits<S>::infinity(), tiny = std::numeric_limits<S>::denorm_min();
+    const std::array<S, 10> edges{S(0),
+                                  -S(0),
+                                  infinity,
+                                  -infinity,
+                                  std::numeric_limits<S>::quiet_NaN(),
+                                  std::numeric_limits<S>::max(),
+                                  tiny,
+                                  -tiny,
+                                  S(1),
+                                  std::numeric_limits<S>::min()};
+    std::vector<S> all;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto plain = static_cast<S>(static_cast<double>(random() >> 11) * 0x1p-52 - 1);
+        const std::uint64_t kind = random() % 16;
+        if (kind == 0) all.push_back(edges[random() % edges.size()]);
+        else if (kind < 4) all.push_back(static_cast<S>(static_cast<int>(random() % 7) - 3));
+        else all.push_back(kind < 6 ? std::ldexp(plain, static_cast<int>(random() % 40) - 20) : 4 * plain);
+    }
+    return all;
+}
+
+/// Compiles a file of random functions once and compares each, on 100 rays, with its operations.
+template <class S>
+void compare_random(std::uint64_t seed, int count, RandomCounts& counts) {
+    const Scratch made;
+    const std::string name = made.path().string() + "/random", flags = " -w -ffp-contract=off -fno-math-errno ";
+    std::ofstream(name + ".c") << RandomFunctions(seed, sizeof(S) == 8).file(count);
+    REQUIRE(std::system(("clang -O0 -S -emit-llvm" + flags + "-o " + name + ".ll " + name + ".c").c_str()) == 0);
+    REQUIRE(std::system(("clang -O2 -shared -fPIC" + flags + "-o " + name + ".so " + name + ".c -lm").c_str()) == 0);
+    const auto library = intersect::external::load_library(name + ".so");
+    std::ostringstream text;
+    text << std::ifstream(name + ".ll").rdbuf();
+    intersect::function::Module module(text.str());
+    const auto fail = [&](int k, const std::string& words) {
+        if (counts.first.empty())
+            counts.first = "seed " + std::to_string(seed) + " function " + std::to_string(k) +
+                           (sizeof(S) == 8 ? " in double: " : " in float: ") + words;
+    };
+    std::mt19937_64 random(seed);
+    constexpr std::size_t rays = 100, inputs = RandomFunctions::inputs;
+    for (int k = 0; k < count; ++k) {
+        ++counts.functions;
+        const std::string entry = "lostbits_entry_" + std::to_string(k);
+        const auto compiled = intersect::external::entry_of<void (*)(const S*, S*, int*)>(library, entry.c_str());
+        REQUIRE(compiled != nullptr);
+        std::shared_ptr<table::WrittenFormula> formula;
+        try {
+            intersect::function::Nodes nodes(8 * sizeof(S));
+            const auto answer = intersect::function::Walk(module, nodes, made.path().string()).run(entry, inputs);
+            formula = std::make_shared<table::WrittenFormula>(
+                nodes.written(answer.hit, answer.t, answer.t, answer.t).formula);
+        } catch (const InputError& error) {
+            ++counts.refused;
+            fail(k, error.what());
+            continue;
+        }
+        formula->name = entry, formula->shape = Shape::sphere;
+        table::require_sense(*formula);
+        table::WrittenForm form(formula, formula);
+        const table::Intersector* some = nullptr;
+        for (const auto& row : table::catalogue())
+            if (row.info->name == "sphere.schoolbook") some = &row;
+        const table::Intersector row = form.row(*some->info);
+        const std::vector<S> numbers = random_inputs<S>(random, rays * inputs);
+        std::vector<Primitive<S>> primitives(rays, Primitive<S>(Shape::sphere));
+        std::array<std::vector<S>, 6> columns;
+        for (std::size_t i = 0; i < rays; ++i) {
+            const S* const in = &numbers[inputs * i];
+            for (std::size_t c = 0; c < 6; ++c) columns[c].push_back(in[c]);
+            std::copy_n(in + 6, 4, primitives[i].numbers.begin());
+        }
+        const table::RayBatch<S> batch{columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]};
+        std::array<std::vector<S>, 3> t;
+        for (auto& column : t) column.resize(rays);
+        std::vector<std::uint8_t> hits(rays);
+        const auto& kernel = [&]() -> const table::Kernel<S>& {
+            if constexpr (sizeof(S) == 4) return row.native32;
+            else return row.native64;
+        }();
+        kernel(batch, intersect::Target<S>(std::span<const Primitive<S>>(primitives)), {t[0], t[1], t[2], hits});
+        for (std::size_t i = 0; i < rays; ++i) {
+            S out[2] = {};
+            int hit = 0;
+            compiled(&numbers[inputs * i], out, &hit);
+            counts.hits += hit != 0;
+            const bool same =
+                std::memcmp(&out[0], &t[0][i], sizeof(S)) == 0 || (std::isnan(out[0]) && std::isnan(t[0][i]));
+            if ((hit != 0) == (hits[i] != 0) && (hit == 0 || same)) continue;
+            ++counts.differ;
+            std::ostringstream words;
+            words << std::hexfloat << "compiled " << hit << " " << out[0] << ", read " << int(hits[i]) << " " << t[0][i]
+                  << " of";
+            for (std::size_t c = 0; c < inputs; ++c) words << " " << numbers[inputs * i + c];
+            fail(k, words.str());
+            break;
+        }
+    }
+}
+
+}  // namespace
+
+TEST_CASE("functions: random functions have the bits of the compiled ones", "[external]") {
+    RandomCounts counts;
+    const std::uint64_t files = is_long() ? 1250 : 1;  // of 80 functions
+    for (std::uint64_t seed = 1; seed <= files; ++seed) {
+        compare_random<float>(seed, 40, counts);
+        compare_random<double>(seed, 40, counts);
+    }
+    CAPTURE(counts.functions, counts.hits, counts.first);
+    CHECK(counts.refused == 0);
+    CHECK(counts.differ == 0);
+    CHECK(counts.hits > counts.functions * 20);
 }
 
 TEST_CASE("functions: damaged LLVM IR gives a sentence", "[external]") {

@@ -57,6 +57,7 @@ struct Arguments {
     std::shared_ptr<lostbits_result> results = {};
 
     const char* name = "near-benign";
+    const char* function = LOSTBITS_DATA_DIR "/../examples/functions/sphere.c:hit_sphere";
     const char* text = scene_text;
     lostbits_where where{LOSTBITS_DATA_DIR, 4, 4, {nullptr, 0}, nullptr};
     lostbits_scene* scene = nullptr;
@@ -139,6 +140,10 @@ inline const Function functions[] = {
     {"shapes", [](Arguments& a, lostbits_error* e) { return lostbits_shapes(a.out, e); }},
     {"form_make",
      [](Arguments& a, lostbits_error* e) { return lostbits_form_make(a.given_forms, a.form_count, a.form_out, e); }},
+    {"form_function",
+     [](Arguments& a, lostbits_error* e) {
+         return lostbits_form_function(a.function, a.form_out, &a.run, a.out, e);
+     }},
     {"form_write",
      [](Arguments& a, lostbits_error* e) {
          return lostbits_form_write(a.form, a.bits, a.operations, a.operation_count, a.hit, a.t, e);

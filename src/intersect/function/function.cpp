@@ -53,7 +53,8 @@ struct Named {
 
 Named split(const std::string& named) {
     const auto fail = [&named](const std::string& what) {
-        throw InputError("--function " + named + ": " + what + "; write FILE.c:NAME (also .cpp, .cc, .cxx, .rs)");
+        throw InputError("--function " + named + ": " + what +
+                         "; write FILE.c:NAME (also .cpp, .cc, .cxx, .rs, .ll, .bc)");
     };
     std::error_code none;
     for (std::size_t end = named.find(':'); end != std::string::npos; end = named.find(':', end + 1)) {
@@ -82,8 +83,9 @@ SourceLanguage language_of(const fs::path& file, const std::string& named) {
     for (const char* const cpp : {".cpp", ".cc", ".cxx", ".C", ".hpp", ".h", ".cppm", ".hh"})
         if (ending == cpp) return SourceLanguage::cpp;
     if (ending == ".rs") return SourceLanguage::rust;
+    if (ending == ".ll" || ending == ".bc") return SourceLanguage::llvm;
     throw InputError("--function " + named +
-                     ": is not a file of C (.c), C++ (.cpp, .cc, .cxx, .h, .hpp) or Rust (.rs)");
+                     ": is not a file of C (.c), C++ (.cpp, .cc, .cxx, .h, .hpp), Rust (.rs) or LLVM IR (.ll, .bc)");
 }
 
 bool is_in_path(const std::string& program) {
@@ -102,13 +104,18 @@ public:
           language_(language),
           terms_(terms),
           folder_("lostbits-function") {
-        program_ = language == SourceLanguage::c ? "clang" : language == SourceLanguage::cpp ? "clang++" : "rustc";
-        if (!is_in_path(program_))
-            throw EnvironmentError(file.string() + ": " + program_ +
-                                   " is not in PATH, and reads such files; install it (" +
-                                   (language == SourceLanguage::rust ? "rustup, or the Debian package rustc"
-                                                                     : "the Debian package clang") +
-                                   ")");
+        program_ = language == SourceLanguage::cpp ? "clang++" : language == SourceLanguage::rust ? "rustc" : "clang";
+        require_in_path(program_, language == SourceLanguage::rust ? "rustup, or the Debian package rustc"
+                                                                   : "the Debian package clang");
+    }
+
+    /// The text of a file of LLVM IR; bitcode is read by llvm-dis.
+    std::string ir_of_file() {
+        if (file_.extension() == ".ll") return text_of(file_);
+        require_in_path("llvm-dis", "the Debian package llvm");
+        const fs::path made = folder_.path / "function.ll";
+        run({"llvm-dis"}, file_, made);
+        return text_of(made);
     }
 
     /// The LLVM IR of a file that ends in `text`.
@@ -133,11 +140,14 @@ public:
         if (language_ == SourceLanguage::rust) {
             add_rust(words);
             words.insert(words.end(), {"--crate-type=cdylib", "-Copt-level=3"});
+        } else if (language_ == SourceLanguage::llvm) {
+            words.insert(words.end(), {"-O2", "-shared", "-fPIC", "-ffp-contract=off", "-w", "-xir"});
         } else {
             add_c(words);
             words.insert(words.end(), {"-O2", "-shared", "-fPIC"});
         }
-        run(words, source, made, language_ == SourceLanguage::rust ? "" : "-lm");
+        if (language_ == SourceLanguage::rust) run(words, source, made);
+        else run(words, source, made, {"-xnone", "-lm"});
         return external::load_library(made);
     }
 
@@ -146,9 +156,11 @@ public:
 
 private:
     fs::path write(const std::string& text) {
-        fs::path source = folder_.path / (language_ == SourceLanguage::rust ? file_.filename().string()
-                                          : language_ == SourceLanguage::c  ? "lostbits_entry.c"
-                                                                            : "lostbits_entry.cpp");
+        const std::string ending = language_ == SourceLanguage::c      ? ".c"
+                                   : language_ == SourceLanguage::llvm ? ".ll"
+                                                                       : ".cpp";
+        fs::path source =
+            folder_.path / (language_ == SourceLanguage::rust ? file_.filename().string() : "lostbits_entry" + ending);
         write_text(source, text);
         return source;
     }
@@ -165,19 +177,29 @@ private:
         if (std::ranges::find(words, "--crate-type=cdylib") == words.end()) words.push_back("--crate-type=lib");
     }
     void run(process::ProgramArguments words, const fs::path& source, const fs::path& made,
-             const std::string& last = {}) {
+             const process::ProgramArguments& last = {}) {
         if (std::ranges::find(words, "--crate-type=cdylib") != words.end()) std::erase(words, "--crate-type=lib");
         words.insert(words.end(), {"-o", made.string(), source.string()});
-        if (!last.empty()) words.push_back(last);
-        process::Child child(
-            words,
-            {.who = file_.string() + ": " + program_, .duty = "", .seconds = terms_.seconds, .stop = terms_.stop});
+        words.insert(words.end(), last.begin(), last.end());
+        const std::string who = file_.string() + ": " + words[0];
+        process::Child child(words, {.who = who, .duty = "", .seconds = terms_.seconds, .stop = terms_.stop});
         const process::Child::Ended ended = child.read_to_end();
         if (ended.status == 0 && fs::exists(made)) return;
         std::string said = ended.output.substr(0, 3000);
         for (std::size_t at = 0; (at = said.find(folder_.path.string() + "/", at)) != std::string::npos;)
             said.erase(at, folder_.path.string().size() + 1);
-        throw InputError(file_.string() + ": " + program_ + " does not compile it:\n" + said);
+        throw InputError(who + " does not compile it:\n" + said +
+                         (language_ == SourceLanguage::llvm
+                              ? "\nLLVM IR can be read by the same major version of LLVM or a newer one; put its " +
+                                    words[0] + " first in PATH"
+                              : ""));
+    }
+    void require_in_path(const std::string& program, const std::string& package) const {
+        if (!is_in_path(program))
+            throw EnvironmentError(file_.string() + ": " + program +
+                                   " is not in PATH, and reads such files; install "
+                                   "it (" +
+                                   package + ")");
     }
 
     fs::path file_;
@@ -197,19 +219,40 @@ std::string probe_of(SourceLanguage language, const fs::path& file, const std::s
     return include + "auto lostbits_keep = &" + name + ";\n";
 }
 
-/// The words after `lostbits:` in a comment of the file; the last one that names the function, or that names none.
-Stated stated_in(const std::string& source, const std::string& path) {
-    Stated found;
+/// The words after `lostbits:` in a comment right above the function that is defined at that line; without one, the
+/// last comment that stands above no other function.
+Stated stated_in(const std::string& source, const std::string& path, int definition) {
+    std::optional<Stated> own, other;
     constexpr std::string_view mark = "lostbits:";
-    int line = 1;
-    std::istringstream lines(source);
-    for (std::string text; std::getline(lines, text); ++line) {
-        const std::size_t at = text.find(mark), comment = text.find("//"), block = text.find("/*");
-        if (at == std::string::npos || std::min(comment, block) > at) continue;
-        found =
-            stated_by(text.substr(at + mark.size()), path + ":" + std::to_string(line) + ":" + std::to_string(at + 1));
+    std::vector<std::string> lines;
+    std::istringstream in(source);
+    for (std::string text; std::getline(in, text);) lines.push_back(text);
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+        const std::size_t at = lines[k].find(mark);
+        if (at == std::string::npos || std::min(lines[k].find("//"), lines[k].find("/*")) > at) continue;
+        const auto stated = [&] {
+            return stated_by(lines[k].substr(at + mark.size()),
+                             path + ":" + std::to_string(k + 1) + ":" + std::to_string(at + 1));
+        };
+        std::size_t below = k + 1;  // the first line of code
+        while (below < lines.size() && lines[below].find_first_not_of(" \t") != std::string::npos &&
+               std::string_view("/*#").find(lines[below][lines[below].find_first_not_of(" \t")]) !=
+                   std::string_view::npos)
+            ++below;
+        const auto line = static_cast<std::size_t>(std::max(definition - 1, 0));
+        const auto ends = [](const std::string& text) { return text.find_first_of("{;") != std::string::npos; };
+        const bool is_above = below <= line && line < lines.size() &&
+                              std::none_of(lines.begin() + static_cast<std::ptrdiff_t>(below),
+                                           lines.begin() + static_cast<std::ptrdiff_t>(line), ends);
+        const bool is_inside = k >= line && definition > 0 && k < lines.size() &&
+                               std::none_of(lines.begin() + static_cast<std::ptrdiff_t>(line),
+                                            lines.begin() + static_cast<std::ptrdiff_t>(k),
+                                            [](const std::string& text) { return text.starts_with('}'); });
+        const bool is_function = below < lines.size() && lines[below].find('(') != std::string::npos;
+        if (is_inside || (is_above && is_function)) own = stated();
+        else if (!is_function) other = stated();
     }
-    return found;
+    return own ? *own : other.value_or(Stated());
 }
 
 bool says_miss(const MissValue& s, double t) {
@@ -393,22 +436,24 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     const SourceLanguage language = language_of(parts.file, named);
     auto made = std::make_unique<UserFunction>();
     made->path = parts.file.string();
-    made->source = text_of(parts.file);
-    Stated stated = stated_in(made->source, made->path);
-    if (!parts.words.empty()) stated = stated_by(parts.words, "--function " + named);
+    Compiler compiler(parts.file, language, terms);
+    made->source = language == SourceLanguage::llvm ? compiler.ir_of_file() : text_of(parts.file);
     const std::string who = made->path + ":" + parts.function;
 
-    Compiler compiler(parts.file, language, terms);
-    UserSignature signature = [&] {
-        const Module probe(compiler.ir(probe_of(language, compiler.file(), parts.function), false));
-        return signature_of(probe, made->path, parts.function, language);
-    }();
-    guess(signature, stated, who);
+    const bool is_ir = language == SourceLanguage::llvm;
+    Module probe(is_ir ? made->source : compiler.ir(probe_of(language, compiler.file(), parts.function), false));
+    UserSignature signature = signature_of(probe, made->path, parts.function, language);
+    guess(signature,
+          parts.words.empty() ? stated_in(made->source, made->path, signature.line)
+                              : stated_by(parts.words, "--function " + named),
+          who);
     const std::string wrapper =
-        wrapper_of(signature, language == SourceLanguage::rust ? made->source : compiler.file().string());
-    Module module(compiler.ir(wrapper, true));
+        is_ir ? ir_wrapper_of(signature, probe, who)
+              : wrapper_of(signature, language == SourceLanguage::rust ? made->source : compiler.file().string());
+    Module module(is_ir ? wrapper : compiler.ir(wrapper, true));
     Nodes nodes(signature.bits);
-    Walk walk(module, nodes, compiler.file().parent_path().string());
+    Walk walk(module, nodes, signature.folder.empty() ? compiler.file().parent_path().string() : signature.folder,
+              is_ir ? compiler.file().string() : "");
     const std::size_t numbers = row_of(signature.contract.shape).numbers;
     const Walk::Answer answer = walk.run("lostbits_entry", static_cast<int>(6 + numbers + 1));
     if (signature.t && answer.t == no_node) throw InputError(who + ": never writes t");

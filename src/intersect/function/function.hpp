@@ -1,5 +1,5 @@
-// Functions of users in C, C++ and Rust as intersectors: compiled for their answers, and read from the compiler's LLVM
-// IR for everything that looks at operations.
+// Functions of users in C, C++, Rust and LLVM IR as intersectors: compiled for their answers, and read from the
+// compiler's LLVM IR for everything that looks at operations.
 #pragma once
 
 #include <memory>
@@ -19,10 +19,15 @@ struct CompileTerms {
     process::StopToken stop = {};
 };
 
-/// A function under test. It must not move once it is in the table, which points into it.
+/// A function under test. It does not move, since its rows point into it.
 struct UserFunction {
+    UserFunction();
+    ~UserFunction();
+    UserFunction(const UserFunction&) = delete;
+    UserFunction& operator=(const UserFunction&) = delete;
+
     std::string path;    ///< of its file
-    std::string source;  ///< text of the file
+    std::string source;  ///< text of the file; of bitcode, the LLVM IR in it
     std::string shown;   ///< the signature as it was guessed, in one line
     std::unique_ptr<external::ForeignRow> answers;
     std::unique_ptr<table::WrittenForm> written;
@@ -38,7 +43,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
 /// Adds it to the table, where it stays.
 void register_forms(std::unique_ptr<UserFunction> function);
 
-/// The line of the user's file where an operation of an enrolled function stands, marked as compilers mark an error;
+/// The line of the user's file where an operation of a function stands, marked as compilers mark an error;
 /// empty for other forms and for operations without a place. `node`: its index on a tape of that format.
 std::string quoted_line(const Info& form, const Format& format, NodeId node);
 /// `sphere.c:12:20`, in the same way.

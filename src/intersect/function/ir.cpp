@@ -275,6 +275,13 @@ std::string_view Module::metadata(int number) const {
     return found == metadata_.end() ? std::string_view() : found->second;
 }
 
+int Module::line_of(std::string_view part) {
+    if (line_ends_.empty())
+        for (std::size_t k = 0; k < text_.size(); ++k)
+            if (text_[k] == '\n') line_ends_.push_back(text_.data() + k);
+    return static_cast<int>(std::ranges::lower_bound(line_ends_, part.data()) - line_ends_.begin()) + 1;
+}
+
 /// `@name = private constant [3 x float] [...], align 4`
 void Module::read_global(Cursor& at) {
     at.expect("@");
@@ -297,23 +304,34 @@ void Module::read_global(Cursor& at) {
 
 /// `define ATTRIBUTES TYPE @name(PARAMETERS) ATTRIBUTES !dbg !4 {`
 IrFunction* Module::read_header(Cursor& at) {
+    IrFunction made;
+    std::string_view returned;
     for (;;) {
         Cursor ahead = at;
         if (ahead.at_end()) at.fail("a function has no name");
-        if (ahead.peek() == '@') break;
-        if (ahead.peek() == '(' || ahead.peek() == '{' || ahead.peek() == '<' || ahead.peek() == '[') ahead.group();
-        else if (ahead.word().empty()) ahead.take(std::string_view(ahead.rest()).substr(0, 1));
+        const char next = ahead.peek();
+        if (next == '@') break;
+        const std::string_view here = ahead.rest();
+        if (next != '(' && next != '*') returned = here;  // the last of these is the returned type
+        if (ahead.take("%")) ahead.name();
+        else if (next == '(' || next == '{' || next == '<' || next == '[') ahead.group();
+        else if (const std::string_view word = ahead.word(); word.empty()) ahead.take(here.substr(0, 1));
+        else if (word.ends_with("cc")) made.convention = word;
         at = ahead;
     }
+    made.returned_text = returned.substr(0, returned.size() - at.rest().size());
     at.expect("@");
-    IrFunction made;
     made.name = at.name();
     Cursor inside(at.group());
     int unnamed = 0;
     while (!inside.at_end()) {
         if (inside.take("...")) break;
+        inside.skip_blanks();
+        const std::string_view all = inside.rest();
         IrParameter p{.name = {}, .type = type(inside)};
+        p.type_text = all.substr(0, all.size() - inside.rest().size());
         p.by_value = skip_attributes(inside);
+        p.text = all.substr(0, all.size() - inside.rest().size());
         if (inside.take("%")) p.name = inside.name();
         else p.name = std::to_string(unnamed);
         if (!p.name.empty() && std::ranges::all_of(p.name, [](char c) { return c >= '0' && c <= '9'; })) ++unnamed;

@@ -41,14 +41,16 @@ struct Block {
 struct IrParameter {
     std::string name;
     const Type* type;
-    const Type* by_value = nullptr;  ///< the structure that the caller passes by a pointer to a copy
+    const Type* by_value = nullptr;              ///< the structure that the caller passes by a pointer to a copy
+    std::string_view type_text = {}, text = {};  ///< the type as it is written; the same with the attributes after it
 };
 
 struct IrFunction {
     std::string name;
     std::vector<IrParameter> parameters;
     std::vector<Block> blocks;
-    int subprogram = -1;  ///< its debug information
+    int subprogram = -1;                                   ///< its debug information
+    std::string_view returned_text = {}, convention = {};  ///< as they are written; no convention: C's
 };
 
 struct Global {
@@ -98,6 +100,9 @@ public:
     [[nodiscard]] const IrFunction* function(const std::string& name) const;
     /// Text of the metadata of this number; empty if there is none.
     [[nodiscard]] std::string_view metadata(int number) const;
+    [[nodiscard]] const std::string& text() const { return text_; }
+    /// Line number of a part of the text, from 1.
+    [[nodiscard]] int line_of(std::string_view part);
 
     std::map<std::string, IrFunction> functions;
     std::map<std::string, Global> globals;
@@ -113,6 +118,7 @@ private:
     IrFunction* read_header(Cursor& at);
 
     std::string text_;
+    std::vector<const char*> line_ends_;  // filled by `line_of`
     std::deque<Type> types_;
     const Type* pointer_;
     std::map<std::string, std::string_view> definitions_;  // of named types

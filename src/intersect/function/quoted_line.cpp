@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cctype>
 #include <deque>
+#include <fstream>
+#include <mutex>
 #include <sstream>
 #include <string_view>
 
@@ -10,29 +12,46 @@
 namespace lostbits::intersect::function {
 namespace {
 
-std::deque<std::unique_ptr<UserFunction>>& all_functions() {
-    static std::deque<std::unique_ptr<UserFunction>> all;
-    return all;
+/// All functions that exist, so that the form of an operation leads to its file.
+struct Known {
+    std::mutex mutex;
+    std::vector<const UserFunction*> all;
+};
+Known& known() {
+    static Known functions;
+    return functions;
 }
 
 }  // namespace
 
+UserFunction::UserFunction() {
+    const std::lock_guard alone(known().mutex);
+    known().all.push_back(this);
+}
+
+UserFunction::~UserFunction() {
+    const std::lock_guard alone(known().mutex);
+    std::erase(known().all, this);
+}
+
 void register_forms(std::unique_ptr<UserFunction> function) {
-    all_functions().push_back(std::move(function));
-    table::register_rows({all_functions().back()->row});
+    static std::deque<std::unique_ptr<UserFunction>> kept;
+    kept.push_back(std::move(function));
+    table::register_rows({kept.back()->row});
 }
 
 namespace {
 
-/// An enrolled function, and the place of an operation; null for others.
+/// The function behind a form, and the place of an operation; null for others.
 const UserFunction* behind(const Info& form, const Format& format, NodeId node, int& place) {
-    for (const auto& f : all_functions()) {
-        if (&f->answers->info != &form) continue;
+    const std::lock_guard alone(known().mutex);
+    for (const UserFunction* const f : known().all) {
+        if (f->answers == nullptr || &f->answers->info != &form) continue;
         const std::vector<NodeId> nodes = f->written->nodes_on_tape(format);
         const auto found = std::ranges::find(nodes, node);
         if (found == nodes.end()) return nullptr;
         place = f->place_of_operation[static_cast<std::size_t>(found - nodes.begin())];
-        return place < 0 ? nullptr : f.get();
+        return place < 0 ? nullptr : f;
     }
     return nullptr;
 }
@@ -101,7 +120,9 @@ std::string quoted_line(const Info& form, const Format& format, NodeId node) {
         text += ", called at " + std::to_string(c.line) + ":" + std::to_string(c.column);
     }
     text += "\n";
-    std::istringstream lines(p.file == f->path ? f->source : "");
+    std::istringstream own(f->source);
+    std::ifstream other(p.file);  // the source of LLVM IR, or a header
+    std::istream& lines = p.file == f->path ? static_cast<std::istream&>(own) : other;
     std::string line;
     for (int k = 0; k < p.line; ++k) line.clear(), std::getline(lines, line);
     if (line.empty() || p.column < 1 || static_cast<std::size_t>(p.column) > line.size()) return text;

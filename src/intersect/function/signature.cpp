@@ -26,8 +26,12 @@ struct Part {
     std::string last;         ///< "origin", in small letters without _
     std::string around = {};  ///< names of the argument and its type, in small letters
     bool is_out = false;
+    bool points_to_numbers = false;  ///< argument of type float*, which may be one number or three
     std::string role = {};
 };
+
+bool is_tmin(const Part& p) { return !p.is_vector && (is_start(p.last) || p.last == "min"); }
+bool is_tmax(const Part& p) { return !p.is_vector && (is_end(p.last) || p.last == "max"); }
 
 bool is_radius(std::string_view name) {
     return is_one_of(name, {"r", "rad", "radius", "w", "sr", "ra"}) && name != "w";
@@ -69,7 +73,9 @@ public:
         // A pointer to a number is one number where its name says so, and three otherwise.
         if (points && a.target().kind == Kind::number) {
             const bool one = out_ || is_one_of(small(a.name), {"radius", "r", "tmin", "tmax", "t"});
-            if (!one) return put(0, a.target().size, true, name, small(a.name));
+            put(0, a.target().size, !one, name, small(a.name));
+            all.back().points_to_numbers = true;
+            return;
         }
         flatten(a.target(), 0, name, small(a.name));
     }
@@ -154,7 +160,7 @@ Shape guessed_shape(const UserSignature& s, const Stated& stated, const std::vec
         if (const auto named = shape_named(small(a.target().name) + " " + small(a.name))) return *named;
     std::size_t vectors = 0, numbers = 0;
     for (const Part& p : parts) {
-        if (p.is_out || p.slot.is_whole || is_start(p.last) || is_end(p.last) || is_inverse(p.last)) continue;
+        if (p.is_out || p.slot.is_whole || is_tmin(p) || is_tmax(p) || is_inverse(p.last)) continue;
         ++(p.is_vector ? vectors : numbers);
     }
     if (vectors == 3 && numbers == 1) return Shape::sphere;
@@ -187,9 +193,9 @@ void give_roles(std::vector<Part>& parts, Shape shape) {
                 if (is_origin(p.last)) give(p, "o");
                 else if (is_direction(p.last)) give(p, "d");
             }
-        } else if (!p.is_vector && is_start(p.last)) {
+        } else if (is_tmin(p)) {
             give(p, "tmin");
-        } else if (!p.is_vector && is_end(p.last)) {
+        } else if (is_tmax(p)) {
             give(p, "tmax");
         }
     }
@@ -251,7 +257,10 @@ void take_roles(std::vector<Part>& parts, Shape shape, const Stated& stated) {
                              "tmax, t, far, hit, -, or a part of " +
                              with_article(shape) + ": " + key_list(shape));
         open[i]->role = role;
-        if (is_one_of(role, {"t", "far", "hit"})) open[i]->is_out = true;
+        open[i]->is_out = is_one_of(role, {"t", "far", "hit", "-"}) && (open[i]->is_out || role != "-");
+        const bool is_number = is_one_of(role, {"t", "far", "hit", "tmin", "tmax"}) ||
+                               (role[0] == 'k' && keys[static_cast<std::size_t>(role[1] - '0')].count() == 1);
+        if (open[i]->points_to_numbers && role != "-") open[i]->is_vector = !is_number;
     }
 }
 
@@ -341,6 +350,11 @@ void guess(UserSignature& s, const Stated& stated, const std::string& who) {
     const Shape shape = guessed_shape(s, stated, parts.all, who);
     if (stated.has_roles) take_roles(parts.all, shape, stated);
     else give_roles(parts.all, shape);
+    // C has no const for the arrays of many functions: a float* that is no part of the question takes an answer.
+    for (Part& p : parts.all)
+        if (p.role.empty() && p.points_to_numbers && p.is_vector &&
+            !s.arguments[static_cast<std::size_t>(p.slot.argument)].type.is_const)
+            p.is_vector = false, p.is_out = true;
     const auto keys = row_of(shape).keys;
     const std::size_t numbers = row_of(shape).numbers;
     s.bits = 64;

@@ -12,19 +12,20 @@
 
 namespace lostbits::intersect::function {
 
-enum class SourceLanguage { c, cpp, rust };
+enum class SourceLanguage { c, cpp, rust, llvm };
 
 /// A type as the source has it.
 struct SourceType {
     enum class Kind { nothing, number, whole, pointer, structure, sequence, optional, other };
     Kind kind = Kind::other;
-    std::string name;                    ///< as one would write it
-    std::size_t size = 0;                ///< in bytes
-    bool is_const = false;               ///< of a pointer or a reference: its target is not written
-    std::vector<SourceType> parts = {};  ///< members, or one: the item, the target, the value of an optional
-    std::string member = {};             ///< name of this member
-    std::size_t at = 0;                  ///< offset of this member
-    std::size_t count = 0;               ///< of a sequence
+    std::string name;                        ///< as one would write it
+    std::size_t size = 0;                    ///< in bytes
+    bool is_const = false;                   ///< of a pointer or a reference: its target is not written
+    std::vector<SourceType> parts = {};      ///< members, or one: the item, the target, the value of an optional
+    std::string member = {};                 ///< name of this member
+    std::size_t at = 0;                      ///< offset of this member
+    std::size_t count = 0;                   ///< of a sequence
+    std::size_t flag_at = 0, flag_size = 0;  ///< of an optional: the number that is 0 if it is empty; size 0: unknown
 };
 
 struct Argument {
@@ -59,7 +60,10 @@ struct MissValue {
 
 struct UserSignature {
     SourceLanguage language{};
-    std::string call;  ///< the function as the source calls it
+    std::string call;    ///< the function as the source calls it
+    std::string symbol;  ///< the function in the LLVM IR
+    std::string folder;  ///< of the source file that debug information names; or empty
+    int line = 0;        ///< of its definition in that file
     bool is_method = false;
     std::vector<Argument> arguments;
     SourceType returned;
@@ -82,14 +86,16 @@ struct Stated {
 };
 Stated stated_by(const std::string& text, const std::string& where);
 
-/// Reads the signature from the debug information of a module. InputError if the function is not there.
-UserSignature signature_of(const Module& module, const std::string& path, const std::string& name,
-                           SourceLanguage language);
+/// Reads the signature from the debug information of a module; of LLVM IR without it, from its types. InputError if
+/// the function is not there.
+UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language);
 /// Guesses the rest of it. InputError, which says what to write, if an argument has no meaning that can be guessed.
 void guess(UserSignature& s, const Stated& stated, const std::string& who);
 
 /// A file with a function `lostbits_entry(in, out, hit)` that calls the user's. It includes the file of that path; of
 /// Rust, `file` is the text of the file, which stands before the new function.
 std::string wrapper_of(const UserSignature& s, const std::string& file);
+/// The same for LLVM IR: the text of the module, and the new function.
+std::string ir_wrapper_of(const UserSignature& s, Module& module, const std::string& who);
 
 }  // namespace lostbits::intersect::function

@@ -1,8 +1,12 @@
 // Types and names of a function, from its debug information.
 #include <charconv>
+#include <filesystem>
+#include <functional>
 #include <map>
+#include <tuple>
 
 #include "intersect/external/pipe_header.hpp"
+#include "intersect/function/common_names.hpp"
 #include "intersect/function/signature.hpp"
 #include "number/error.hpp"
 
@@ -42,6 +46,10 @@ SourceType type_of(const Module& module, int number, SourceLanguage language, in
         return type_of(module, reference(field(text, key)), language, depth + 1);
     };
     if (depth > 12) return made;
+    const auto offset_and_size = [&module](int member) {
+        const std::string_view m = module.metadata(member);
+        return std::pair(number_in(field(m, "offset")) / 8, number_in(field(m, "size")) / 8);
+    };
     if (text.find("DIBasicType") != std::string_view::npos) {
         const std::string encoding = field(text, "encoding");
         const bool is_number = encoding == "DW_ATE_float" && (made.size == 4 || made.size == 8);
@@ -83,6 +91,7 @@ SourceType type_of(const Module& module, int number, SourceLanguage language, in
             const std::string_view member = module.metadata(m);
             const std::string kind = field(member, "tag");
             if (is_optional && language == SourceLanguage::rust && kind == "DW_TAG_variant_part") {
+                std::tie(made.flag_at, made.flag_size) = offset_and_size(reference(field(member, "discriminator")));
                 for (const int v : references(module.metadata(reference(field(member, "elements"))))) {
                     const std::string_view variant = module.metadata(v);
                     if (field(variant, "name") != "Some") continue;
@@ -100,6 +109,9 @@ SourceType type_of(const Module& module, int number, SourceLanguage language, in
             part.at = number_in(field(member, "offset")) / 8;
             made.parts.push_back(std::move(part));
         }
+        for (const SourceType& p : made.parts)  // the flag of std::optional, which may stand in a base
+            if (p.flag_size > 0) made.flag_at = p.at + p.flag_at, made.flag_size = p.flag_size;
+            else if (p.member == "_M_engaged" || p.member == "__engaged_") made.flag_at = p.at, made.flag_size = 1;
         if (is_optional && language == SourceLanguage::cpp) {
             made.kind = Kind::optional;
             SourceType value;
@@ -113,10 +125,59 @@ SourceType type_of(const Module& module, int number, SourceLanguage language, in
     return made;
 }
 
+/// Arguments and result of a function without debug information.
+void take_ir_types(UserSignature& s, Module& module, const IrFunction& f, const std::string& path) {
+    const auto number = [](std::size_t size) {
+        return SourceType{.kind = Kind::number, .name = size == 4 ? "float" : "double", .size = size};
+    };
+    const auto type_of_text = [&module](std::string_view text) {
+        Cursor at(text);
+        return module.type(at);
+    };
+    // An opaque pointer leads to numbers of the size that the function computes with.
+    std::size_t usual = 8;
+    for (const Block& b : f.blocks)
+        for (const std::string_view line : b.lines)
+            if (line.find(" float ") != std::string_view::npos) usual = 4;
+    const std::function<SourceType(const Type&)> source_type = [&](const Type& t) {
+        SourceType made{.name = {}, .size = t.size};
+        if (t.kind == Type::Kind::number) return number(t.size);
+        if (t.kind == Type::Kind::integer) made.kind = Kind::whole;
+        if (t.kind == Type::Kind::nothing) made.kind = Kind::nothing;
+        if (t.kind == Type::Kind::sequence)
+            made.kind = Kind::sequence, made.parts = {source_type(*t.parts[0])}, made.count = t.count;
+        if (t.kind == Type::Kind::structure) {
+            made.kind = Kind::structure;
+            for (std::size_t k = 0; k < t.parts.size(); ++k) {
+                made.parts.push_back(source_type(*t.parts[k]));
+                made.parts.back().member = std::to_string(k), made.parts.back().at = t.at[k];
+            }
+        }
+        return made;
+    };
+    for (const IrParameter& p : f.parameters) {
+        const bool is_plain = p.name.find_first_not_of("0123456789") != std::string::npos;
+        Argument a{.name = is_plain ? p.name : "p" + std::to_string(s.arguments.size()), .type = source_type(*p.type)};
+        if (p.type->kind == Type::Kind::pointer) {
+            const bool typed = p.type_text.ends_with('*');
+            const bool is_answer = is_one_of(small(a.name), {"t", "tout", "thit", "dist", "far", "hit", "u", "v"});
+            a.type = {.kind = Kind::pointer, .name = "*", .size = 8, .is_const = !is_answer};
+            const std::string_view target = p.type_text.substr(0, p.type_text.size() - (typed ? 1 : 0));
+            a.type.parts = {typed ? source_type(*type_of_text(target)) : number(usual)};
+        }
+        if (a.type.kind == Kind::sequence || a.type.kind == Kind::other ||
+            p.text.find("sret") != std::string_view::npos)
+            throw InputError(path + ": the function " + s.call +
+                             " takes parts of structures, whose meaning only debug "
+                             "information says; compile it with -g");
+        s.arguments.push_back(std::move(a));
+    }
+    s.returned = source_type(*type_of_text(f.returned_text));
+}
+
 }  // namespace
 
-UserSignature signature_of(const Module& module, const std::string& path, const std::string& name,
-                           SourceLanguage language) {
+UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language) {
     // The definition whose debug information has the name; of several, the one with the whole name.
     const IrFunction* found = nullptr;
     const std::string last = name.substr(name.rfind(':') == std::string::npos ? 0 : name.rfind(':') + 1);
@@ -133,6 +194,20 @@ UserSignature signature_of(const Module& module, const std::string& path, const 
     UserSignature s;
     s.language = language;
     s.call = name;
+    s.symbol = found->name;
+    s.line = static_cast<int>(number_in(field(text, "line")));
+    if (language == SourceLanguage::llvm) {
+        if (found->subprogram < 0) {
+            take_ir_types(s, module, *found, path);
+            return s;
+        }
+        const std::string_view unit = module.metadata(reference(field(text, "unit")));
+        language = unit.find("DW_LANG_Rust") != std::string_view::npos          ? SourceLanguage::rust
+                   : unit.find("DW_LANG_C_plus_plus") != std::string_view::npos ? SourceLanguage::cpp
+                                                                                : SourceLanguage::c;
+        const std::string_view file = module.metadata(reference(field(text, "file")));
+        s.folder = (std::filesystem::path(field(file, "directory")) / field(file, "filename")).parent_path().string();
+    }
     const std::vector<int> types =
         references(module.metadata(reference(field(module.metadata(reference(field(text, "type"))), "types"))));
     if (types.empty())

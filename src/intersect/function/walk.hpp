@@ -41,8 +41,10 @@ using Value = std::map<std::size_t, MemoryCell>;
 
 class Walk {
 public:
-    /// `own`: the folder of the user's file; operations in headers elsewhere are shown at the call in it.
-    Walk(Module& module, Nodes& nodes, std::string own) : module_(module), nodes_(nodes), own_(std::move(own)) {}
+    /// `own`: the folder of the user's file; operations in headers elsewhere are shown at the call in it. `ir_file`:
+    /// the module itself if it is the user's file; functions without debug information are then shown as its lines.
+    Walk(Module& module, Nodes& nodes, std::string own, std::string ir_file = {})
+        : module_(module), nodes_(nodes), own_(std::move(own)), ir_file_(std::move(ir_file)) {}
 
     struct Answer {
         Mask hit;
@@ -129,14 +131,15 @@ private:
     Value each_lane(const Type& type, const Act& act);
 
     // Places and names
-    int index_of(std::string_view line, int caller);
+    int index_of(std::string_view line, const Frame& frame);
+    int ir_place(std::string_view line, int caller);
     int place_at(int location, int caller);
     void name_value(State& state, int variable, const Value& value, std::size_t from, int depth);
     void declare(State& state, std::string_view line, Cursor at, bool is_record);
 
     Module& module_;
     Nodes& nodes_;
-    std::string own_;
+    std::string own_, ir_file_;
     std::vector<SourcePlace> places_;
     std::map<std::pair<int, int>, int> known_places_;
     std::map<std::string, int> global_objects_;

@@ -37,6 +37,14 @@ std::optional<Value> Walk::known_call(State& state, const std::string& name, con
         if (is("sqrt")) return lanes(1, [&](const auto& x) { return nodes_.number(TapeOp::sqrt, x[0]); });
         if (is("fabs")) return lanes(1, [&](const auto& x) { return nodes_.number(TapeOp::abs, x[0]); });
         if (arguments.size() >= 2) {
+            const auto is_two = [&](const Value& exponent) {
+                const Scalar s = exponent.empty() ? Scalar() : exponent.begin()->second.scalar;
+                if (s.kind == Scalar::Kind::whole) return s.cases.size() == 1 && s.cases[0].value == 2;
+                return s.kind == Scalar::Kind::number && nodes_[s.node].op == TapeOp::constant &&
+                       nodes_[s.node].value == 2;
+            };
+            if ((is("pow") || is("powi")) && is_two(arguments[1]))  // compilers multiply
+                return lanes(1, [&](const auto& x) { return nodes_.number(TapeOp::mul, x[0], x[0]); });
             if (is("copysign"))
                 return lanes(2, [&](const auto& x) { return nodes_.number(TapeOp::copysign, x[0], x[1]); });
             if (is("minnum") || is("fmin") || is("minimumnum"))

@@ -14,7 +14,7 @@ namespace lostbits::intersect::function {
 
 bool Walk::step(Frame& frame, State& state, std::string_view line) {
     if (++steps_ > most_steps) fail("the function takes too many steps on one ray");
-    if (const int p = index_of(line, frame.caller); p >= 0) nodes_.place = p;
+    if (const int p = index_of(line, frame); p >= 0) nodes_.place = p;
     Cursor at(line);
     if (at.peek() == '#') {
         at.expect("#");
@@ -55,6 +55,10 @@ bool Walk::step(Frame& frame, State& state, std::string_view line) {
         return true;
     }
     Value made = compute(frame, state, op, at);
+    if (frame.function->subprogram < 0 && depth_ > 1 && made.size() == 1 && !result.starts_with('.') &&
+        result.find_first_not_of("0123456789") != std::string::npos)
+        if (const Scalar& s = made.begin()->second.scalar; s.kind == Scalar::Kind::number)
+            nodes_.name(s.node, result, depth_);
     if (!result.empty()) state.registers[result] = std::move(made);
     return true;
 }

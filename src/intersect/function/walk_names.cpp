@@ -39,16 +39,30 @@ int Walk::place_at(int location, int caller) {
     return index;
 }
 
-int Walk::index_of(std::string_view line, int caller) {
+int Walk::index_of(std::string_view line, const Frame& frame) {
     constexpr std::string_view mark = "!dbg !";
     const std::size_t at = line.rfind(mark);
-    return at == std::string_view::npos ? -1 : place_at(reference(line.substr(at + 5)), caller);
+    if (at != std::string_view::npos) return place_at(reference(line.substr(at + 5)), frame.caller);
+    const bool is_user = frame.function->subprogram < 0 && depth_ > 1;  // the outermost function is the wrapper
+    return ir_file_.empty() || !is_user ? -1 : ir_place(line, frame.caller);
+}
+
+/// The operation after `%name =` as a place of the user's LLVM IR.
+int Walk::ir_place(std::string_view line, int caller) {
+    const int number = module_.line_of(line);
+    const auto [known, is_new] = known_places_.try_emplace({-number, caller}, static_cast<int>(places_.size()));
+    if (is_new) {
+        const std::size_t equals = line.find(" = "), first = line.find_first_not_of(" \t");
+        const std::size_t column = (equals == std::string_view::npos ? std::min(first, line.size()) : equals + 3) + 1;
+        places_.push_back({ir_file_, number, static_cast<int>(column), caller});
+    }
+    return known->second;
 }
 
 int Walk::own_place(int place) const {
     for (int guard = 0; place >= 0 && guard < 100; ++guard) {
         const SourcePlace& p = places_[static_cast<std::size_t>(place)];
-        if (p.line > 0 && p.file.starts_with(own_)) return place;
+        if (p.line > 0 && (p.file.starts_with(own_) || p.file == ir_file_)) return place;
         place = p.caller;
     }
     return -1;
