@@ -91,10 +91,8 @@ private:
         name += fmt::format("_{}{}", row.format.name == "f32" ? "" : row.format.name + "_", count);
         written.push_back(output::repair::written(result, proposal, name, command_));
         std::string how = fmt::format("{}, {}", row.form->info->name, how_in_words(result, proposal));
-        if (!proposal.rewritten) how += ": " + names_of_set(result);
-        candidates.push_back({"mended." + name, std::move(how),
-                              proposal.rewritten ? proposal.rewritten->apart : result.mended.apart_quality,
-                              name + ".hpp"});
+        if (proposal.wider) how += ": " + names_of(result, *proposal.wider);
+        candidates.push_back({"mended." + name, std::move(how), *proposal.apart, name + ".hpp"});
     }
 
     const ChoiceRequest& asked_;

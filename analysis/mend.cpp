@@ -221,7 +221,7 @@ Exit run(const MendOptions& o, const Common& common) {
     fmt::print("{}", output::repair::in_words(result));
     if (files && !common.quiet)
         for (const char* name : {"mend.csv", "index.html"}) fmt::print("{}\n", (files->folder() / name).string());
-    const bool met = mended.set || best_of(proposals_of(result), request.requirement);
+    const bool met = mended.set || best_of(proposals_of(result), result);
     return met ? Exit::done : Exit::answer_is_no;
 }
 

@@ -137,8 +137,9 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     const output::repair::MendResult found = output::repair::result_of(request, mended);
     result.add_table("mend", output::repair::form_table(), output::repair::rows_of(found));
     result.add_table("minimal", output::repair::minimal_table(), output::repair::minimal_rows(found));
+    result.add_table("probes", output::repair::probe_table(), output::repair::probe_rows(found));
     result.texts.push_back(output::repair::in_words(found));
-    const bool is_better = output::repair::best_of(output::repair::proposals_of(found), requirement) != nullptr;
+    const bool is_better = output::repair::best_of(output::repair::proposals_of(found), found) != nullptr;
     if (is_better) result.texts.push_back(output::repair::emitted(found, "mended.hpp", "lostbits_mend"));
     return mended.set || is_better;
 }

@@ -62,6 +62,7 @@ void find_volumes(RewriteFinder& places);
 void find_closest_approach(RewriteFinder& places);
 void find_unit_approach(RewriteFinder& places);
 void find_stable_roots(RewriteFinder& places);
+void find_squares_of_roots(RewriteFinder& places);
 void find_edges_from_origin(RewriteFinder& places);
 void find_fused_products(RewriteFinder& places);
 void find_other_orders(RewriteFinder& places);
@@ -87,6 +88,8 @@ inline constexpr Rule rules[]{
     {"closest approach, normalised", "the same with n/|n|", "n != 0", find_unit_approach},
     {"stable roots", "-b + s and -b - s, s = sqrt(D): q, the one with terms of like signs, and (b^2 - D)/q", "q != 0",
      find_stable_roots},
+    // sqrt(x) is not a number for x < 0, and neither is its square.
+    {"square of a root", "sqrt(x) sqrt(x) = x", "x >= 0", find_squares_of_roots},
     {"edges from the origin", "u + v <= |s|: u, v and s - u - v as d.((p - o) x (q - o)) for the three edges p q", "",
      find_edges_from_origin},
     {"fused products", "ab - cd = fma(a, b, -w) + fma(-c, d, w), w = cd (Kahan)", "", find_fused_products},

@@ -1,4 +1,5 @@
 // Rules for roots of a quadratic that subtract nearly equal numbers.
+#include <cstdlib>
 #include <map>
 
 #include "measure/identity/rules.hpp"
@@ -73,6 +74,50 @@ void find_stable_roots(RewriteFinder& places) {
         }
         places.offer(replaced);
     }
+}
+
+namespace {
+
+/// The sum with x in place of every square of √x; nothing if it has none, or would be too long.
+std::optional<Sum> without_squared_roots(const Terms& terms, const Sum& sum) {
+    Sum all;
+    bool found = false;
+    for (const auto& [product, factor] : sum) {
+        Sum here{{{}, factor}};
+        for (const auto& [atom, exponent] : product) {
+            const int squares = terms[atom].op == TapeOp::sqrt ? exponent / 2 : 0;
+            if (exponent != 2 * squares) here = times(here, Sum{{power(atom, exponent - 2 * squares), Ratio(1, 1)}});
+            if (squares == 0) continue;
+            found = true;
+            const auto under = multiplied_out(terms, terms[atom].operands[0]);
+            if (!under || under->empty() || (squares < 0 && under->size() > 1)) return std::nullopt;
+            const Sum one = squares > 0 ? *under : over(Sum{{{}, Ratio(1, 1)}}, *under);
+            for (int k = 0; k < std::abs(squares); ++k) here = times(here, one);
+        }
+        all = plus(std::move(all), here);
+        if (all.size() > most_products) return std::nullopt;
+    }
+    return found && !all.empty() ? std::optional(all) : std::nullopt;
+}
+
+}  // namespace
+
+void find_squares_of_roots(RewriteFinder& places) {
+    Terms& terms = places.terms;
+    std::vector<std::pair<NodeId, NodeId>> all;
+    for (const NodeId i : places.needed) {
+        const TapeNode n = terms[i];
+        if (n.op != TapeOp::mul || !terms.is_own(i)) continue;
+        const TapeNode a = terms[n.operands[0]], b = terms[n.operands[1]];
+        if (a.op == TapeOp::sqrt && b.op == TapeOp::sqrt &&
+            terms.meaning(a.operands[0]) == terms.meaning(b.operands[0]))
+            all.emplace_back(i, a.operands[0]);
+    }
+    places.offer_each(all);
+    places.on_sums([&](NodeId i, const Sum& sum) {
+        if (const auto to = without_squared_roots(terms, sum))
+            places.offer(i, written_out(terms, *to, places.newest, terms[i].label));
+    });
 }
 
 }  // namespace lostbits::measure::identity

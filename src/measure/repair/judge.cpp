@@ -99,6 +99,8 @@ public:
           shared_(band, {row_}, request.requirement.metrics()) {}
     Part(const MendRequest& request, const scene::rays::RayGroup& rays)
         : band(rays, request.limit), row_(request.row), shared_(band, {row_}, request.requirement.metrics()) {}
+    Part(const MendRequest& request, const choice::IdealRays& rays)
+        : band(rays.band(request.limit)), row_(request.row), shared_(band, {row_}, request.requirement.metrics()) {}
 
     [[nodiscard]] evaluate::RowBand rows() const { return shared_.of(row_); }
 
@@ -117,6 +119,10 @@ Judge::Judge(const MendRequest& request, const Scene* scene) : request_(request)
     culler_ = std::make_unique<culling::Culler>(*scene);
     if (scene->pixels() > most_kept) return;
     for (const int y0 : bands()) kept_.push_back(std::make_unique<Part>(request_, *scene, y0, *culler_));
+}
+
+Judge::Judge(const MendRequest& request, const MovedRays& rays) : request_(request), scene_(nullptr) {
+    kept_.push_back(std::visit([&](const auto& moved) { return std::make_unique<Part>(request_, moved); }, rays));
 }
 
 Judge::~Judge() = default;
@@ -220,7 +226,7 @@ std::vector<choice::GrowthMargin> margins_of_tape(const MendRequest& request, co
     choice::ChoiceRequest asked{.scene = request.scene, .rays = request.rays, .requirement = request.requirement};
     asked.limit = request.limit;
     const tape::TapeForm form(*request.row.form, request.row.format, tape, "mended", "");
-    return margins_of(asked, {.form = &form.row(), .format = request.row.format});
+    return margins_of(asked, {.form = &form.row(), .format = request.row.format}, few_rays);
 }
 
 }  // namespace lostbits::measure::repair

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <variant>
 #include <vector>
 
 #include "measure/choice/file_rays.hpp"
@@ -33,6 +34,9 @@ struct MendRequest {
     [[nodiscard]] const std::string& id() const;
 };
 
+/// Rays in place of those of a request: stored numbers, or ideal ones that each format rounds.
+using MovedRays = std::variant<scene::rays::RayGroup, choice::IdealRays>;
+
 /// Measures the worth of tapes on the rays of a request. The truth of at most `most_kept` rays is found once and kept;
 /// for more rays it is found again in every call.
 class Judge {
@@ -40,6 +44,8 @@ public:
     explicit Judge(const MendRequest& request) : Judge(request, request.scene) {}
     /// Uses the request's row and requirement, but the rays of this scene.
     Judge(const MendRequest& request, const scene::file::Scene& scene) : Judge(request, &scene) {}
+    /// The same with these rays.
+    Judge(const MendRequest& request, const MovedRays& rays);
     ~Judge();
     Judge(const Judge&) = delete;
     Judge& operator=(const Judge&) = delete;
@@ -90,6 +96,9 @@ struct Ranked {
 };
 /// The forms of `catalogue_beside` with their worth on the request's rays, the most accurate first.
 std::vector<Ranked> ranked_catalogue(const MendRequest& request);
+
+/// Number of rays on which `margins_of_tape` and probes measure, at most.
+inline constexpr int few_rays = 4096;
 
 /// Ranges in which a form holds that has the contract of the request's form and does what the tape does.
 std::vector<choice::GrowthMargin> margins_of_tape(const MendRequest& request, const Tape& tape);

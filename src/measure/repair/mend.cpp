@@ -151,6 +151,125 @@ void widen_where_needed(Rewritten& one, const Mended& m, const MendRequest& requ
     one.set = std::move(set);
 }
 
+/// True if a tape meets the requirement on a list of probes.
+bool passes(const Tape& tape, const std::vector<Probe*>& probes, const Requirement& requirement) {
+    return std::ranges::all_of(
+        probes, [&](Probe* probe) { return probe->judge().quality_of({tape}).front().meets(requirement); });
+}
+
+std::vector<RowQuality> probed(const Tape& tape, const std::vector<std::unique_ptr<Probe>>& probes) {
+    std::vector<RowQuality> all;
+    for (const auto& probe : probes) all.push_back(probe->judge().quality_of({tape}).front());
+    return all;
+}
+
+/// Search for the set of `exchanged_groups` with the fewest operations that meets the requirement on the scene and on
+/// probes.
+class SymmetricSearch {
+public:
+    SymmetricSearch(const Mended& m, const MendRequest& request, Judge& judge, std::vector<Probe*> probes)
+        : m_(m), request_(request), judge_(judge), probes_(std::move(probes)) {
+        const auto first = request.scene ? scene::rays::shared_primitives(*request.scene).front()
+                                         : request.rays->sample.primitives.front();
+        groups_ = exchanged_groups(m.tape, tape::rounded_operations(m.tape), first);
+    }
+
+    /// Tries all sets if there are at most `affordable`. Otherwise starts from all groups and removes one after the
+    /// other, as long as the rest passes. Nothing if no set passes.
+    std::optional<SymmetricSet> found(std::uint64_t affordable) {
+        const bool all = groups_.size() < 20 && (std::uint64_t{1} << groups_.size()) <= affordable;
+        auto set = all ? best_of_all() : reduced();
+        if (set) set->is_smallest = all;
+        return set;
+    }
+
+private:
+    using Groups = std::vector<std::size_t>;  ///< indices of groups
+
+    [[nodiscard]] std::vector<NodeId> operations(const Groups& chosen) const {
+        std::vector<NodeId> all;
+        for (const std::size_t k : chosen) all.insert(all.end(), groups_[k].begin(), groups_[k].end());
+        std::ranges::sort(all);
+        return all;
+    }
+    /// The first of these sets that meets the requirement everywhere.
+    std::optional<SymmetricSet> first_that_passes(const std::vector<Groups>& sets) {
+        std::vector<Tape> tapes;
+        for (const Groups& set : sets) tapes.push_back(with_wider(m_, operations(set)));
+        const auto quality = judge_.quality_of(tapes);
+        for (std::size_t k = 0; k < sets.size(); ++k) {
+            if (!quality[k].meets(request_.requirement) || !passes(tapes[k], probes_, request_.requirement)) continue;
+            left_ = sets[k];
+            return SymmetricSet{.operations = operations(sets[k]),
+                                .quality = quality[k],
+                                .groups = sets[k].size(),
+                                .of = groups_.size()};
+        }
+        return std::nullopt;
+    }
+    std::optional<SymmetricSet> best_of_all() {
+        std::vector<Groups> sets;
+        for (std::uint64_t bits = 1; bits < std::uint64_t{1} << groups_.size(); ++bits) {
+            Groups& set = sets.emplace_back();
+            for (std::size_t k = 0; k < groups_.size(); ++k)
+                if ((bits >> k & 1U) != 0) set.push_back(k);
+        }
+        std::ranges::stable_sort(sets, {}, [&](const Groups& set) { return operations(set).size(); });
+        return first_that_passes(sets);
+    }
+    std::optional<SymmetricSet> reduced() {
+        Groups set(groups_.size());
+        for (std::size_t k = 0; k < set.size(); ++k) set[k] = k;
+        auto found = first_that_passes({set});
+        while (found && left_.size() > 1) {
+            std::vector<Groups> fewer;
+            for (std::size_t k = 0; k < left_.size(); ++k) {
+                fewer.push_back(left_);
+                fewer.back().erase(fewer.back().begin() + static_cast<std::ptrdiff_t>(k));
+            }
+            std::ranges::stable_sort(fewer, {}, [&](const Groups& one) { return operations(one).size(); });
+            auto next = first_that_passes(fewer);
+            if (!next) break;
+            found = std::move(next);
+        }
+        return found;
+    }
+
+    const Mended& m_;
+    const MendRequest& request_;
+    Judge& judge_;
+    std::vector<Probe*> probes_;
+    std::vector<std::vector<NodeId>> groups_;
+    Groups left_;  ///< the last set that passed
+};
+
+/// Measures what was found on the probes. Where the set fails exact ones that it could pass, since the form passes them
+/// with every operation wider, looks for a symmetric set.
+void probe(Mended& m, const MendRequest& request, Judge& judge, std::uint64_t affordable) {
+    const auto meets = [&](const RowQuality& quality) { return quality.meets(request.requirement); };
+    const auto& found = m.rewriting.found;
+    if (!m.set && std::ranges::none_of(found, meets, &Rewritten::quality)) return;
+    const auto probes = probes_of(request);
+    const std::vector<NodeId> all = tape::rounded_operations(m.tape);
+    for (const auto& one : probes) m.probes.push_back(&one->isometry());
+    if (!probes.empty()) m.probed_rays = probes.front()->judge().rays();
+    m.own_probed = probed(m.tape, probes);
+    m.set_probed = probed(with_wider(m, m.set ? m.set->operations : all), probes);
+    for (Rewritten& one : m.rewriting.found) one.probed = probed(one.tape, probes);
+    if (!m.set || m.set->operations.empty()) return;
+    const auto with_all = probed(with_wider(m, all), probes);
+    std::vector<Probe*> passable;
+    bool fails = false;
+    for (std::size_t k = 0; k < probes.size(); ++k) {
+        if (!meets(with_all[k])) continue;
+        passable.push_back(probes[k].get());
+        fails |= probes[k]->isometry().is_exact() && !meets(m.set_probed[k]);
+    }
+    if (!fails) return;
+    m.symmetric = SymmetricSearch(m, request, judge, passable).found(affordable);
+    if (m.symmetric) m.symmetric->probed = probed(with_wider(m, m.symmetric->operations), probes);
+}
+
 }  // namespace
 
 WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const RowQuality& with_all,
@@ -192,14 +311,18 @@ Mended mend(const MendRequest& request, std::uint64_t affordable) {
     else if (m.all.meets(request.requirement)) m.set = smallest_set(m.tape, m.wider, m.all, request, judge, affordable);
     if (!m.own.meets(request.requirement)) m.rewriting = rewrite(request, m.tape, m.own, judge);
     for (Rewritten& one : m.rewriting.found) widen_where_needed(one, m, request, judge, affordable);
+    probe(m, request, judge, affordable);
+    if (!m.set) m.obstruction = RaySample(request, few_rays).without_rounding(m.tape);
     m.tried = judge.tried();
     std::vector<Tape> asked{m.tape, with_wider(m, m.set ? m.set->operations : all)};
     for (const Rewritten& r : m.rewriting.found) asked.push_back(r.tape);
+    if (m.symmetric) asked.push_back(with_wider(m, m.symmetric->operations));
     if (request.scene) m.apart = in_other_pixels(*request.scene);
     const auto there = request.scene ? Judge(request, m.apart).quality_of(asked) : request.on_all(asked);
     m.own_apart = there[0];
     m.apart_quality = there[1];
-    for (std::size_t k = 2; k < there.size(); ++k) m.rewriting.found[k - 2].apart = there[k];
+    for (std::size_t k = 0; k < m.rewriting.found.size(); ++k) m.rewriting.found[k].apart = there[k + 2];
+    if (m.symmetric) m.symmetric->apart = there.back();
     return m;
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "measure/identity/rules.hpp"
-#include "measure/repair/judge.hpp"
+#include "measure/repair/probe.hpp"
 
 namespace lostbits::measure::repair {
 
@@ -30,6 +30,15 @@ WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const RowQuali
 
 using identity::Rule;
 
+/// Set of operations done wider that treats x, y and z alike: groups of `exchanged_groups`.
+struct SymmetricSet {
+    std::vector<NodeId> operations;
+    RowQuality quality{}, apart{};        ///< worth on the scene, and on rays that were not searched on
+    std::vector<RowQuality> probed = {};  ///< worth on each probe
+    std::size_t groups = 0, of = 0;       ///< number of groups in the set, and of all groups
+    bool is_smallest = false;             ///< no set of groups with fewer operations passes: all were tried
+};
+
 /// Form written another way.
 struct Rewritten {
     Tape tape;
@@ -38,6 +47,7 @@ struct Rewritten {
     std::size_t operations = 0;      ///< number of operations that round
     /// The fewest operations to do wider, where the form meets the requirement only with them; `tape` has them wider.
     std::optional<WiderSet> set = {};
+    std::vector<RowQuality> probed = {};  ///< worth on each probe
 };
 
 struct Rewriting {
@@ -67,6 +77,15 @@ Rewriting rewrite(const MendRequest& request, const Tape& form, const RowQuality
 /// eight times. It orders the search and is not printed.
 std::size_t work_of(const Tape& tape);
 
+/// Cause of a requirement that the form does not meet with every operation wider: its operations without any rounding.
+struct Obstruction {
+    RowQuality exact{};  ///< worth on some of the rays, each with the primitive that it truly hits, or the first one
+    /// For a form that asks for directions of length one: the same with directions of length one to 53 bits, and the
+    /// largest difference of the length of a stored direction from one.
+    std::optional<RowQuality> with_unit = {};
+    double off_unit = 0;
+};
+
 struct Mended {
     Tape tape;                         ///< the tape of the form
     FloatFormat wider;                 ///< the arithmetic of the wider operations
@@ -79,6 +98,13 @@ struct Mended {
     scene::file::Scene apart = {};     ///< the scene in other pixels: rays that were not searched on
     /// Worth of the form and of the set on `apart`; with files, on all their rays.
     RowQuality own_apart{}, apart_quality{};
+    /// Probes that apply, and the worth there of the form and of the set (of all operations wider without a set). None
+    /// where nothing meets the requirement.
+    std::vector<const Isometry*> probes = {};
+    std::vector<RowQuality> own_probed = {}, set_probed = {};
+    std::uint64_t probed_rays = 0;                ///< number of rays of each probe
+    std::optional<SymmetricSet> symmetric = {};   ///< where the set fails exact probes
+    std::optional<Obstruction> obstruction = {};  ///< where the form does not meet the requirement even all wider
 };
 
 /// Repairs the form of a request. `affordable` is that of `smallest_set`. InputError for a form whose operations are
@@ -110,8 +136,24 @@ public:
     /// form asks for directions of length one, directions are turned to an axis, so that their length is exactly one.
     [[nodiscard]] bool agree(const Tape& a, const Tape& b) const;
 
+    /// Compares the tape without any rounding with the truth of these rays.
+    [[nodiscard]] Obstruction without_rounding(const Tape& tape) const;
+
 private:
+    /// Right answer of a ray. `t`: correctly rounded to a double, or the distance for a form that asks for directions
+    /// of length one.
+    struct Right {
+        truth::Truth::Decision decision;
+        double t;
+        Range<double> range;
+    };
+    [[nodiscard]] RowQuality exact_quality(const Tape& tape, const std::vector<std::vector<double>>& inputs) const;
+
+    evaluate::TestedForm row_;
+    Requirement requirement_;
+    truth::TruthLimit limit_;
     std::vector<std::vector<double>> inputs_, exact_inputs_;  ///< inputs of each ray, in the order of the tape's inputs
+    std::vector<Right> right_;
 };
 
 /// Tape with other inputs and all values that follow from them, rounded to the format or not rounded.

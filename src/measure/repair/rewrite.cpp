@@ -178,7 +178,8 @@ Tape filled(Tape tape, const std::vector<double>& inputs, bool rounds) {
     return tape;
 }
 
-RaySample::RaySample(const MendRequest& request, int rays) {
+RaySample::RaySample(const MendRequest& request, int rays)
+    : row_(request.row), requirement_(request.requirement), limit_(request.limit) {
     const evaluate::TestedForm& row = request.row;
     std::optional<scene::file::Scene> thin;
     if (request.scene) thin = choice::thinned(*request.scene, rays);
@@ -193,6 +194,9 @@ RaySample::RaySample(const MendRequest& request, int rays) {
         const std::size_t primitive = answer::measured_at(inputs, i, truth.object);
         inputs_.push_back(tape::inputs_of(own[i], inputs.primitives[primitive], band.range(i).tmax));
         exact_inputs_.push_back(unit ? along_axis(inputs_.back()) : inputs_.back());
+        const double t = truth.is_hit() ? band.rounded_truth(i, binary64, row.form->info->direction, row.convention())
+                                        : truth::missing;
+        right_.push_back({truth.decision, t, band.range(i)});
     }
 }
 

@@ -113,7 +113,7 @@ std::string choice_table(const choice::ChoiceResult& chosen) {
 std::string mend_table(const repair::MendResult& r) {
     const auto& requirement = r.request.requirement;
     const auto proposals = proposals_of(r);
-    const repair::Proposal* const best = best_of(proposals, requirement);
+    const repair::Proposal* const best = best_of(proposals, r);
     std::vector<std::string> names{
         "form",       "rounding operations",  "of them in " + repair::name_of_wider(r.mended.wider),
         "bits kept",  "rays wrong",           "on other rays: bits kept",

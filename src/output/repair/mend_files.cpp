@@ -49,6 +49,13 @@ std::vector<FormRow> rows_of(const MendResult& r) {
         const std::size_t wide = m.set->operations.size();
         const std::string name = fmt::format("{} of {} in {}", wide, m.operations, wider);
         rows.push_back({"wider", name, own, m.operations, wide, &m.set->quality, &m.apart_quality});
+        rows.back().set = &m.set->operations;
+    }
+    if (m.symmetric) {
+        const std::size_t wide = m.symmetric->operations.size();
+        const std::string name = fmt::format("{} of {} in {}, symmetric", wide, m.operations, wider);
+        rows.push_back({"symmetric", name, own, m.operations, wide, &m.symmetric->quality, &m.symmetric->apart});
+        rows.back().set = &m.symmetric->operations;
     }
     rows.push_back({"all_wider", fmt::format("all {} in {}", m.operations, wider), own, m.operations, m.operations,
                     &m.all, m.set ? nullptr : &m.apart_quality});
@@ -83,11 +90,11 @@ std::vector<FormRow> rows_of(const MendResult& r) {
 std::string change_in_words(const MendResult& r, const FormRow& row) {
     const RowQuality &was = r.mended.own, &now = *row.quality;
     const auto& requirement = r.request.requirement;
-    std::string text = fmt::format(
-        "{}: {} → {} bits, {}",
-        row.kind == "wider" ? fmt::format("{} in {}", names_of_set(r), name_of_wider(r.mended.wider)) : row.name,
-        bits_of(was, requirement), bits_of(now, requirement),
-        now.wrong == 0 ? "no wrong decision" : fmt::format("{} wrong decisions", now.wrong));
+    std::string text =
+        fmt::format("{}: {} → {} bits, {}",
+                    row.set ? fmt::format("{} in {}", names_of(r, *row.set), name_of_wider(r.mended.wider)) : row.name,
+                    bits_of(was, requirement), bits_of(now, requirement),
+                    now.wrong == 0 ? "no wrong decision" : fmt::format("{} wrong decisions", now.wrong));
     if (was.wrong != now.wrong) text += fmt::format(" instead of {}", was.wrong);
     if (row.price)
         text += fmt::format(", {:+.2g} ns a ray", (row.price->packed.median - r.prices.front().packed.median) * 1e9);
@@ -136,9 +143,9 @@ void write_front_plot(const std::filesystem::path& path, const MendResult& r) {
 Table<FormRow> form_table() {
     using R = FormRow;
     Table<R> table{{"kind", "string", "",
-                    "own: the form; wider: with a minimal set of its operations wider; all_wider: with all of them "
-                    "wider; rewritten: the form "
-                    "written another way; catalogue",
+                    "own: the form; wider: with a minimal set of its operations wider; symmetric: with a set that "
+                    "treats x, y and z alike; all_wider: with all of them wider; rewritten: the form written another "
+                    "way; catalogue",
                     &R::kind}};
     table.add(table::subject_columns("form", "of its inputs and answers"), &R::row);
     table.add(
@@ -218,17 +225,54 @@ std::vector<MinimalRow> minimal_rows(const MendResult& r) {
     return rows;
 }
 
+Table<ProbeRow> probe_table() {
+    using R = ProbeRow;
+    Table<R> table{
+        {"kind", "string", "", "the form on these rays, as in mend.csv", [](const R& r) { return r.form.kind; }},
+        {"name", "string", "", "the set or the rules; the form's own name for own",
+         [](const R& r) { return r.form.name; }},
+        {"probe", "string", "",
+         "rays and primitives moved together: yzx, zxy, yxz: axes in that order; mirrored: in x, y and z; "
+         "quarter_turn: about z; rotated: by 147 degrees about (1, 2, 3)",
+         &R::probe}};
+    table.add<RowQuality>({{"rays", "integer", "", "rays whose truth is known", &RowQuality::rays},
+                           {"wrong", "integer", "", "number of these that are decided wrongly", &RowQuality::wrong},
+                           {"kept_bits", "number", "bits", "bits kept",
+                            [](const RowQuality& w) { return number_or_missing(w.kept_bits); }}},
+                          &R::quality);
+    return table.add({"meets", "boolean", "", "true if it meets the requirement there", &R::meets});
+}
+
+std::vector<ProbeRow> probe_rows(const MendResult& r) {
+    const auto& m = r.mended;
+    std::vector<ProbeRow> rows;
+    std::size_t rewritten = 0;
+    for (const FormRow& form : rows_of(r)) {
+        const std::vector<RowQuality>* probed = nullptr;
+        if (form.kind == "own") probed = &m.own_probed;
+        else if (form.kind == "wider" || (form.kind == "all_wider" && !m.set)) probed = &m.set_probed;
+        else if (form.kind == "symmetric") probed = &m.symmetric->probed;
+        else if (form.kind == "rewritten") probed = &m.rewriting.found[rewritten++].probed;
+        for (std::size_t k = 0; probed && k < probed->size(); ++k)
+            rows.push_back({form, m.probes[k]->name, &(*probed)[k], (*probed)[k].meets(r.request.requirement)});
+    }
+    return rows;
+}
+
 MendFiles::MendFiles(const std::filesystem::path& folder)
     : folder_(folder),
       forms_(folder, "mend.csv", "One row per form: the form, with wider operations, rewritten, or of the catalogue",
              form_table()),
-      minimal_(folder, "minimal.csv", "One row per operation that is done wider", minimal_table()) {}
+      minimal_(folder, "minimal.csv", "One row per operation that is done wider", minimal_table()),
+      probes_(folder, "probes.csv", "One row per form and probe: the scene with axes exchanged, mirrored or rotated",
+              probe_table()) {}
 
 void MendFiles::finish(const MendResult& r) {
     forms_.add_all(rows_of(r));
     minimal_.add_all(minimal_rows(r));
+    probes_.add_all(probe_rows(r));
     file::write_file(folder_ / "mend.txt", in_words(r));
-    table::close_tables(folder_, fmt::format("Mended: {}", r.request.id()), forms_, minimal_);
+    table::close_tables(folder_, fmt::format("Mended: {}", r.request.id()), forms_, minimal_, probes_);
 }
 
 namespace {
@@ -263,7 +307,7 @@ measure::repair::Written written(const MendResult& r, const Proposal& proposal, 
 
 std::string emitted(const MendResult& r, const std::filesystem::path& file, const std::string& command) {
     const auto proposals = proposals_of(r);
-    const Proposal* const best = best_of(proposals, r.request.requirement);
+    const Proposal* const best = best_of(proposals, r);
     if (!best)
         throw InputError(fmt::format(
             "--emit {}: no other form of {} was found that meets the requirement, so there is nothing to write; {}",

@@ -1,6 +1,7 @@
 // A repaired form in words: what is done wider, what that keeps, that no operation can be spared, and how far it holds.
 // Also its files: mend.csv (the form, the form with wider operations, the catalogue), minimal.csv (each of the
-// operations, and the accuracy without it), mend.txt and datapackage.json.
+// operations, and the accuracy without it), probes.csv (the same with axes exchanged, mirrored and rotated), mend.txt
+// and datapackage.json.
 #pragma once
 
 #include <filesystem>
@@ -24,8 +25,9 @@ struct MendResult {
     std::vector<measure::choice::GrowthMargin> margins = {};  ///< margins of the form with its set
     /// Margins of each other way of writing it; empty for one that fails the requirement.
     std::vector<std::vector<measure::choice::GrowthMargin>> rewritten_margins = {};
-    /// Times of the form, the set if there is one, each other way of writing it, and the catalogue; empty if nothing
-    /// was timed.
+    std::vector<measure::choice::GrowthMargin> symmetric_margins = {};  ///< margins of the form with its symmetric set
+    /// Times of the form, the set if there is one, the symmetric set if there is one, each other way of writing it, and
+    /// the catalogue; empty if nothing was timed.
     std::vector<measure::repair::Price> prices = {};
     std::string no_price = {};  ///< reason why nothing was timed although it was asked for
 
@@ -35,24 +37,31 @@ struct MendResult {
 /// The results, with the catalogue and all margins, but without times.
 MendResult result_of(const measure::repair::MendRequest& request, const measure::repair::Mended& mended);
 
-/// A resulting form: the set, or another way of writing the form.
+/// A resulting form: the set, the symmetric set, or another way of writing the form.
 struct Proposal {
     Tape tape;
-    const measure::repair::RowQuality* quality;
-    const measure::repair::Rewritten* rewritten;    ///< null: it is the set
-    const measure::repair::Price* price = nullptr;  ///< null: not timed
+    const measure::repair::RowQuality *quality, *apart;
+    const std::vector<measure::repair::RowQuality>* probed;  ///< worth on each probe of the result
+    const measure::repair::Rewritten* rewritten;             ///< null: it is one of the sets
+    const std::vector<NodeId>* wider;                        ///< operations of the set; null: it is none
+    bool symmetric = false;                                  ///< it is the symmetric set
+    const measure::repair::Price* price = nullptr;           ///< null: not timed
+
+    /// True if it meets a requirement on every exact probe of the result.
+    [[nodiscard]] bool is_symmetric(const MendResult& result) const;
 };
-/// All proposals; the set comes first if there is one.
+/// All proposals; the set comes first if there is one, then the symmetric set.
 std::vector<Proposal> proposals_of(const MendResult& result);
-/// The recommended one: the fastest in packs of those that meet the requirement. If nothing was timed, the way of
-/// writing it with fewest operations, and the set if there is none. Null if none meets the requirement.
-const Proposal* best_of(const std::vector<Proposal>& proposals, const measure::choice::Requirement& requirement);
+/// The recommended one among those that meet the requirement. Proposals that also meet it with axes exchanged and
+/// mirrored come first, then the fastest in packs. If nothing was timed, the way of writing it with fewest operations,
+/// and the set if there is none. Null if none meets the requirement.
+const Proposal* best_of(const std::vector<Proposal>& proposals, const MendResult& result);
 /// `cross products, stable roots`
 std::string rules_of(const measure::repair::Rewritten& rewritten);
 /// `3 of its 15 operations in double`, `written another way: cross products`.
 std::string how_in_words(const MendResult& result, const Proposal& proposal);
-/// Names of the wider operations of the set: `c, disc`.
-std::string names_of_set(const MendResult& result);
+/// Names of operations that are done wider: `c, disc`.
+std::string names_of(const MendResult& result, const std::vector<NodeId>& operations);
 
 /// `double`, `two floats`, `two doubles`.
 std::string name_of_wider(const FloatFormat& wider);
@@ -65,7 +74,7 @@ std::string in_words(const MendResult& result);
 
 /// A row of mend.csv, of the plot and of the text: the form, a result, or a form of the catalogue.
 struct FormRow {
-    std::string_view kind;              ///< own, wider, all_wider, rewritten, catalogue
+    std::string_view kind;              ///< own, wider, symmetric, all_wider, rewritten, catalogue
     std::string name;                   ///< `sphere.half_b`, `3 of 20 in double`, `cross products, stable roots`
     measure::evaluate::TestedForm row;  ///< for the catalogue its own, else the form's
     std::size_t operations = 0;         ///< rounding operations; 0 for the catalogue
@@ -77,13 +86,15 @@ struct FormRow {
     bool meets = false;                                  ///< meets the requirement
     const measure::repair::Price* price = nullptr;       ///< null: not timed
     bool front = false;  ///< it was timed, and no other is at least as accurate and as fast, and better in one
+    const std::vector<NodeId>* set = nullptr;  ///< operations of the set that is done wider; null: it is none
     bool told =
         true;  ///< shown in the text; of the catalogue only the most accurate and the front, without the form itself
 
-    [[nodiscard]] bool came_out() const { return kind == "wider" || kind == "rewritten"; }
+    [[nodiscard]] bool came_out() const { return kind == "wider" || kind == "symmetric" || kind == "rewritten"; }
 };
 
-/// The form, the set if there is one, all operations wider, each other way of writing it, the catalogue.
+/// The form, the set and the symmetric set if there are any, all operations wider, each other way of writing it, the
+/// catalogue.
 std::vector<FormRow> rows_of(const MendResult& result);
 
 /// `c, disc in double: 12.0 → 22.1 bits, no wrong decision, +0.3 ns a ray`: changes of a result.
@@ -100,6 +111,15 @@ struct MinimalRow {
     const measure::repair::RowQuality* without;
     bool meets;
 };
+/// A row of probes.csv: a form on the rays of a probe.
+struct ProbeRow {
+    FormRow form;
+    std::string_view probe;
+    const measure::repair::RowQuality* quality;
+    bool meets;
+};
+table::Table<ProbeRow> probe_table();
+std::vector<ProbeRow> probe_rows(const MendResult& result);
 table::Table<FormRow> form_table();
 table::Table<MinimalRow> minimal_table();
 std::vector<MinimalRow> minimal_rows(const MendResult& result);
@@ -115,6 +135,7 @@ private:
     std::filesystem::path folder_;
     table::TableFile<FormRow> forms_;
     table::TableFile<MinimalRow> minimal_;
+    table::TableFile<ProbeRow> probes_;
 };
 
 /// A proposal as a header that holds `mended.NAME`, for the compiler. `command` made it.

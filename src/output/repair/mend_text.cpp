@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "measure/attribution/tape_text.hpp"
 #include "output/choice/choice_files.hpp"
@@ -77,9 +78,54 @@ std::string apart_in_words(const MendResult& r, const RowQuality& here, const Ro
 }
 
 std::string margins_in_words(const std::vector<GrowthMargin>& margins, const MendResult& r) {
-    std::string text;
+    if (margins.empty()) return "";
+    const auto rays = r.request.scene ? measure::choice::thinned(*r.request.scene, measure::repair::few_rays).pixels()
+                                      : r.request.rays->sample.rays.size();
+    std::string text = fmt::format("  How far it holds on {} of the {} as {}:\n", scene::toml::counted(rays, "ray"),
+                                   r.request.scene ? "scene" : "file", r.request.scene ? "it is" : "they are");
     for (const GrowthMargin& margin : margins) text += fmt::format("  {}.\n", margin_in_words(margin, r));
     return text;
+}
+
+/// Rays of a probe on which the form holds, and those on which it fails.
+std::string probes_in_words(const MendResult& r, const std::vector<RowQuality>& probed) {
+    const auto& requirement = r.request.requirement;
+    if (r.mended.probes.empty())
+        return "  Exchanged axes were not tried: there is a flake, a mesh of a file, or more than 1024 primitives.\n";
+    std::vector<std::string> holds, fails;
+    for (std::size_t k = 0; k < probed.size(); ++k) {
+        const std::string words(r.mended.probes[k]->words);
+        if (probed[k].meets(requirement)) holds.push_back(words);
+        else fails.push_back(fmt::format("{} ({})", words, in_words(probed[k], requirement)));
+    }
+    std::string text;
+    const std::string rays = scene::toml::counted(r.mended.probed_rays, "ray");
+    if (!holds.empty())
+        text += fmt::format("  It also holds on {} moved with the primitives: {}.\n", rays, fmt::join(holds, "; "));
+    if (!fails.empty())
+        text += fmt::format("  It fails on {} moved with the primitives: {}.\n", rays, fmt::join(fails, "; "));
+    return text;
+}
+
+std::string symmetric_in_words(const MendResult& r) {
+    const auto& m = r.mended;
+    if (proposals_of(r).front().is_symmetric(r)) return "";
+    if (!m.symmetric)
+        return "  It is not symmetric, and no set that treats x, y and z alike was found that passes where all "
+               "operations wider pass.\n";
+    const auto& set = *m.symmetric;
+    std::string text = fmt::format(
+        "  It is not symmetric: it was found for the axes as they are.\n"
+        "With {} of its {} operations in {}, the same ones for x, y and z, it keeps {}.\n  They are in: {}.\n",
+        set.operations.size(), m.operations, name_of_wider(m.wider), in_words(set.quality, r.request.requirement),
+        names_of(r, set.operations));
+    text += diff_of(r, with_wider(m, set.operations));
+    text += fmt::format("  These are {} of its {} groups of operations that are alike up to an exchange of axes; {}.\n",
+                        set.groups, set.of,
+                        set.is_smallest ? "no groups with fewer operations are enough (all were tried)"
+                                        : "none of these can be spared");
+    return text + probes_in_words(r, set.probed) + apart_in_words(r, set.quality, set.apart) +
+           margins_in_words(r.symmetric_margins, r);
 }
 
 std::string set_in_words(const MendResult& r) {
@@ -90,7 +136,7 @@ std::string set_in_words(const MendResult& r) {
     std::string text =
         fmt::format("With {} of its {} operations in {} it keeps {} ({} with all of them).\n", n, m.operations, wider,
                     in_words(m.set->quality, requirement), in_words(m.all, requirement));
-    text += fmt::format("  They are in: {}.\n", names_of_set(r));
+    text += fmt::format("  They are in: {}.\n", names_of(r, m.set->operations));
     text += diff_of(r, with_wider(m, m.set->operations));
     const auto best = std::ranges::min_element(m.set->without, measure::repair::is_more_accurate);
     text += fmt::format(
@@ -105,7 +151,32 @@ std::string set_in_words(const MendResult& r) {
                             m.set->none_of + 1 == n ? ", so this set is one of the smallest"
                                                     : "; sets of sizes between were not all tried");
     }
-    return text + apart_in_words(r, m.set->quality, m.apart_quality) + margins_in_words(r.margins, r);
+    return text + apart_in_words(r, m.set->quality, m.apart_quality) + probes_in_words(r, m.set_probed) +
+           margins_in_words(r.margins, r) + symmetric_in_words(r);
+}
+
+/// The form's operations without any rounding, in a sentence or two.
+std::string obstruction_in_words(const MendResult& r) {
+    const auto& requirement = r.request.requirement;
+    const auto& [exact, with_unit, off_unit] = *r.mended.obstruction;
+    const auto& form = *r.request.row.form->info;
+    if (r.mended.own.hits == 0) return "  In the way: no ray truly hits anything, so there is no t to keep bits of.\n";
+    if (requirement.bits > r.request.row.format.parameters.precision)
+        return fmt::format("  In the way: {} has {} bits. Try a wider format.\n", r.request.row.format.name,
+                           r.request.row.format.parameters.precision);
+    std::string without = fmt::format("without any rounding its operations keep {}", in_words(exact, requirement));
+    if (exact.wrong > 0)
+        without += fmt::format(" ({} of them {})", exact.of_first,
+                               exact.first == measure::answer::Outcome::false_hit ? "false hits" : "missed hits");
+    if (with_unit && !exact.meets(requirement) && measure::repair::is_more_accurate(*with_unit, exact))
+        return fmt::format(
+            "  In the way: {} assumes directions of length one, and rounded to {} they differ from it by up to {:.2g}. "
+            "On a sample, {}; with directions of length one to 53 bits, {}.\n",
+            form.name, r.request.row.format.name, off_unit, without, in_words(*with_unit, requirement));
+    if (!exact.meets(requirement))
+        return fmt::format("  In the way: the formula itself, at any precision. On a sample, {}.\n", without);
+    return fmt::format("  In the way: more rounding than {} removes. On a sample, {}; a wider format is needed.\n",
+                       name_of_wider(r.mended.wider), without);
 }
 
 std::string rewritten_in_words(const MendResult& r, std::size_t k) {
@@ -117,6 +188,8 @@ std::string rewritten_in_words(const MendResult& r, std::size_t k) {
     std::string text = fmt::format("Written another way{} it keeps {}; {} instead of {}.\n", how,
                                    in_words(one.quality, r.request.requirement),
                                    scene::toml::counted(one.operations, "operation"), r.mended.operations);
+    if (!one.quality.meets(r.request.requirement))
+        return text + fmt::format("  That does not meet the requirement. Rules: {}.\n", rules_of(one));
     std::set<const measure::identity::Rule*> told;
     for (const measure::identity::Rule* rule : one.rules) {
         if (!told.insert(rule).second) continue;
@@ -124,7 +197,7 @@ std::string rewritten_in_words(const MendResult& r, std::size_t k) {
                             rule->condition);
     }
     text += diff_of(r, one.tape);
-    text += apart_in_words(r, one.quality, one.apart);
+    text += apart_in_words(r, one.quality, one.apart) + probes_in_words(r, one.probed);
     return k < r.rewritten_margins.size() ? text + margins_in_words(r.rewritten_margins[k], r) : text;
 }
 
@@ -179,6 +252,7 @@ MendResult result_of(const measure::repair::MendRequest& request, const measure:
         std::vector<GrowthMargin> margins;
         if (proposal.quality->meets(request.requirement)) margins = margins_of_tape(request, proposal.tape);
         if (proposal.rewritten) r.rewritten_margins.push_back(std::move(margins));
+        else if (proposal.symmetric) r.symmetric_margins = std::move(margins);
         else r.margins = std::move(margins);
     }
     return r;
@@ -187,19 +261,33 @@ MendResult result_of(const measure::repair::MendRequest& request, const measure:
 std::vector<Proposal> proposals_of(const MendResult& r) {
     std::vector<Proposal> all;
     const auto& m = r.mended;
-    if (r.has_set()) all.push_back({with_wider(m, m.set->operations), &m.set->quality, nullptr});
-    for (const auto& one : m.rewriting.found) all.push_back({one.tape, &one.quality, &one});
+    if (r.has_set())
+        all.push_back({with_wider(m, m.set->operations), &m.set->quality, &m.apart_quality, &m.set_probed, nullptr,
+                       &m.set->operations});
+    if (const auto& set = m.symmetric)
+        all.push_back({with_wider(m, set->operations), &set->quality, &set->apart, &set->probed, nullptr,
+                       &set->operations, true});
+    for (const auto& one : m.rewriting.found)
+        all.push_back({one.tape, &one.quality, &one.apart, &one.probed, &one, nullptr});
     for (std::size_t k = 0; k < all.size() && !r.prices.empty(); ++k) all[k].price = &r.prices[k + 1];
     return all;
 }
 
-const Proposal* best_of(const std::vector<Proposal>& proposals, const measure::choice::Requirement& requirement) {
-    const auto rank = [](const Proposal& p) {
-        return p.price ? p.price->packed.median : p.rewritten ? static_cast<double>(p.rewritten->operations) : HUGE_VAL;
+bool Proposal::is_symmetric(const MendResult& result) const {
+    const auto& probes = result.mended.probes;
+    for (std::size_t k = 0; k < probes.size(); ++k)
+        if (probes[k]->is_exact() && !(*probed)[k].meets(result.request.requirement)) return false;
+    return true;
+}
+
+const Proposal* best_of(const std::vector<Proposal>& proposals, const MendResult& result) {
+    const auto rank = [&](const Proposal& p) {
+        const double operations = p.rewritten ? static_cast<double>(p.rewritten->operations) : HUGE_VAL;
+        return std::pair(!p.is_symmetric(result), p.price ? p.price->packed.median : operations);
     };
     const Proposal* best = nullptr;
     for (const Proposal& one : proposals)
-        if (one.quality->meets(requirement) && (!best || rank(one) < rank(*best))) best = &one;
+        if (one.quality->meets(result.request.requirement) && (!best || rank(one) < rank(*best))) best = &one;
     return best;
 }
 
@@ -211,11 +299,11 @@ std::string rules_of(const measure::repair::Rewritten& rewritten) {
 }
 
 // Each operation by the name of the statement that it belongs to, in order.
-std::string names_of_set(const MendResult& r) {
+std::string names_of(const MendResult& r, const std::vector<NodeId>& operations) {
     const Tape& tape = r.mended.tape;
     std::vector<std::string> names;
     std::set<std::string> seen;
-    for (const NodeId i : r.mended.set->operations) {
+    for (const NodeId i : operations) {
         NodeId named = i;
         // Finds the next named operation that is computed from it, as maps of culprits do.
         for (NodeId k = i; k < tape.size() && tape[named].label.empty(); ++k) {
@@ -231,7 +319,8 @@ std::string names_of_set(const MendResult& r) {
 std::string how_in_words(const MendResult& r, const Proposal& proposal) {
     const auto& m = r.mended;
     if (proposal.rewritten) return "written another way: " + rules_of(*proposal.rewritten);
-    return fmt::format("{} of its {} operations in {}", m.set->operations.size(), m.operations, name_of_wider(m.wider));
+    return fmt::format("{} of its {} operations in {}{}", proposal.wider->size(), m.operations, name_of_wider(m.wider),
+                       proposal.symmetric ? ", the same ones for x, y and z" : "");
 }
 
 std::string in_words(const MendResult& r) {
@@ -241,12 +330,11 @@ std::string in_words(const MendResult& r) {
         fmt::format("{}: {}\n{} in {} keeps {}.\n", r.request.id(), choice::in_words(requirement),
                     r.request.row.form->info->name, r.request.row.format.name, in_words(m.own, requirement));
     if (!m.set)
-        text += fmt::format(
-            "Even with all of its {} operations in {} it does not meet the requirement: {}. The loss is not due to "
-            "rounding alone; `lostbits explain` shows where it arises, and `lostbits choose` names forms that do "
-            "better.\n",
-            m.operations, name_of_wider(m.wider), in_words(m.all, requirement));
+        text +=
+            fmt::format("Even with all of its {} operations in {} it does not meet the requirement: {}.\n{}",
+                        m.operations, name_of_wider(m.wider), in_words(m.all, requirement), obstruction_in_words(r));
     else text += m.set->operations.empty() ? own_is_enough(r) : set_in_words(r);
+    if (m.set && m.set->operations.empty()) text += probes_in_words(r, m.own_probed);
     for (std::size_t k = 0; k < m.rewriting.found.size(); ++k) text += rewritten_in_words(r, k);
     if (!r.catalogue.empty()) {
         const auto meet =

@@ -162,4 +162,32 @@ TEST_CASE("products of sums are expanded, however the brackets are written", "[m
     CHECK(without_common(disc).first.second == Ratio(4, 1));
 }
 
+// For x < 0 both are not the same: the root is not a number, and its condition says so.
+TEST_CASE("the square of a root is what stands under it, where that is not negative", "[mend]") {
+    Tape before;
+    const NodeId x = before.add_input(binary32, 2);
+    const NodeId root = before.add(TapeOp::sqrt, binary32, 0, {x});
+    const NodeId square = before.add(TapeOp::mul, binary32, 0, {root, root});
+    const NodeId hit = before.add(TapeOp::less, binary32, 1, {x, square});
+    before.outputs = {.hit = hit, .t = square, .near = square, .far = square};
+    Terms terms(before);
+    const auto rewrites = rewrites_of(terms, terms.outputs(), std::nullopt);
+    const auto found = std::ranges::find(rewrites, "square of a root", [](const Rewrite& r) { return r.rule->name; });
+    REQUIRE(found != rewrites.end());
+    CHECK(found->rule->condition == "x >= 0");
+    const Tape after = terms.tape(terms.with(terms.outputs(), found->replaced));
+    CHECK(std::ranges::count(after.nodes, TapeOp::sqrt, &TapeNode::op) == 0);
+    for (int k = 0; k <= 200; ++k) {
+        const double value = std::ldexp(k, -3);
+        const Tape a = filled(before, {value}, false), b = filled(after, {value}, false);
+        CHECK(b[b.outputs.t].value == value);
+        CHECK(is_near(a[a.outputs.t].value, value));
+    }
+    // Rounded, √x·√x is not x for x = 2.
+    const Tape rounded = filled(before, {2}, true);
+    CHECK(rounded[rounded.outputs.t].value != 2);
+    const Tape negative = filled(before, {-1}, false);
+    CHECK(std::isnan(negative[negative.outputs.t].value));
+}
+
 }  // namespace lostbits::test::test_rules

@@ -137,8 +137,76 @@ TEST_CASE("a form that is enough has nothing to be wider, and one that double do
     const MendRequest hard = request_of(far, "sphere.pythagoras", 16);
     const Mended none = mend(hard);
     CHECK_FALSE(none.set);
-    CHECK(output::repair::in_words({.request = hard, .mended = none, .catalogue = {}, .catalogue_quality = {}})
-              .find("does not meet the requirement") != std::string::npos);
+    const std::string words =
+        output::repair::in_words({.request = hard, .mended = none, .catalogue = {}, .catalogue_quality = {}});
+    CHECK_THAT(words, Catch::Contains("does not meet the requirement"));
+    CHECK_THAT(words, Catch::Contains("assumes directions of length one"));
+    // No precision helps, but directions of length one do.
+    REQUIRE(none.obstruction);
+    CHECK_FALSE(none.obstruction->exact.meets(hard.requirement));
+    REQUIRE(none.obstruction->with_unit);
+    CHECK(none.obstruction->with_unit->wrong < none.obstruction->exact.wrong);
+    CHECK(none.obstruction->off_unit > 0);
+    CHECK(none.obstruction->off_unit < 0x1p-22);
+}
+
+TEST_CASE("the matrix of each probe times its transpose is the square of the divisor", "[mend]") {
+    for (const Isometry& by : isometries) {
+        INFO(by.name);
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t k = 0; k < 3; ++k) {
+                int sum = 0;
+                for (std::size_t l = 0; l < 3; ++l) sum += by.entries[3 * i + l] * by.entries[3 * k + l];
+                CHECK(sum == (i == k ? by.divisor * by.divisor : 0));
+            }
+    }
+    const Scene scene = scene_named("box-slabs", 16);
+    const auto box = scene.listed.front();
+    CHECK_FALSE(mapped(box, isometries[5]).has_value());
+    const auto mirrored = mapped(box, isometries[3]).value().box();
+    CHECK(mirrored.lo.y == -box.box().hi.y);
+    CHECK(mirrored.hi.z == -box.box().lo.z);
+}
+
+TEST_CASE("operations that exchanged axes map to one another are in one group", "[mend]") {
+    const auto groups_of = [](const char* form, const Primitive<double>& like) {
+        const Tape tape = tape::tape_of(test::form_named(form), *find_format("f32"));
+        const auto all = tape::rounded_operations(tape);
+        const auto groups = exchanged_groups(tape, all, like);
+        std::size_t members = 0;
+        for (const auto& group : groups) members += group.size();
+        CHECK(members == all.size());
+        return groups;
+    };
+    // 1/d, lo - o, hi - o, and the two products.
+    const auto of_box = groups_of("box.baseline", Primitive<double>(Shape::box));
+    CHECK(of_box.size() == 5);
+    for (const auto& group : of_box) CHECK(group.size() == 3);
+    // A dot product is one group of products and one of sums.
+    const auto of_sphere = groups_of("sphere.half_b", Primitive<double>(Shape::sphere));
+    CHECK(std::ranges::count(of_sphere, std::size_t{3}, &std::vector<NodeId>::size) >= 4);
+}
+
+TEST_CASE("a set that helps one axis is measured on others, and made symmetric", "[mend]") {
+    const Scene scene = scene_named("box-slabs", 48);
+    const MendRequest request = request_of(scene, "box.baseline", 20);
+    const Mended m = mend(request);
+    REQUIRE(m.set);
+    CHECK(m.set->operations.size() == 3);
+    REQUIRE(m.probes.size() == 5);  // a box is not rotated
+    const auto meets = [&](const RowQuality& quality) { return quality.meets(request.requirement); };
+    for (std::size_t k = 0; k < 3; ++k) CHECK_FALSE(meets(m.set_probed[k]));
+    REQUIRE(m.symmetric);
+    CHECK(m.symmetric->is_smallest);
+    CHECK(m.symmetric->operations.size() % 3 == 0);
+    CHECK(meets(m.symmetric->quality));
+    for (const RowQuality& quality : m.symmetric->probed) CHECK(meets(quality));
+    const output::repair::MendResult result{.request = request, .mended = m, .catalogue = {}, .catalogue_quality = {}};
+    const auto proposals = proposals_of(result);
+    CHECK_FALSE(proposals.front().is_symmetric(result));
+    REQUIRE(best_of(proposals, result) != nullptr);
+    CHECK(best_of(proposals, result)->symmetric);
+    CHECK(probe_rows(result).size() == m.probes.size() * (3 + m.rewriting.found.size()));
 }
 
 TEST_CASE("two floats do what double does here", "[mend]") {

@@ -1,0 +1,68 @@
+// Answers of a form's operations without any rounding, compared with the truth.
+#include <algorithm>
+#include <cmath>
+
+#include "measure/metric/statistics.hpp"
+#include "measure/repair/mend.hpp"
+#include "measure/truth/lost_bits.hpp"
+
+namespace lostbits::measure::repair {
+
+namespace {
+
+double length_of(const std::vector<double>& inputs) { return std::hypot(inputs[3], inputs[4], inputs[5]); }
+
+/// Rays with directions divided by their length, in double.
+std::vector<std::vector<double>> with_unit_directions(std::vector<std::vector<double>> rays) {
+    for (auto& inputs : rays) {
+        const double length = length_of(inputs);
+        for (std::size_t k = 3; k < 6; ++k) inputs[k] /= length;
+    }
+    return rays;
+}
+
+}  // namespace
+
+RowQuality RaySample::exact_quality(const Tape& tape, const std::vector<std::vector<double>>& inputs) const {
+    RowQuality quality;
+    metric::Distribution lost;
+    std::uint64_t false_hits = 0;
+    const FloatFormat& format = row_.format.parameters;
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+        const auto& [decision, right, range] = right_[i];
+        if (decision == truth::Truth::Decision::unresolved) continue;
+        limit_.stop.check();
+        const Tape exact = filled(tape, inputs[i], false);
+        if (divides_by_zero(exact)) continue;
+        const double t = exact[exact.outputs.t].value;
+        const bool hit = exact[exact.outputs.hit].value != 0 && !range.is_before(t) && !range.is_after(t);
+        const bool should_hit = !std::isnan(right);
+        ++quality.rays;
+        quality.hits += should_hit ? 1 : 0;
+        if (hit != should_hit) {
+            ++quality.wrong;
+            false_hits += hit ? 1 : 0;
+        } else if (hit) {
+            const double ulps =
+                right == 0
+                    ? (t == 0 ? 0 : HUGE_VAL)
+                    : std::ldexp(t - right, -static_cast<int>(ulp_exponent(format, std::ilogb(std::fabs(right)))));
+            lost.add(truth::lost_bits(ulps, format.precision));
+        }
+    }
+    quality.kept_bits = format.precision - lost.quantile(requirement_.quantile);
+    const bool mostly_hits = 2 * false_hits > quality.wrong;
+    if (quality.wrong > 0) quality.first = mostly_hits ? answer::Outcome::false_hit : answer::Outcome::false_miss;
+    quality.of_first = mostly_hits ? false_hits : quality.wrong - false_hits;
+    return quality;
+}
+
+Obstruction RaySample::without_rounding(const Tape& tape) const {
+    Obstruction found{.exact = exact_quality(tape, inputs_)};
+    if (row_.form->info->direction != intersect::Direction::unit) return found;
+    for (const auto& inputs : inputs_) found.off_unit = std::max(found.off_unit, std::fabs(length_of(inputs) - 1));
+    found.with_unit = exact_quality(tape, with_unit_directions(inputs_));
+    return found;
+}
+
+}  // namespace lostbits::measure::repair
