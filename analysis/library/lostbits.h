@@ -263,8 +263,8 @@ LOSTBITS_API int lostbits_choose(const lostbits_scene* scene, const lostbits_req
 
 /* Finds what to change in the one form and format that `choice` names so that it meets the requirement on every pixel
  * (docs/mend.md): operations to do in double or, with `two_words`, in two numbers of the format, and other ways to
- * write the formula. The operations of the form must be known. Tables: `mend` and `minimal`, as the files of `lostbits
- * mend`. Text 0 is the answer in words; text 1 is the form to take, as C++, if one meets the requirement. Returns
+ * write the formula. The operations of the form must be known. Tables: `mend`, `minimal` and `probes`, as the files of
+ * `lostbits mend`. Text 0 is the answer in words; text 1 is the form to take, as C++, if one meets it. Returns
  * LOSTBITS_NO, with a result, if nothing does. Set `tolerance` below 0; `at` NULL is "max". */
 LOSTBITS_API int lostbits_mend(const lostbits_scene* scene, const lostbits_requirement* requirement, int two_words,
                                const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,

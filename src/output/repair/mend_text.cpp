@@ -92,27 +92,27 @@ std::string probes_in_words(const MendResult& r, const std::vector<RowQuality>& 
     const auto& requirement = r.request.requirement;
     if (r.mended.probes.empty())
         return "  Exchanged axes were not tried: there is a flake, a mesh of a file, or more than 1024 primitives.\n";
-    std::vector<std::string> holds, fails;
+    std::vector<std::string> holds;
+    std::vector<std::pair<std::string, std::vector<std::string>>> fails;  // probes with the same worth together
     for (std::size_t k = 0; k < probed.size(); ++k) {
-        const std::string words(r.mended.probes[k]->words);
+        const std::string words(r.mended.probes[k]->words), quality = in_words(probed[k], requirement);
         if (probed[k].meets(requirement)) holds.push_back(words);
-        else fails.push_back(fmt::format("{} ({})", words, in_words(probed[k], requirement)));
+        else if (!fails.empty() && fails.back().first == quality) fails.back().second.push_back(words);
+        else fails.push_back({quality, {words}});
     }
     std::string text;
-    const std::string rays = scene::toml::counted(r.mended.probed_rays, "ray");
-    if (!holds.empty())
-        text += fmt::format("  It also holds on {} moved with the primitives: {}.\n", rays, fmt::join(holds, "; "));
-    if (!fails.empty())
-        text += fmt::format("  It fails on {} moved with the primitives: {}.\n", rays, fmt::join(fails, "; "));
+    const std::string on =
+        fmt::format("on {} moved with the primitives", scene::toml::counted(r.mended.probed_rays, "ray"));
+    if (!holds.empty()) text += fmt::format("  It also holds {}: {}.\n", on, fmt::join(holds, "; "));
+    for (const auto& [quality, probes] : fails)
+        text += fmt::format("  It fails {}: {}: {}.\n", on, fmt::join(probes, "; "), quality);
     return text;
 }
 
 std::string symmetric_in_words(const MendResult& r) {
     const auto& m = r.mended;
     if (proposals_of(r).front().is_symmetric(r)) return "";
-    if (!m.symmetric)
-        return "  It is not symmetric, and no set that treats x, y and z alike was found that passes where all "
-               "operations wider pass.\n";
+    if (!m.symmetric) return "  It is not symmetric, and no set that treats x, y and z alike was found in its place.\n";
     const auto& set = *m.symmetric;
     std::string text = fmt::format(
         "  It is not symmetric: it was found for the axes as they are.\n"
