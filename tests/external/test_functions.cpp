@@ -132,6 +132,10 @@ TEST_CASE("functions: the culprit is a line of the user's file", "[external]") {
     CHECK(said.out.find("sphere.c:34:55") != std::string::npos);
     CHECK(said.out.find(" 34 |     float c = v[0] * v[0]") != std::string::npos);
     CHECK(said.out.find("~^~") != std::string::npos);
+    const Outcome method =
+        must("explain rtg-fig-7-3-4100-oblique --pixel 128,128 -f f32 -i function.sphere.hit --function " + folder +
+             "public.cpp:sphere::hit");
+    CHECK(method.out.find("public.cpp:59:26\n 59 |         auto c = oc * oc - radius * radius;") != std::string::npos);
     const Scratch made;
     must(
         "map near-benign --size 8x8 -f f32 -f f64 -f fp16 --bits 12 --metric culprit -o out -i function.hit_sphere "

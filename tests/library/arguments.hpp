@@ -141,9 +141,7 @@ inline const Function functions[] = {
     {"form_make",
      [](Arguments& a, lostbits_error* e) { return lostbits_form_make(a.given_forms, a.form_count, a.form_out, e); }},
     {"form_function",
-     [](Arguments& a, lostbits_error* e) {
-         return lostbits_form_function(a.function, a.form_out, &a.run, a.out, e);
-     }},
+     [](Arguments& a, lostbits_error* e) { return lostbits_form_function(a.function, a.form_out, &a.run, a.out, e); }},
     {"form_write",
      [](Arguments& a, lostbits_error* e) {
          return lostbits_form_write(a.form, a.bits, a.operations, a.operation_count, a.hit, a.t, e);

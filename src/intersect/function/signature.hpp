@@ -85,6 +85,9 @@ struct Stated {
     std::string where;
 };
 Stated stated_by(const std::string& text, const std::string& where);
+/// The words after `lostbits:` in a comment right above the function that is defined at that line; without one, the
+/// last comment that stands above no other function.
+Stated stated_in(const std::string& source, const std::string& path, int definition);
 
 /// Reads the signature from the debug information of a module; of LLVM IR without it, from its types. InputError if
 /// the function is not there.

@@ -1,8 +1,11 @@
 // Types and names of a function, from its debug information.
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
+#include <sstream>
 #include <tuple>
 
 #include "intersect/external/pipe_header.hpp"
@@ -238,6 +241,40 @@ UserSignature signature_of(Module& module, const std::string& path, const std::s
         s.arguments.push_back(std::move(a));
     }
     return s;
+}
+
+Stated stated_in(const std::string& source, const std::string& path, int definition) {
+    std::optional<Stated> own, other;
+    constexpr std::string_view mark = "lostbits:";
+    std::vector<std::string> lines;
+    std::istringstream in(source);
+    for (std::string text; std::getline(in, text);) lines.push_back(text);
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+        const std::size_t at = lines[k].find(mark);
+        if (at == std::string::npos || std::min(lines[k].find("//"), lines[k].find("/*")) > at) continue;
+        const auto stated = [&] {
+            return stated_by(lines[k].substr(at + mark.size()),
+                             path + ":" + std::to_string(k + 1) + ":" + std::to_string(at + 1));
+        };
+        std::size_t below = k + 1;  // the first line of code
+        while (below < lines.size() && lines[below].find_first_not_of(" \t") != std::string::npos &&
+               std::string_view("/*#").find(lines[below][lines[below].find_first_not_of(" \t")]) !=
+                   std::string_view::npos)
+            ++below;
+        const auto line = static_cast<std::size_t>(std::max(definition - 1, 0));
+        const auto ends = [](const std::string& text) { return text.find_first_of("{;") != std::string::npos; };
+        const bool is_above = below <= line && line < lines.size() &&
+                              std::none_of(lines.begin() + static_cast<std::ptrdiff_t>(below),
+                                           lines.begin() + static_cast<std::ptrdiff_t>(line), ends);
+        const bool is_inside = k >= line && definition > 0 && k < lines.size() &&
+                               std::none_of(lines.begin() + static_cast<std::ptrdiff_t>(line),
+                                            lines.begin() + static_cast<std::ptrdiff_t>(k),
+                                            [](const std::string& text) { return text.starts_with('}'); });
+        const bool is_function = below < lines.size() && lines[below].find('(') != std::string::npos;
+        if (is_inside || (is_above && is_function)) own = stated();
+        else if (!is_function) other = stated();
+    }
+    return own ? *own : other.value_or(Stated());
 }
 
 }  // namespace lostbits::intersect::function

@@ -41,6 +41,7 @@ pub struct Sphere {
 }
 impl Sphere {
     // Sphere::intersect of bheisler/raytracer, src/rendering.rs:112 at 71305561: an Option from four branches.
+    // lostbits: direction = unit
     pub fn intersect(&self, ray: &Ray<f64>) -> Option<f64> {
         let l = self.center - ray.origin;
         let adj = l.dot(&ray.direction);
