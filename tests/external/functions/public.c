@@ -33,7 +33,7 @@ bool ray_triangle(float origin[3], float direction[3], float v0[3], float v1[3],
     return dist > epsilon;
 }
 
-/* HitBoundingBox of Graphics Gems, gems/RayBox.c:16 at 3f85c80f: loops, arrays indexed by a decision, no t. */
+/* HitBoundingBox of Graphics Gems, gems/RayBox.c:14 at 3f85c80f: loops, arrays indexed by a decision, no t. */
 /* lostbits: box(lo, hi, o, d, -) */
 char HitBoundingBox(double minB[3], double maxB[3], double origin[3], double dir[3], double coord[3]) {
     enum { right, left, middle };
