@@ -281,7 +281,7 @@ TEST_CASE("explain compares the other ray generators and says which problem the 
     const std::string text = run(what).out;
     CHECK(has(text, "half an ulp in each number of the ideal ray and of the primitive would cost"));
     CHECK(has(text, "Better on this ray and around it: sphere.unified@ray-"));
-    CHECK(has(text, " pixels: there sphere.unified@ray-three loses "));
+    CHECK(has(text, " pixels around it, sphere.unified@ray-three loses "));
     CHECK_FALSE(has(text, "No other form that was asked does better"));
     const std::string placed = run("explain instance-far.sphere --pixel 96,96 -i sphere.unified@plain").out;
     CHECK(has(placed, "half an ulp in each number of ray, primitive and matrix as the world stores them would cost"));
