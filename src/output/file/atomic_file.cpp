@@ -172,7 +172,11 @@ void AtomicFile::abandon() noexcept {
     fd_ = -1;
     buffer_.reset();
     buffered_ = 0;
-    if (slot_ != nullptr && unregister_partial(slot_)) ::unlink(partial_.c_str());
+    if (slot_ != nullptr) {
+        // Remove the file before its name is forgotten: a signal that ends the process in between would leave it.
+        ::unlink(partial_.c_str());
+        unregister_partial(slot_);
+    }
     slot_ = nullptr;
 }
 
