@@ -28,7 +28,7 @@ Chord<E> common(const Chord<E>& a, const Chord<E>& b) {
     return both;
 }
 
-/// Of parts of one convex primitive, each of which has ends: all that they cover.
+/// Everything that two parts of one convex primitive cover together. Each part has ends.
 template <class E>
 Chord<E> joined(const Chord<E>& a, const Chord<E>& b) {
     if (!a || !b) return a ? a : b;

@@ -24,7 +24,7 @@ std::uint64_t Chance::bits() {
 
 namespace {
 
-/// What the numbers of a primitive are: (p)oints of three numbers, (d)irections, (r)adii > 0, (n)o less than 0, (i)nner
+/// Kinds of the numbers of a primitive: (p)oints of three numbers, (d)irections, (r)adii > 0, (n)o less than 0, (i)nner
 /// < the one before and no less than 0, (m)inor < the one before and > 0, (h)igh corners.
 std::string_view layout_of(std::string_view shape) {
     if (shape == "sphere") return "pr";

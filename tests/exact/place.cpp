@@ -109,8 +109,8 @@ Problem placed(Problem p, Matrix m, bool is_inverse) {
     return p;
 }
 
-/// Where no matrix of a few leaves numbers of the format, as of a primitive at the end of its range, one that mirrors
-/// at most does.
+/// Places each primitive by a drawn matrix whose result the format can store. If none of a few does, as for primitives
+/// at the end of the range, takes a matrix that at most mirrors.
 template <class S, class Draw>
 void place(const Matrices& all, std::vector<Problem>& problems, const Draw& draw) {
     for (Problem& p : problems) {

@@ -76,7 +76,7 @@ private:
     }
 };
 
-/// Where the ray meets a primitive of a shape, or that it does not.
+/// First point at which the ray meets a primitive of a shape; nothing for a miss.
 template <class E>
 First<E> meet(First<E> (*shape)(const Asked<E>&), const Problem& p) {
     const Asked<E> q(p);

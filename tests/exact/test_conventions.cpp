@@ -71,8 +71,8 @@ bool shrink(std::string_view shape, Problem& p) {
 
 bool meets(const Shaped& shape, const Problem& p) { return meet(shape.exactly, p).is_hit(); }
 
-/// Where the ray comes into the open primitive: from a little before it begins on, where an exit there counts. What has
-/// no inside is crossed a little later, as a tube is narrower then.
+/// Point at which the ray enters the open primitive. The ray starts a little earlier, so that an exit at its start
+/// counts. A surface without an inside is crossed a little later, since a tube is narrower then.
 First<Whole> meets_open(const Shaped& shape, Problem p) {
     const Shape kind = *shape_named(shape.name);
     const double later = has_inside(kind) ? 0 : 0x1p-24;
@@ -109,8 +109,8 @@ bool is_about(const First<Whole>& first, double t) {
     return first.side(Whole(t - 0x1p-16)) > 0 && first.side(Whole(t + 0x1p-16)) < 0;
 }
 
-/// What only touches the primitive, of a ray that does not begin inside of a torus: it may touch the hole, which grows.
-/// Behind the rim of a tube, or a tangent of a torus, it may be met nevertheless.
+/// Compares rays that only touch the primitive and do not begin inside a torus, whose hole grows. A tube may still be
+/// hit behind its rim, and a torus behind a tangent.
 void hold_touching(const Shaped& shape, const Problem& p, const Given& given, const Truth& closed, Tally& tally) {
     const First<Whole> through = meets_open(shape, p);
     const bool at_once = closed.is_hit() && through.is_hit() && through.side(Whole(number_of(closed) + 0x1p-16)) < 0;
@@ -144,7 +144,7 @@ void hold(const Shaped& shape, const Problem& p, Tally& tally) {
     REQUIRE_FALSE(given.truth(none).is_hit());
 }
 
-/// Where a ray from outside enters and leaves the primitive, where doubles hold both and the surface is crossed there.
+/// Entry and exit of a ray from outside, if doubles represent both and the ray crosses the surface there.
 struct Crossed {
     double entry, exit;
 };

@@ -204,7 +204,7 @@ constexpr std::array<Shares, 11> least{{{"sphere", 610, 830, 290, 400, 3, 440},
 template <class F>
 void hold(bool made) {
     for_each_filter([made](const Intersector& form, const Shaped& shape) {
-        // What checks a torus takes as long as of thirty other primitives, and t of every twentieth is too large.
+        // A torus takes as long to check as thirty other primitives, and t of every twentieth is too large.
         const bool slow = form.shape == Shape::torus;
         Chance chance(made ? 2 : 1);
         const auto draw = [&](std::vector<Problem>& problems) {

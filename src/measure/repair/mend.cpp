@@ -70,7 +70,7 @@ private:
     }
 
     /// Takes operations out of the set while the requirement is still met. False where none can be taken out;
-    /// `set.without` is then the worth without each of them. It takes out the operation whose loss costs least. Where
+    /// `set.without` is then the quality without each of them. It takes out the operation whose loss costs least. Where
     /// several could each be taken out, it first tries the better half of them together, then the better quarter, and
     /// so on.
     bool take_one(WiderSet& set) {
@@ -257,9 +257,13 @@ void probe(Mended& m, const MendRequest& request, Judge& judge, std::uint64_t af
     m.set_probed = probed(with_wider(m, m.set ? m.set->operations : all), probes);
     for (Rewritten& one : m.rewriting.found) one.probed = probed(one.tape, probes);
     if (!m.set || m.set->operations.empty()) return;
+    bool fails = false;
+    for (std::size_t k = 0; k < probes.size(); ++k)
+        fails |= probes[k]->isometry().is_exact() && !meets(m.set_probed[k]);
+    if (!fails) return;
     const auto with_all = probed(with_wider(m, all), probes);
     std::vector<Probe*> passable;
-    bool fails = false;
+    fails = false;
     for (std::size_t k = 0; k < probes.size(); ++k) {
         if (!meets(with_all[k])) continue;
         passable.push_back(probes[k].get());

@@ -53,8 +53,8 @@ struct Proposal {
 /// All proposals; the set comes first if there is one, then the symmetric set.
 std::vector<Proposal> proposals_of(const MendResult& result);
 /// The recommended one among those that meet the requirement. Proposals that also meet it with axes exchanged and
-/// mirrored come first, then the fastest in packs. If nothing was timed, the way of writing it with fewest operations,
-/// and the set if there is none. Null if none meets the requirement.
+/// mirrored come first, then the fastest in packs. If nothing was timed, the rewriting with the fewest operations comes
+/// first, then the set. Null if none meets the requirement.
 const Proposal* best_of(const std::vector<Proposal>& proposals, const MendResult& result);
 /// `cross products, stable roots`
 std::string rules_of(const measure::repair::Rewritten& rewritten);
