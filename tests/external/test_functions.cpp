@@ -157,7 +157,7 @@ TEST_CASE("functions: plugin check, choose, diff and claims take them", "[extern
           std::string::npos);
     std::ofstream(made.path() / "mine.toml")
         << "schema = \"lostbits-claims/1\"\nprofile = \"libraries\"\n[[claim]]\nid = \"mine.decides\"\nstatement = "
-           "\"Mine decides rightly\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\nscene = "
+           "\"Mine decides correctly\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\nscene = "
            "\"near-benign\"\nform = \"function.schoolbook\"\nformat = \"f32\"\n[claim.expect]\nmetric = "
            "\"false_hit_fraction\"\nin = [0, 0]\ncriterion = \"= 0\"\n";
     CHECK(must("check mine.toml --profile libraries" + schoolbook, made.path()).out.find("1 verdict confirmed") !=

@@ -273,7 +273,7 @@ TEST_CASE("obstacles: format, problem and formula are told apart") {
     const auto map = measure::evaluate::evaluate_rows({.scene = &thin, .rows = {lossy}, .metrics = {inherent}}, {});
     CHECK(loses.inherent_kept == 24 - map.front().metrics[0].quantile(0.99));
     CHECK(loses.exact.kept_bits == 53);
-    // Seen from 4100 radii, the quadratic formula decides wrongly what exact arithmetic decides rightly.
+    // Seen from 4100 radii, the quadratic formula decides wrongly what exact arithmetic decides correctly.
     const Scene oblique = scene_of_choice("rtg-fig-7-3-4100-oblique", {32, 32});
     const TestedForm schoolbook = test::row("sphere.schoolbook", "f32");
     request = requirement_of(4, {schoolbook});
