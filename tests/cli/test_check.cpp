@@ -61,7 +61,8 @@ TEST_CASE("check: a claim about random rays must hold for every draw, and --seed
 
 TEST_CASE("check: a claim that fails is named with the worst input and the command") {
     const Scratch scratch;
-    // Of the last no hit is agreed on: what cannot be measured is an error, never a pass.
+    // The last claim has no hit that form and truth agree on. A claim that cannot be measured is an error, never a
+    // pass.
     scratch.write("c.toml", claims_of({{"right", inside, all_missed},
                                        {"wrong", inside, none_missed},
                                        {"empty", inside, metric_in("lost_bits_p50", "[0, 24]")}}));

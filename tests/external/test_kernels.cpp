@@ -22,7 +22,7 @@ std::string opencl(const std::string& name, const std::string& options) {
 /// The first batch waits for the compiler of kernels: seconds, and many of a busy machine.
 const std::string patient = " --time-limit 300";
 
-/// What its kernels compile to is kept in the folder of the test, not in that of the user.
+/// Setting that keeps the compiled kernels in the folder of the test, not in that of the user.
 std::string kept_in(const Scratch& folder) { return "POCL_CACHE_DIR='" + (folder.path() / "kernels").string() + "' "; }
 
 }  // namespace

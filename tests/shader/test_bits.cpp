@@ -154,7 +154,7 @@ TEST_CASE("shader bits: shaders that depend on the order of operations need prec
         CHECK(fault(on("two_words_precise"), "false_miss") == 0);
         CHECK(fault(on("filtered"), "false_hit") == 0);
         if (!has(run("devices --json").out, "Mesa 22.3.6")) continue;
-        // What this driver rewrites, and its fma that rounds twice.
+        // This driver rewrites these expressions, and its fma rounds twice.
         CHECK(bits(on("kahan_fma")) != bits("sphere.kahan_discriminant"));
         CHECK(bits(on("kahan_split")) != bits(on("kahan_split_precise")));
         CHECK(fault(on("two_words"), "false_hit") > 1000);

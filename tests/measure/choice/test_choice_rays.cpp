@@ -163,7 +163,8 @@ TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points f
         CHECK(back.rays.ox == group.rays.ox);
         CHECK(back.rays.oz == group.rays.oz);
         for (std::size_t s = 0; s < 4; ++s) CHECK(back.primitives[s].numbers == group.primitives[s].numbers);
-        // What is hit, and from farther away also the point: the origin moved along the ray alone.
+        // The primitive that is hit stays the same. From farther away the point does too, since the origin moves along
+        // the ray.
         const auto there = stretched(ideal, way, 4);
         REQUIRE(there);
         const measure::truth::Band band = there->rays.band({});
