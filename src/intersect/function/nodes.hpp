@@ -1,4 +1,4 @@
-// The recorded operations of a function, while they are recorded. Simplifies what no rounding depends on: decisions
+// The operations of a function while they are recorded. Parts that no rounding depends on are simplified: decisions
 // with a known result, choices between equal sides, numbers that are widened and narrowed again.
 #pragma once
 
@@ -57,7 +57,7 @@ public:
     Mask both(Mask a, Mask b);
     Mask either(Mask a, Mask b);
     Mask opposite(Mask a);
-    /// `a` where `when` holds, and `b` elsewhere.
+    /// Selects `a` if `when` holds, and `b` otherwise.
     Mask choose(Mask when, Mask a, Mask b);
     Mask is_nan(NodeId x) { return opposite(compare(TapeOp::less_equal, x, x)); }
 

@@ -14,7 +14,7 @@ namespace lostbits::intersect::function {
 
 enum class SourceLanguage { c, cpp, rust, llvm };
 
-/// A type as the source has it.
+/// A type as written in the source.
 struct SourceType {
     enum class Kind { nothing, number, whole, pointer, structure, sequence, optional, other };
     Kind kind = Kind::other;
@@ -85,18 +85,18 @@ struct Stated {
     std::string where;
 };
 Stated stated_by(const std::string& text, const std::string& where);
-/// The words after `lostbits:` in a comment right above the function that is defined at that line; without one, the
-/// last comment that stands above no other function.
+/// Reads the words after `lostbits:` in a comment directly above the function defined at that line. Without such a
+/// comment, the last comment that stands above no other function is used.
 Stated stated_in(const std::string& source, const std::string& path, int definition);
 
-/// Reads the signature from the debug information of a module; of LLVM IR without it, from its types. InputError if
-/// the function is not there.
+/// Reads the signature from the debug information of a module. LLVM IR without debug information gives its types.
+/// InputError if the function does not exist.
 UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language);
 /// Guesses the rest of it. InputError, which says what to write, if an argument has no meaning that can be guessed.
 void guess(UserSignature& s, const Stated& stated, const std::string& who);
 
-/// A file with a function `lostbits_entry(in, out, hit)` that calls the user's. It includes the file of that path; of
-/// Rust, `file` is the text of the file, which stands before the new function.
+/// Returns the text of a file with a function `lostbits_entry(in, out, hit)` that calls the user's function. It
+/// includes the file of that path. For Rust, `file` is the text of the file, which stands before the new function.
 std::string wrapper_of(const UserSignature& s, const std::string& file);
 /// The same for LLVM IR: the text of the module, and the new function.
 std::string ir_wrapper_of(const UserSignature& s, Module& module, const std::string& who);

@@ -1,5 +1,5 @@
-// Runs a function of LLVM IR over recorded numbers: integers and pointers are known or one of a few that decisions
-// choose from, numbers are operations. Both sides of a branch are run, and what they leave is joined by choices.
+// Runs a function of LLVM IR over recorded numbers. An integer or a pointer is known, or is one of a few that decisions
+// choose from. Other numbers are operations. Both sides of a branch are run, and their results are joined by choices.
 #pragma once
 
 #include <map>
@@ -36,13 +36,14 @@ struct MemoryCell {
     friend bool operator==(const MemoryCell&, const MemoryCell&) = default;
 };
 
-/// A value of any type: its scalars by their offsets in memory. Bytes that are missing are undefined.
+/// A value of any type: its scalars by their offsets in memory. Missing bytes are undefined.
 using Value = std::map<std::size_t, MemoryCell>;
 
 class Walk {
 public:
-    /// `own`: the folder of the user's file; operations in headers elsewhere are shown at the call in it. `ir_file`:
-    /// the module itself if it is the user's file; functions without debug information are then shown as its lines.
+    /// `own` is the folder of the user's file; operations in headers elsewhere are shown at the call in the user's
+    /// file. `ir_file` is the module itself if that is the user's file; functions without debug information are then
+    /// shown as its lines.
     Walk(Module& module, Nodes& nodes, std::string own, std::string ir_file = {})
         : module_(module), nodes_(nodes), own_(std::move(own)), ir_file_(std::move(ir_file)) {}
 
@@ -50,8 +51,8 @@ public:
         Mask hit;
         NodeId t, far;  ///< none: not written
     };
-    /// Runs `void NAME(const T* in, T* out, int* hit)`. `inputs` numbers stand in `in`; `out` takes t and the far t.
-    /// InputError with the place for everything that cannot be followed.
+    /// Runs `void NAME(const T* in, T* out, int* hit)`. `in` holds `inputs` numbers; `out` receives t and the far t.
+    /// Throws InputError with the place of anything that cannot be followed.
     Answer run(const std::string& name, int inputs);
 
     [[nodiscard]] const std::vector<SourcePlace>& places() const { return places_; }
