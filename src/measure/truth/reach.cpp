@@ -61,8 +61,9 @@ double moved_root(const Perturbable& problem, const QuadraticSpan<Differentiated
 }
 
 /// Bound on |δ|. δ = t' − t is a root of f'(b' + a' δ) = Σ cₖ δᵏ with |c₀| ≤ B. If |cₖ| ρᵏ > Σ |cⱼ| ρʲ over all other
-/// j, the circle |δ| = ρ encloses k roots, whatever the errors are (Rouché), and t' is one of them. To first order, this
-/// is B/|f'| for k = 1. For k = 2 it is the bound that is left at a tangent, a square root of the errors; and so on.
+/// j, the circle |δ| = ρ encloses k roots, whatever the errors are (Rouché), and t' is one of them. To first order,
+/// this is B/|f'| for k = 1. For k = 2 it is the bound that is left at a tangent, a square root of the errors; and so
+/// on.
 double moved_root(const Perturbable& problem, const QuarticSpan<Differentiated>& s) {
     const double B = problem.aside(s.f.at(s.b));
     if (B == 0) return 0;
