@@ -247,15 +247,15 @@ Forms made_named(const std::string& word, const char* option) {
                    },
                .transform_methods =
                    [option](const std::string& glob) {
-                       return select_rows(intersect::transform::transform_methods(), {glob}, "space", option);
+                       return select_rows(intersect::transform::transform_methods(), {glob}, "transform", option);
                    },
                .ray_generators =
                    [option](const std::string& glob) {
-                       return select_rows(scene::camera::ray_generators(), {glob}, "maker", option);
+                       return select_rows(scene::camera::ray_generators(), {glob}, "ray generator", option);
                    },
                .box_methods =
                    [option](const std::string& glob) {
-                       return select_rows(intersect::bounding_box::box_methods(), {glob}, "hull", option);
+                       return select_rows(intersect::bounding_box::box_methods(), {glob}, "bounding box", option);
                    },
                .contracted = measure::tape::contracted_row});
     if (all.empty() && is_contracted)

@@ -209,14 +209,26 @@ private:
     device::TemporaryFolder folder_;
 };
 
-/// Writes a file that makes the compiler keep the function, so that its types can be read.
+/// Writes a file that makes the compiler keep the function, so that its types can be read. An empty name keeps none.
 std::string probe_of(SourceLanguage language, const fs::path& file, const std::string& name) {
-    if (language == SourceLanguage::rust)
-        return text_of(file) + "\n#[no_mangle] pub fn lostbits_keep() -> usize { " + name +
-               " as *const () as usize }\n";
-    const std::string include = "#include \"" + file.string() + "\"\n";
+    const bool is_rust = language == SourceLanguage::rust;
+    const std::string include = is_rust ? text_of(file) + "\n" : "#include \"" + file.string() + "\"\n";
+    if (name.empty()) return include;
+    if (is_rust)
+        return include + "#[no_mangle] pub fn lostbits_keep() -> usize { " + name + " as *const () as usize }\n";
     if (language == SourceLanguage::c) return include + "void* lostbits_keep(void) { return (void*)" + name + "; }\n";
     return include + "auto lostbits_keep = &" + name + ";\n";
+}
+
+/// LLVM IR of the probe. A name that is not in the file is refused with the functions that the file defines.
+std::string probed_ir(Compiler& compiler, SourceLanguage language, const Named& parts, const std::string& source) {
+    try {
+        return compiler.ir(probe_of(language, compiler.file(), parts.function), false);
+    } catch (const InputError&) {
+        if (mentions(source, parts.function)) throw;
+    }
+    const std::string whole = compiler.ir(probe_of(language, compiler.file(), ""), false);
+    throw InputError(no_function(whole, parts.file.string(), parts.function, language));
 }
 
 bool says_miss(const MissValue& s, double t) {
@@ -405,7 +417,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     const std::string who = made->path + ":" + parts.function;
 
     const bool is_ir = language == SourceLanguage::llvm;
-    Module probe(is_ir ? made->source : compiler.ir(probe_of(language, compiler.file(), parts.function), false));
+    Module probe(is_ir ? made->source : probed_ir(compiler, language, parts, made->source));
     UserSignature signature = signature_of(probe, made->path, parts.function, language);
     guess(signature,
           parts.words.empty() ? stated_in(made->source, made->path, signature.line)

@@ -89,6 +89,11 @@ Stated stated_by(const std::string& text, const std::string& where);
 /// comment, the last comment that stands above no other function is used.
 Stated stated_in(const std::string& source, const std::string& path, int definition);
 
+/// True if a source contains the last part of a name, such as `hit` of `Sphere::hit<float>`, as a word.
+bool mentions(const std::string& source, const std::string& name);
+/// Message about a function that a file lacks, with the functions that the file defines. `ir` is its LLVM IR.
+std::string no_function(const std::string& ir, const std::string& path, const std::string& name,
+                        SourceLanguage language);
 /// Reads the signature from the debug information of a module. LLVM IR without debug information gives its types.
 /// InputError if the function does not exist.
 UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language);
