@@ -215,7 +215,8 @@ TEST_CASE("plugin: a file that is not a library of forms is refused with advice"
     };
     refused("no-such-library", "no such library; looked in the current folder");
     refused("./no-such-library.so", "./no-such-library.so: no such library");
-    refused(folder.write("text.so", "hello"), "is not a library; compile it first: c++ -O2");
+    refused(folder.write("text.so", "hello"), "is not a library; give one that a compiler made (c++ -O2");
+    refused(folder.write("mine.c", "hello"), "is not a library; compile it first: c++ -O2 -shared -fPIC mine.c -o");
     refused(folder.write("mine.cpp", "#include <lostbits_form.hpp>\n"),
             "compile it first: c++ -shared mine.cpp -o mine.so @build/form.flags");
     refused(folder.write("cut.so",
