@@ -26,8 +26,8 @@ struct UserFunction {
     UserFunction(const UserFunction&) = delete;
     UserFunction& operator=(const UserFunction&) = delete;
 
-    std::string path;    ///< of its file
-    std::string source;  ///< text of the file; of bitcode, the LLVM IR in it
+    std::string path;    ///< path of its file
+    std::string source;  ///< text of the file; for bitcode, its LLVM IR
     std::string shown;   ///< the signature as it was guessed, in one line
     std::unique_ptr<external::ForeignRow> answers;
     std::unique_ptr<table::WrittenForm> written;

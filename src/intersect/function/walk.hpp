@@ -24,9 +24,9 @@ struct Case {
 struct Scalar {
     enum class Kind { undefined, lost, number, whole };
     Kind kind = Kind::undefined;
-    NodeId node = no_node;         ///< of a number
-    std::vector<Case> cases = {};  ///< of an integer or an address: exactly one holds
-    std::string why = {};          ///< of one that is lost
+    NodeId node = no_node;         ///< operation of a number
+    std::vector<Case> cases = {};  ///< cases of an integer or an address: exactly one holds
+    std::string why = {};          ///< reason, for a value that is lost
     friend bool operator==(const Scalar&, const Scalar&) = default;
 };
 
@@ -49,7 +49,7 @@ public:
 
     struct Answer {
         Mask hit;
-        NodeId t, far;  ///< none: not written
+        NodeId t, far;  ///< none if it is not written
     };
     /// Runs `void NAME(const T* in, T* out, int* hit)`. `in` holds `inputs` numbers; `out` receives t and the far t.
     /// Throws InputError with the place of anything that cannot be followed.
@@ -72,10 +72,10 @@ private:
         int caller;              ///< place of the call
         std::vector<int> order;  ///< position of each block
         std::map<std::string, int> blocks;
-        std::map<int, State> pending;  ///< by position
+        std::map<int, State> pending;  ///< by position of the block
         std::vector<int> visits;
         std::optional<State> returned = {};
-        std::string block = {};  ///< the one that runs
+        std::string block = {};  ///< the block that runs
     };
 
     // Values
@@ -145,8 +145,8 @@ private:
     std::map<std::pair<int, int>, int> known_places_;
     std::map<std::string, int> global_objects_;
     std::map<int, std::string> functions_;          // objects that are functions
-    std::map<int, std::pair<int, int>> variables_;  // of objects: the variable, and the depth of calls
-    std::map<int, Value> global_memory_;            // of global constants
+    std::map<int, std::pair<int, int>> variables_;  // by object: the variable, and the depth of calls
+    std::map<int, Value> global_memory_;            // contents of global constants
     int objects_ = 1;
     int depth_ = 0, nesting_ = 0;
     std::size_t steps_ = 0;

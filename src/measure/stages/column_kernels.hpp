@@ -193,7 +193,7 @@ void fill_kernels(ColumnKernels::OfWords& kernels) {
     [&]<std::size_t... k>(std::index_sequence<k...>) {
         (fill_kernels<W, static_cast<ColumnOperation>(k)>(kernels[k]), ...);
     }
-    (std::make_index_sequence<number::wide::column_operations - 1>());  // a gate has none
+    (std::make_index_sequence<number::wide::column_operations - 1>());  // a gate has no kernel
 }
 
 template <class P>

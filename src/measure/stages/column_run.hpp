@@ -26,7 +26,7 @@ public:
 
 private:
     struct Step {
-        ColumnKernels::Kernel kernel;  ///< null of a gate, whose operand is its mask
+        ColumnKernels::Kernel kernel;  ///< null for a gate, whose operand is its mask
         const ColumnOperand* operands;
         bool is_of_masks;
     };
@@ -41,7 +41,7 @@ private:
     void run_block(double* scratch, std::size_t packs) const;
 
     const ColumnKernels* kernels_;
-    std::size_t scratch_size_ = 0;  ///< doubles
+    std::size_t scratch_size_ = 0;  ///< in doubles
     std::vector<ColumnOperand> operands_;
     std::vector<Step> once_, each_;
     std::vector<Input> once_in_, each_in_;

@@ -27,7 +27,7 @@ struct RawLength {
 /// Destinations of the findings, one of each kind for each problem.
 struct RawFindings {
     std::uint8_t *settled, *hit;  ///< 0 or 1
-    RawLength t, distance;        ///< t*, in lengths of the direction, and t* |d|: one of them at least
+    RawLength t, distance;        ///< t*, in lengths of the direction, and t* |d|; at least one of them
     /// As in `Truth`; only `RawStages::ties` sets them, since the other stages settle no such ray.
     std::uint8_t *touches = nullptr, *on_surface = nullptr;
 };
@@ -45,9 +45,9 @@ template <class S>
 struct RawProblems {
     RawColumn<S> ray[6], primitive[most_stored];
     RawColumn<S> ray_low[6], primitive_low[most_stored];  ///< second words
-    bool two_words;                                       ///< whether there are any; never of floats
+    bool two_words;                                       ///< true if there are second words; always false for floats
     RawColumn<S> tmin, tmax;
-    bool ranged;  ///< else these are 0 and endless for every ray
+    bool ranged;  ///< if false, tmin is 0 and tmax infinite for every ray
     OpenEnds open;
     UnderMatrix matrix;
     RawFindings out;
@@ -65,8 +65,8 @@ struct RawDirections {
     const double* in[3];
     double* out[3];
     std::uint8_t* settled;  ///< 0 or 1
-    bool binary32;          ///< rounded to binary32; else to binary64
-    double scale;           ///< of the errors that the lemma allows for: 1, but where a test widens them
+    bool binary32;          ///< true: rounded to binary32; false: to binary64
+    double scale;           ///< factor on the error bounds of the lemma: 1, unless a test widens them
     std::size_t size;
 };
 
@@ -85,11 +85,11 @@ struct CellsOfColumn {
 /// The instructions of column programs in registers of one width.
 struct ColumnKernels {
     using Kernel = void (*)(double* scratch, const ColumnOperand* operands, std::size_t packs);
-    using OfOperation = std::array<Kernel, 64>;  ///< by the operands that are exact
+    using OfOperation = std::array<Kernel, 64>;  ///< indexed by the set of exact operands
     using OfWords = std::array<OfOperation, number::wide::column_operations>;
 
     std::size_t lanes;
-    std::array<OfWords, 2> of{};  ///< of bounded numbers of one word, of two
+    std::array<OfWords, 2> of{};  ///< for bounded numbers of one word, and of two
 
     /// Copy packs of a column, from the ray `first` on.
     void (*load_floats)(const RawColumn<float>& from, std::size_t first, double* to, std::size_t packs);

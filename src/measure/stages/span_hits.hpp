@@ -150,7 +150,7 @@ QuickSlabs<W> quick(const SlabSpan<Running<W>>& s) {
     QuickSlabs<W> q{{.entry = {}, .exit = {}, .crossed = s.crossed, .closed = s.closed, .open = s.open, .d2 = {}},
                     P(0) <= P(0)};
     const auto quickly = [&q](const E& x) {
-        q.told = q.told && x.radius() <= P(0x1p-46) * abs(x.first());  // and the second word is less
+        q.told = q.told && x.radius() <= P(0x1p-46) * abs(x.first());  // and the second word is smaller
         return Quick(x);
     };
     for_each_axis([&](auto i) {

@@ -22,12 +22,12 @@ inline constexpr std::size_t output_settled = 0, output_hit = 1, output_t = 2, o
 /// Properties that all problems of a batch have in common, as far as their program depends on them.
 struct StageTerms {
     Shape shape;
-    int words;       ///< of the arithmetic: 1 or 2
-    bool two_words;  ///< of each input
+    int words;       ///< words of each number that is computed: 1 or 2
+    bool two_words;  ///< each input has two words
     UnderMatrix matrix;
     bool ranged;
     OpenEnds open;
-    bool t, distance;  ///< which of the lengths are asked for
+    bool t, distance;  ///< true for the lengths that are requested
 
     friend auto operator<=>(const StageTerms&, const StageTerms&) = default;
 };

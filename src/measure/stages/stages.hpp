@@ -28,7 +28,7 @@ extern template void ShapeStage<double>::operator()(const RawProblems<double>&) 
 /// at every width.
 struct Stages {
     ShapeStage<float> binary64;        ///< binary32 inputs
-    ShapeStage<double> double_double;  ///< one word a number, or two
+    ShapeStage<double> double_double;  ///< inputs of one word or two
     /// Settles also rays that touch: one word a number, no matrix and no range.
     ShapeStage<double> ties;
     void (*unit_directions)(const RawDirections&);  ///< the same for every shape

@@ -105,14 +105,14 @@ private:
     void find_reach(FormatInputs& in, BandNeeds needs) const;
 
     culling::Culler* culler_ = nullptr;
-    const scene::file::Scene* scene_ = nullptr;  ///< for own inputs, whose primitives each format rounds itself
+    const scene::file::Scene* scene_ = nullptr;  ///< set for own inputs, whose primitives each format rounds itself
     int y0_ = 0, rows_ = 0;
     TruthLimit limit_;
-    bool in_binary32_ = true;       ///< every shared number is one of binary32
+    bool in_binary32_ = true;       ///< binary32 holds every shared number
     bool paired_ = false;           ///< ray i is aimed at primitive i alone
-    scene::rays::RayBlock shared_;  ///< inputs = shared
+    scene::rays::RayBlock shared_;  ///< used if inputs = shared
     scene::rays::PrimitiveList<double> shared_primitives_;
-    std::optional<scene::rays::IdealRayBlock> ideal_;  ///< inputs = own
+    std::optional<scene::rays::IdealRayBlock> ideal_;  ///< used if inputs = own
     scene::rays::PrimitiveList<Real> ideal_primitives_;
     std::optional<intersect::MarchConstants<double>> shared_march_;
     /// Truth by a convention that differs from the closed primitive's.
@@ -130,7 +130,7 @@ private:
     RayTruths truths_;
     StageCounts stages_;
     std::vector<double> condition_;
-    std::unordered_map<std::size_t, SpecialTruth> apart_;  ///< by `key_of`, where the convention makes a difference
+    std::unordered_map<std::size_t, SpecialTruth> apart_;  ///< by `key_of`, for rays on which the convention matters
 };
 
 }  // namespace lostbits::measure::truth

@@ -26,7 +26,7 @@ namespace {
 struct Given {
     Shape shape;
     std::variant<std::vector<double>, std::vector<Real>> numbers;
-    std::optional<Placement<int>> placed;  ///< without its numbers
+    std::optional<Placement<int>> placed;  ///< its kind, without its numbers
 
     template <class S>
     Given(const Ray<S>& ray, const Primitive<S>& primitive) : shape(primitive.shape) {

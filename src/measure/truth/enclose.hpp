@@ -25,7 +25,7 @@ enum class Crossing : std::uint8_t { begin, near, far };
 /// Answer of one precision for one primitive. The other members are valid only if `hit` is certain.
 template <class E>
 struct Enclosed {
-    Tri hit;  ///< of the closed primitive: touching counts
+    Tri hit;  ///< hit of the closed primitive: touching counts
     E t = E(0);
     E distance = E(0);
     /// The ray meets only the boundary of the primitive, which is a miss if touching is a miss. Tangents touch, and so
@@ -35,7 +35,7 @@ struct Enclosed {
     /// The ray begins on the surface. That is a root, and the convention decides if it counts.
     bool on_surface = false;
     Crossing at = Crossing::begin;
-    bool at_double_root = false;  ///< of a quartic: t has no derivative
+    bool at_double_root = false;  ///< t is a double root of a quartic, and has no derivative
 };
 
 /// Parameter t at which a ray begins: the start of its range, or 0.

@@ -37,7 +37,7 @@ struct FormatInputs {
     /// ray. Null: all primitives.
     std::shared_ptr<const culling::SphereIndex> index = {};
     std::shared_ptr<const culling::CandidateLists> candidates = {};
-    intersect::process::StopToken stop = {};  ///< of the band, for code that runs forms on the inputs
+    intersect::process::StopToken stop = {};  ///< the band's token, for code that runs forms on the inputs
 
     [[nodiscard]] Truth own(std::size_t i, intersect::Convention convention) const;
     [[nodiscard]] const scene::rays::RayBlock& rays_for(const intersect::Info& info) const {

@@ -21,7 +21,7 @@ inline constexpr double outward = 1 + 0x1p-40;
 inline constexpr double anywhere = std::numeric_limits<double>::infinity();
 inline constexpr int exponent_of_zero = -1000000;
 inline constexpr double tiny =
-    std::numeric_limits<double>::denorm_min();  ///< what a product that underflows may have lost
+    std::numeric_limits<double>::denorm_min();  ///< largest loss of a product that underflows
 
 using WithinErrors = Bounded<double>;
 /// Large enough for the numbers of any problem.
@@ -89,7 +89,7 @@ public:
             unit = std::max(unit, exponents[i]);
         }
         if (placed_) put_units_of_matrix();
-        for (int* const unit : {&units_[0], &units_[1]}) {  // units of lengths and of directions
+        for (int* const unit : {&units_[0], &units_[1]}) {  // the units of lengths and directions
             if (placed_) break;
             *unit = std::abs(*unit) < 32 ? 0 : std::max(*unit, format.emin);  // zeros get emin
         }
@@ -167,7 +167,7 @@ public:
 
 protected:
     std::size_t matrix_, count_;            ///< index of the first number of a matrix, and the number of all
-    std::optional<Placement<int>> placed_;  ///< without its numbers
+    std::optional<Placement<int>> placed_;  ///< its kind, without its numbers
     [[nodiscard]] bool is_as_distance() const { return as_distance_; }
 
 private:
@@ -188,7 +188,7 @@ private:
     void put_units_of_matrix() {
         const bool inverse = placed_->is_inverse;
         int &made = units_[inverse ? 2 : 0], &from = units_[inverse ? 0 : 2], &linear = units_[3];
-        from = std::max(from, -1000);  // of zeros
+        from = std::max(from, -1000);  // if all are zeros
         made = std::max(made, linear + from);
         linear = made - from;
     }

@@ -311,8 +311,8 @@ private:
     std::vector<std::size_t> asked_;  ///< rays whose pairs are in `pairs_`
     std::vector<RayAndPrimitive> pairs_;
     std::array<std::array<std::size_t, settled_together>, shape_rows.size()>
-        places_;  ///< indices into `pairs_` of those gathered of each shape
-    std::array<stages::UnderMatrix, shape_rows.size()> matrices_;  ///< of those gathered of each shape
+        places_;  ///< indices into `pairs_` of the pairs that are gathered, by shape
+    std::array<stages::UnderMatrix, shape_rows.size()> matrices_;  ///< kind of matrix of these pairs, by shape
     std::vector<std::uint32_t> candidates_;
 };
 

@@ -23,7 +23,7 @@ struct Bend {
     double B;
     AllValues slope;
     double least, most;
-    double unevenness = 1;  ///< √(most/least) where it may change on the way
+    double unevenness = 1;  ///< √(most/least) if P'' may change on the way
 
     Bend(const Perturbable& problem, const QuadraticSpan<Differentiated>& s)
         : B(problem.aside(s.c)),

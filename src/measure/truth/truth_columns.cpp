@@ -149,7 +149,7 @@ private:
     TruthColumns& out_;
     stages::Stages stages_;
     InPlace<S> in_place_;
-    stages::ShapeStage<double> ties_;  ///< none where ties are not looked for
+    stages::ShapeStage<double> ties_;  ///< empty if ties are not looked for
     std::vector<std::size_t> open_;
 };
 

@@ -184,7 +184,7 @@ public:
 private:
     /// Compensates the roundings of a bound: fewer than 2^10 of them, 2^-53 each.
     static constexpr double up = 1 + 0x1p-42;
-    static constexpr double tiny = 0x1p-500;  ///< more than the square root of what squares lose to underflow
+    static constexpr double tiny = 0x1p-500;  ///< above the square root of the loss of a square to underflow
 
     static AffineForm unknown() {
         AffineForm x(0);
