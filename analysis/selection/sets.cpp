@@ -228,7 +228,7 @@ Forms made_named(const std::string& word, const char* option) {
             "{} {}: the form before +fma is missing; write FORM+fma, such as sphere.schoolbook+fma", option, word));
     if (name.form.empty() || name.last.empty())
         throw InputError(fmt::format(
-            "{} {}: the form or the {} beside the {} is missing; write {}", option, word, is_box ? "box" : "space",
+            "{} {}: the form or the {} beside the {} is missing; write {}", option, word, is_box ? "box" : "transform",
             is_box ? "^" : "@",
             is_box ? "FORM^BOX or FORM^BOX~METHOD, such as sphere.unified^box.signs~nearest; `lostbits list boxes` "
                      "lists the ways to compute boxes"

@@ -17,8 +17,7 @@ namespace lostbits::measure::truth {
 namespace {
 
 /// The quadratic P as seen from t. `B` bounds how far P(t) can be from 0, `slope` is half of the slope there, and
-/// `least` and `most` bound
-/// P''|/2 on the way to t'.
+/// |P''|/2 lies between `least` and `most` on the way to t'.
 struct Bend {
     double B;
     AllValues slope;
