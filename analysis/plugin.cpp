@@ -61,7 +61,7 @@ bool show_trial(const ForeignForm& form, const std::optional<ForeignForm>& first
     for (const Observation& f : findings) broken += f.verdict == Observation::Verdict::broken;
     const Contract& c = form.contract;
     fmt::print("{} in binary{}, {}: {}\n", c.name, c.bits, with_article(c.shape),
-               broken == 0 ? "does as it says" : fmt::format("{} of its promises broken", broken));
+               broken == 0 ? "keeps its promises" : fmt::format("{} of its promises broken", broken));
     if (!c.title.empty() && !quiet) fmt::print("  {}\n", c.title);
     if (!c.source.empty() && !quiet) fmt::print("  from {}\n", c.source);
     for (const Observation& f : findings) {

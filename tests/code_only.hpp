@@ -7,8 +7,8 @@
 
 namespace lostbits::test {
 
-/// What begins a comment to the end of the line, and whether the language has C's other comments, characters and lines
-/// that go on behind a backslash.
+/// Comments of a language: the characters that begin a comment to the end of the line, and whether the language has C's
+/// other comments, characters, and lines that continue after a backslash.
 struct Language {
     std::string_view line_comment;
     bool is_c = false;

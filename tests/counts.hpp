@@ -11,7 +11,7 @@ inline bool is_long() {
     return asked;
 }
 
-/// Of so many draws those that are made: all in the long tests, else one in `part`.
+/// Number of draws to make of `all`: all in the long tests, otherwise one in `part`.
 template <class Count>
 Count draws(Count all, int part = 10) {
     return is_long() ? all : all / static_cast<Count>(part);

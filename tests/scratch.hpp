@@ -1,4 +1,4 @@
-// Where tests put files: a folder that goes away. ./run test fails where something stays in the temporary folder.
+// Folder for files of a test, which is removed at the end. ./run test fails if something stays in the temporary folder.
 #pragma once
 
 #include <stdlib.h>

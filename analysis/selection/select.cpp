@@ -51,12 +51,13 @@ std::vector<std::size_t> places_named(const std::vector<std::string>& words, con
                 chosen[i] = any = true;
         }
         if (any) continue;
-        const std::string whats = what == "strategy" ? "strategies" : what + "s";
+        const std::string last = what.substr(what.rfind(' ') + 1);
+        const std::string whats = last == "strategy" ? "strategies" : last == "box" ? "boxes" : last + "s";
         if (is_glob(word))
             throw NothingSelected(fmt::format("{} {}: no {} matches this pattern; `lostbits list {}` lists all", option,
                                               word, what, whats));
-        throw InputError(
-            fmt::format("{} {}: unknown {}; {}", option, word, what, scene::toml::did_you_mean(word, names)));
+        throw InputError(fmt::format("{} {}: unknown {}; {} (`lostbits list {}` lists all)", option, word, what,
+                                     scene::toml::did_you_mean(word, names), whats));
     }
     std::vector<std::size_t> places;
     for (std::size_t i = 0; i < names.size(); ++i)

@@ -44,9 +44,9 @@ std::vector<const intersect::table::Intersector*> select_forms(const std::vector
 /// True if the text has characters of a pattern: `*`, `?` or `[`.
 bool is_glob(const std::string& text);
 
-/// The indices of the names that equal a word or match it as a pattern. `what` names one row, such as `form`; its
-/// plural is the list of `lostbits list`. Throws InputError, which names the `option` and suggests a name, for an
-/// unknown name, and NothingSelected for a pattern that matches nothing.
+/// The indices of the names that equal a word or match it as a pattern. `what` names one row, such as `form`; the
+/// plural of its last word is the list of `lostbits list`. Throws InputError, which names the `option` and suggests a
+/// name, for an unknown name, and NothingSelected for a pattern that matches nothing.
 std::vector<std::size_t> places_named(const std::vector<std::string>& words, const std::vector<std::string>& names,
                                       const std::string& what, const char* option);
 

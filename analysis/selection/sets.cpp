@@ -228,7 +228,7 @@ Forms made_named(const std::string& word, const char* option) {
             "{} {}: the form before +fma is missing; write FORM+fma, such as sphere.schoolbook+fma", option, word));
     if (name.form.empty() || name.last.empty())
         throw InputError(fmt::format(
-            "{} {}: the form or the {} beside the {} is missing; write {}", option, word, is_box ? "box" : "space",
+            "{} {}: the form or the {} beside the {} is missing; write {}", option, word, is_box ? "box" : "transform",
             is_box ? "^" : "@",
             is_box ? "FORM^BOX or FORM^BOX~METHOD, such as sphere.unified^box.signs~nearest; `lostbits list boxes` "
                      "lists the ways to compute boxes"
@@ -247,15 +247,15 @@ Forms made_named(const std::string& word, const char* option) {
                    },
                .transform_methods =
                    [option](const std::string& glob) {
-                       return select_rows(intersect::transform::transform_methods(), {glob}, "space", option);
+                       return select_rows(intersect::transform::transform_methods(), {glob}, "transform", option);
                    },
                .ray_generators =
                    [option](const std::string& glob) {
-                       return select_rows(scene::camera::ray_generators(), {glob}, "maker", option);
+                       return select_rows(scene::camera::ray_generators(), {glob}, "ray generator", option);
                    },
                .box_methods =
                    [option](const std::string& glob) {
-                       return select_rows(intersect::bounding_box::box_methods(), {glob}, "hull", option);
+                       return select_rows(intersect::bounding_box::box_methods(), {glob}, "bounding box", option);
                    },
                .contracted = measure::tape::contracted_row});
     if (all.empty() && is_contracted)

@@ -53,6 +53,7 @@ struct ConsistencyWords {
 
     static void say(const Study& study, const Summaries& rows, bool) {
         for (std::size_t r = 0; r < rows.size(); ++r) say_row(study, study.rows[r], rows[r]);
+        fmt::print("  Each check asks one question in two ways; `lostbits list checks` shows both questions\n");
     }
 
     /// The number of questions whose exact answer is not proved.

@@ -61,7 +61,8 @@ TEST_CASE("check: a claim about random rays must hold for every draw, and --seed
 
 TEST_CASE("check: a claim that fails is named with the worst input and the command") {
     const Scratch scratch;
-    // Of the last no hit is agreed on: what cannot be measured is an error, never a pass.
+    // The last claim has no hit that form and truth agree on. A claim that cannot be measured is an error, never a
+    // pass.
     scratch.write("c.toml", claims_of({{"right", inside, all_missed},
                                        {"wrong", inside, none_missed},
                                        {"empty", inside, metric_in("lost_bits_p50", "[0, 24]")}}));
@@ -199,7 +200,8 @@ TEST_CASE("check: bad claims are refused with their line") {
         {{given(""), all_missed, "scene"},
          {given("scene = \"camera-insid\""), all_missed, "camera-inside"},
          {given(scene, "sphere.pres"), all_missed, "or --shader); did you mean \"sphere.press\"?\n"},
-         {given(scene, "mylib.mine"), all_missed, "load a form of your own with --plugin, --pipe or --shader"},
+         {given(scene, "mylib.mine"), all_missed,
+          "load a form of your own with --plugin, --pipe, --shader or --function"},
          {inside + "size = [64, 48]\n", all_missed, "claim[0].given.size is the scene's own"},
          {given(scene, "sphere.press", "f33"), all_missed, "f32"},
          {inside, metric_in("false_mis_fraction"), "false_miss_fraction"},

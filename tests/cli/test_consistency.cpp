@@ -31,6 +31,7 @@ TEST_CASE("consistency writes a picture for each check, a sheet and a table") {
     CHECK(has(r.out, (folder / "contact.png").string() + "\n"));
     CHECK(has(r.out, "sphere.half_b f32 segment: decisions differ for "));
     CHECK(has(r.out, "sphere.half_b f32 gives the same answers: beyond, end, before, short, packs, placed\n"));
+    CHECK(r.out.ends_with("`lostbits list checks` shows both questions\n"));
     std::vector<std::string> expected{"contact.png", "datapackage.json", "manifest.json", "sphere.half_b.f32.csv",
                                       "summary.csv"};
     const std::vector<std::string> checks{"beyond", "end", "before", "segment", "short", "packs", "reverse", "placed"};

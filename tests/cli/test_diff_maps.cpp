@@ -41,7 +41,7 @@ TEST_CASE("diff: folders of maps show rows, outcomes and the largest changes, an
           "  map sphere.half_b f32: lost_bits_p99 nan to 3\n"
           "  map sphere.press f32: lost_bits_p99 2 to 4.5\n"
           "  map sphere.press f32: ulp_error_max 5 to 10\n"
-          // Where one side has no p99, and as many wrong decisions, nothing is said.
+          // No verdict if only one side has a p99 and both have as many wrong decisions.
           "not comparable in 1 row: as many wrong decisions, but only one side has a lost_bits_p99\n"
           "two is better in 0 rows, worse in 1, the same in 0: by wrong decisions, then by lost_bits_p99\n");
     const auto back = run("diff two one", scratch.path()).out;
@@ -121,7 +121,7 @@ TEST_CASE("diff: two forms of one folder are compared, with a difference picture
     const auto two = backend().read_png((scratch / ("from-exr" + picture)).string());
     CHECK(one.pixels == two.pixels);
 
-    // Of a form and itself nothing is orange and nothing blue; decisions that changed are black.
+    // A form compared with itself has no orange and no blue pixel; decisions that changed are black.
     REQUIRE(run("diff csv exr --draw none --ignore '*'", scratch.path()).code == 1);  // files that only one has
     const auto same = backend().read_png(scratch / "none/rtg-fig-7-3-4100-oblique/sphere.unified.f32.png");
     const output::image::Rgb8 black{0, 0, 0}, blue{20, 80, 180};
@@ -155,7 +155,8 @@ TEST_CASE("diff: folders made with other options are reported first") {
     const auto other = run("diff one three", scratch.path()).out;
     CHECK(other.starts_with(heading + "  --set camera.fov_deg=30 only in three/near-benign\none to three: "));
     CHECK(run("diff one/near-benign/summary.csv two/near-benign/summary.csv", scratch.path()).out.starts_with(heading));
-    // What only chooses rows and columns is no other number; nor is a folder that does not say what made it.
+    // Options that only choose rows and columns change no number, and a folder without a manifest names no options: no
+    // heading.
     map("--size 16x12 --set 'sphere[0].radius=1.5' --metric residual --pixels csv -o four");
     CHECK_FALSE(has(run("diff one four", scratch.path()).out, heading));
     fs::remove(scratch / "two/near-benign/manifest.json");

@@ -159,7 +159,8 @@ void save_files(const Scratch& scratch, const std::string& page) {
     }
 }
 
-/// Those files and those of the tutorial, the data of the project, and what a library of forms is compiled with.
+/// Saves those files and those of the tutorial, and links the data of the project and what a library of forms is
+/// compiled with.
 void lay_out(const Scratch& scratch, const std::string& page) {
     fs::create_directory_symlink(LOSTBITS_DATA_DIR, scratch / "data");
     for (const char* folder : {"plugins", "examples"})
@@ -177,7 +178,7 @@ bool is_slow(const Command& command) {
     return std::ranges::any_of(slow_commands, [&](const SlowCommand& d) { return is(d, command); });
 }
 
-/// Of a command that is not run: each of its options is one of the command's, or of the program's.
+/// Checks a command that is not run: each of its options is one of the command's, or of the program's.
 void check_options(const Command& command) {
     static const std::regex option(R"(\s(--[a-z-]+))");
     const std::string& text = command.arguments;

@@ -26,8 +26,8 @@ Json told(const std::string& arguments, const fs::path& folder = ".") {
 TEST_CASE("explain: a ray is taken as given, with input error where the format cannot hold it, and --as rounds first") {
     const Scratch folder;
     const std::string ray = "--sphere 0,0,5,1 --ray 0.1,0,0,0,0,1 -i sphere.schoolbook ";
-    // Of the decimal's binary64 number, whatever form it is then asked of: t* = 5 - sqrt(1 - 0.1²), by hand in 40
-    // digits for 0x1.999999999999ap-4 and for 0x1.99999ap-4, each rounded to binary64.
+    // The truth is that of the decimal's binary64 number, in whatever format the form computes: t* = 5 - sqrt(1 -
+    // 0.1²), by hand in 40 digits for 0x1.999999999999ap-4 and for 0x1.99999ap-4, each rounded to binary64.
     const Json f64 = told(ray + "-f f64", folder.path()), f32 = told(ray + "-f f32", folder.path());
     CHECK(hex_in(f64["inputs"]["o.x"]) == "0x1.999999999999ap-4");
     CHECK(hex_in(f32["inputs"]["o.x"]) == "0x1.99999ap-4");
@@ -40,7 +40,7 @@ TEST_CASE("explain: a ray is taken as given, with input error where the format c
     CHECK(wide["inputs_rounded"] == false);
     CHECK(hex_in(as["truth"]) == "0x1.0052203695b95p+2");
     CHECK(as["truth"] == wide["truth"]);
-    // Of a scene with numbers of its own the ray is ideal, and every format rounds it once from the decimal.
+    // A scene with numbers of its own has an ideal ray, which every format rounds once from the decimal.
     folder.write("own.toml", spoilt("shared", "own"));
     const std::string ideal = "own.toml --ray 0.1,0,-5,0,0,1 -i sphere.schoolbook ";
     const Json in_own = told(ideal + "-f f64", folder.path());

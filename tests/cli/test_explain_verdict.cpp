@@ -125,9 +125,9 @@ TEST_CASE("explain: every operation that a row names has a row of its own") {
 TEST_CASE("explain names the last column after the sum of its contributions and writes no NaN there") {
     const std::string hit = run("explain near-benign --pixel 100,128 -i sphere.schoolbook -f f32").out,
                       turned = run("explain grazing --worst -i sphere.press -f f32").out;
-    CHECK(has(hit, " of t, ulp\n"));
-    CHECK(has(turned, " of disc, ulp\n"));
-    CHECK_FALSE(has(turned, " of t, ulp"));
+    CHECK(has(hit, " share of t, ulp\n"));
+    CHECK(has(turned, " share of disc, ulp\n"));
+    CHECK_FALSE(has(turned, " share of t, ulp"));
     // Rounding turned nothing: there is no ulp of anything.
     const std::string plain = run("explain --sphere 0x1.0b429p+8,0x1.0b429p+9,-0x1.90e3d8p+9,1 --ray "
                                   "-0x1.2bcp-2,0x1.adp-1,0x1.d8p-2,0x1.11cp-2,0x1.11cp-1,-0x1.9a8p-1 "

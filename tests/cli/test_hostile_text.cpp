@@ -131,7 +131,7 @@ bool there_is(const std::string& program) {
     return std::system(("command -v " + program + " >/dev/null 2>&1").c_str()) == 0;
 }
 
-/// What a shell takes a command of the program for: its words, each between two line breaks.
+/// Splits a command of the program as a shell does: its words, each between two line breaks.
 std::string words_in_shell(const std::string& command, const Scratch& scratch) {
     const std::string script = scratch.write(
         "script", "lostbits() { printf '\\n%s\\n' \"$@\"; }\ncd '" + scratch.path().string() + "'\n" + command);
@@ -220,7 +220,7 @@ TEST_CASE("a compiler is run directly by any path, without a shell") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
     fs::create_directories(scratch / "a b");
-    // What would be run where its path were words of a shell; it says how it was called, and compiles nothing.
+    // The path would run `touch` if a shell split it into words. The script prints its arguments and compiles nothing.
     const std::string compiler = scratch.write("a b/c'c;touch PWNED", "#!/bin/sh\nprintf '%s\\n' \"$@\" >&2\nexit 1\n");
     fs::permissions(compiler, fs::perms::owner_all);
     std::string word = "'";

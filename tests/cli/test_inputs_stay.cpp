@@ -79,7 +79,7 @@ TEST_CASE("a folder of results that holds an input is not replaced") {
     // Drawn into one of the two, the results of that one would go first.
     inputs.refused("diff a/mine a/mine --draw a/mine", taken);
     CHECK(contents(inputs / "a/mine/summary.csv") == before);
-    // What an earlier run wrote goes before the results of the next: not where it is asked about.
+    // Results of an earlier run are removed before the next ones are written, unless the next run reads one of them.
     must("judge rays.csv --sphere 0,0,0,1 -i sphere.press --rows -o b", inputs / "");
     fs::path table;
     for (const auto& entry : fs::directory_iterator(inputs / "b/rays")) {

@@ -89,7 +89,7 @@ TEST_CASE("judge: rays are grouped by a column of the file") {
         }
         for (std::size_t y = 0; y < 32; ++y) CHECK(rows[form + 1 + y].at("y") == std::to_string(y));  // 9 before 10
     }
-    // What float loses of t is a length: t is about 1, and directions are 2000 long.
+    // The float's error in t counts as a length: t is about 1, and directions are 2000 long.
     CHECK(std::stod(rows[0].at("tolerance_beyond")) > 800);
     CHECK(std::stod(rows[33].at("tolerance_beyond")) == 0);
     CHECK(std::stod(rows[0].at("distance_error_max")) > std::stod(rows[33].at("distance_error_max")) * 100);

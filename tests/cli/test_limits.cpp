@@ -131,7 +131,7 @@ TEST_CASE("a run that needs too many open files stops before the work, and nothi
     const auto little = run("map mine.toml -i 'sphere.*' -f p2..p53 --metric '*' --pictures all -o out", scratch.path(),
                             "ulimit -v 2000000;");
     CHECK(little.code == 3);
-    // Of memory, where the machine lets so many be open.
+    // The message is about memory if the machine allows so many open files.
     CHECK((has(little.err, " of memory, but only ") || has(little.err, "(`ulimit -n`)")));
     CHECK(scratch.files() == std::vector<std::string>{"mine.toml"});
 }

@@ -76,7 +76,7 @@ TEST_CASE("list formats and list scenes show names that map accepts") {
 
 namespace {
 
-/// Where each word of a row of `list` starts must be where its column's name does.
+/// Checks that each word of a row of `list` starts below the name of its column.
 void check_columns(const std::string& text, const nlohmann::json& array, const std::vector<std::string>& columns) {
     const std::string head = text.substr(0, text.find('\n'));
     std::size_t line = head.size() + 1;

@@ -74,8 +74,7 @@ n=0; for end in )" +
 done >>"$junit")";
 }
 
-/// What ninja is asked for: `steps` steps that succeed, and then one that says what said.txt holds and ends with
-/// `code`.
+/// Builds a file for ninja: `steps` steps that succeed, and then one that prints said.txt and ends with `code`.
 std::string ninja_file(int steps, int code) {
     std::string file = "rule step\n  command = true\nrule last\n  command = cat said.txt; exit " +
                        std::to_string(code) + "\nbuild last: last ||",

@@ -34,7 +34,8 @@ double rounded(const truth::Truth& found, const Given& given, const FloatFormat&
     return truth::round_truth(found, given.ray, given.primitive, format, truth::Length::parameter, {}, given.range);
 }
 
-/// What is known to 2^-33 is no double yet, and would be found again for each ray to be one.
+/// Answer from a truth. A t that is known only to 2^-33 is not yet a double; rounding it would find it again for each
+/// ray.
 Answer answer_of(const truth::Truth& found, const Given& given,
                  truth::Tightness tightness = truth::Tightness::certified) {
     if (found.decision == truth::Truth::Decision::unresolved) throw std::runtime_error("a ray is unresolved");

@@ -10,8 +10,8 @@
 
 namespace lostbits::exact {
 
-/// What is said of a problem: a miss, or a t within `bound` of high + low, all three times 2^exponent, which is the
-/// number `as_float` and `as_double` in binary32 and binary64, or NaN where it is not rounded.
+/// Answer to a problem: a miss, or a t within `bound` of high + low, all three times 2^exponent. `as_float` and
+/// `as_double` are t in binary32 and binary64, or NaN if it was not rounded.
 struct Answer {
     bool hit = false;
     double high = 0, low = 0, bound = 0;
@@ -22,8 +22,8 @@ struct Answer {
 enum class Fault : std::uint8_t { none, decision, length, tightness, rounded_to_float, rounded_to_double };
 const char* words_of(Fault fault);
 
-/// What was found of some answers. The quick check takes a t for right that is within 2^-80 of itself, or the answer's
-/// bound where that is wider.
+/// Findings about some answers. The quick check accepts a t that is within 2^-80 of itself, or within the answer's
+/// bound if that is wider.
 struct Findings {
     std::size_t asked = 0, hits = 0;
     std::size_t exactly = 0;    ///< that were decided without an error

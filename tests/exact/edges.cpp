@@ -53,9 +53,12 @@ struct OnGrid {
     }
 };
 
-/// Of o + t d = a + u (b − a) + v (c − a), with e, f = b − a, c − a and s = o − a, det = d·(e × f): u det = f·(d × s),
-/// v det = −e·(d × s), t det = −s·(e × f). Of numbers below 2^K and a d below 2^D these and (1 − u − v) det stay below
-/// 2^(3K + 6) and 2^(2K + D + 7).
+/// Signs of o + t d = a + u (b − a) + v (c − a). With e, f = b − a, c − a, s = o − a and det = d·(e × f):
+///
+///     u det = f·(d × s), v det = −e·(d × s), t det = −s·(e × f)
+///
+/// For points below 2^K and a d below 2^D, t det stays below 2^(3K + 6), and the others and (1 − u − v) det stay below
+/// 2^(2K + D + 7).
 template <class E>
 Passing passing(const Vector<E>& o, const Vector<E>& d, const Vector<E> (&corner)[3]) {
     const Vector<E> e = corner[1] - corner[0], f = corner[2] - corner[0], s = o - corner[0];

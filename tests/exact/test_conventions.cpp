@@ -159,7 +159,8 @@ std::optional<Crossed> crossed(const Shaped& shape, Problem p) {
     const Truth last = Given(shape, p).truth(leave);
     const double exit = last.is_hit() && !last.touches ? number_of(last) : 2 * entry;
     if (!last.is_hit()) return Crossed{entry, exit};
-    // What of [exit, …) is met is at its beginning, and behind that nothing is: else no double is where it leaves.
+    // The range [exit, …) is met only at its beginning, and behind that nothing is met. Otherwise no double is where
+    // the line leaves.
     p.tmin = exit, p.open_tmin = false, has_no_first = false;
     if (!meets(shape, p) || meet(shape.exactly, p).side(Whole(exit)) != 0) return std::nullopt;
     p.open_tmin = inside_returns_zero(*shape_named(shape.name));

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t batch = 1000;
 const Shaped& triangle = shapes[2];
 
-/// Of the rays of every so many batches t is held too, and the slower program decides as well.
+/// Interval of batches whose t is checked too, and which the slower program decides as well.
 constexpr std::size_t each_wholly = 64;
 
 struct Tally {

@@ -21,7 +21,7 @@ constexpr std::size_t batch = 1000;
 /// Every so many are decided without an error, whether the quick check tells or not.
 constexpr std::size_t each_exactly = 1000;
 
-/// Of rays of one kind.
+/// Counts for rays of one kind.
 struct Tally {
     std::size_t asked = 0, hits = 0, exactly = 0;
 
@@ -53,7 +53,7 @@ Tally ask_all(const Shaped& shape, std::size_t rays, std::uint64_t seed, std::in
     return tally;
 }
 
-/// What is drawn, under matrices of every kind by turns, or of all but inverses.
+/// Draws problems and places them under matrices of every kind in turn, or of every kind but inverses.
 template <class Draw, class Place>
 auto placed(const Draw& draw, const Place& place, bool inverses = true) {
     return [draw, place, inverses, drawn = 0](const Shaped& shape, bool floats, Ends ends, Chance& chance,

@@ -126,8 +126,8 @@ void add_ways(const Intersector& form, std::span<const Problem> problems, Tally&
     tally.first_batch = problems.size();
 }
 
-/// Of a pack of a ray, others of its line and the same backwards, how many answers are not those of each alone, to the
-/// bit: most are proved by less than what the first takes.
+/// Counts answers of a pack that differ in any bit from those of each ray alone. The pack is a ray, others of its line,
+/// and the same backwards: most of them are proved by fewer steps than the first ray takes.
 template <class F>
 std::size_t differing(const Intersector& form, const Problem& p) {
     std::vector<Problem> problems(16 / sizeof(F), p);
@@ -148,7 +148,7 @@ std::size_t differing(const Intersector& form, const Problem& p) {
     return differ;
 }
 
-/// Of rays that `draw(problems)` fills a batch with.
+/// Checks the rays that `draw(problems)` fills a batch with.
 template <class F, class Draw>
 Tally ask_all(const Intersector& form, const Shaped& shape, std::size_t rays, const Draw& draw) {
     Tally tally;
@@ -183,8 +183,9 @@ std::string words_of(const Intersector& form, const Tally& tally) {
     return counts.str();
 }
 
-/// Of each shape, how many of a thousand rays hit at least, are settled by its own arithmetic, by two words, and
-/// exactly in double: of random rays, and of those where something is exactly equal. A tenth less than was measured.
+/// Least counts in a thousand rays, for each shape: hits, and rays that are settled by the form's own arithmetic, by
+/// two words, and exactly in double. They are for random rays, and for rays where something is exactly equal; each is a
+/// tenth less than was measured.
 struct Shares {
     std::string_view shape;
     std::size_t random_hits, random_own, hits, own, two_words, exact;

@@ -89,7 +89,7 @@ Answer answer_of(bool hit, const Real& t) {
     return a;
 }
 
-/// What a form answers without rounding; nothing of what is not told to 2^-200.
+/// Answer of a form without rounding. A number is empty if it is not known to 2^-200.
 struct Unrounded {
     std::optional<bool> hit;
     std::optional<Real> t, near, far;
@@ -121,8 +121,8 @@ Unrounded unrounded_in(const Problem& p, bool made_unit, const Form& form) {
     return told(form(ray), size);
 }
 
-/// Of solvers of degree four no enclosure decides anything: forms of tori are asked over 256 bits, all others over
-/// intervals of 400, which are compiled already.
+/// Computes a form without rounding. No enclosure decides solvers of degree four, so forms of tori are computed in
+/// numbers of 256 bits, and all others in intervals of 400 bits, which are compiled already.
 Unrounded unrounded(const Intersector& form, const Shaped& shape, const Problem& p, bool made_unit) {
     Unrounded found;
     if (form.shape == Shape::torus) {
@@ -151,9 +151,9 @@ struct Tally {
 
 /// True if what a form promises to answer without rounding includes this problem.
 bool is_asked(const intersect::Info& form, const Shaped& shape, const Problem& p, bool made) {
-    // Where |d1| < 1e-4 its root is taken to be 0: test_tori has what follows.
+    // This form takes the root of a d1 with |d1| < 1e-4 to be 0: test_tori has the consequences.
     if (form.name == "torus.quilez") return false;
-    // Where two roots are one, complex ones too, the last remainder is 0, and rounded in any precision it has a sign.
+    // If two roots are equal, complex ones too, the last remainder is 0. Rounded in any precision, it has a sign.
     for (const char* const chain : {"sturm", "bracketed", "bracketed_double", "filtered"})
         if (made && shape.name == "torus" && form.name.substr(6) == chain) return false;
     // Rays that are made pass corners as near as it pads.
@@ -169,7 +169,8 @@ bool is_asked(const intersect::Info& form, const Shaped& shape, const Problem& p
            visit(primitive, [&](const auto& s) { return s.off_surface(ray.origin) >= 0; });
 }
 
-/// Where the ray is met, and, of a form with both roots, where it is met last: first by one that comes back.
+/// Adds the first t at which the form meets the ray. A form with both roots is also asked for the last one: it is the
+/// first of the ray that comes back.
 void ask(const Intersector& form, const Shaped& shape, const Problem& p, Tally& tally) {
     const Unrounded h = unrounded(form, shape, p, form.info->direction == Direction::unit);
     if (!h.hit || (*h.hit && !h.t)) return;
@@ -263,9 +264,9 @@ struct Enclosures {
     }
 };
 
-/// Of a hundred hits and misses of a form, how many at least some enclosure decides, where that is not the usual 96:
-/// `exclusive` makes tmin = tmax of most rays that miss, frames divide by lengths that may be 0, and of solvers of
-/// degree four in closed form no enclosure up to 250 bits decides anything.
+/// Least share of the hits and misses of a form that some enclosure decides, in percent, if it is not the usual 96.
+/// `exclusive` makes tmin = tmax for most rays that miss, frames divide by lengths that may be 0, and no enclosure up
+/// to 250 bits decides anything about solvers of degree four in closed form.
 struct Decided {
     std::string_view name;
     std::size_t hits, misses;
@@ -301,7 +302,8 @@ TEST_CASE("exact: every form is right when nothing is rounded", "[exact][forms]"
                                  << " " << words_of(f.fault) << "\n"
                                  << paste(shape, tally.problems[f.first], tally.answers[f.first]));
             CHECK(f.differ == 0);
-            // Of 2 count; half are hits, of one side of a triangle half of these.
+            // The two lists have 2 count problems. Half of them are hits; for forms that see one side of a triangle,
+            // half of these.
             CHECK(tally.asked > count * 3 / 4);
             CHECK(10 * tally.hits > tally.asked * (form.info->facing == Facing::both ? 4U : 2U));
             CHECK(tally.hits < tally.asked);

@@ -49,7 +49,7 @@ const char* run_and_change(const lb_batch* batch) {
 
 }  // namespace
 
-// What a thread pool calls while it waits, where this library is preloaded.
+// A thread pool calls this while it waits, if this library is preloaded.
 extern "C" __attribute__((visibility("default"))) int sched_yield() noexcept {
     if (is("WHEN", "yield")) change();
     return static_cast<int>(syscall(SYS_sched_yield));

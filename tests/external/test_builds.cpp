@@ -138,7 +138,7 @@ TEST_CASE("plugin: commands in claims, pages and JUnit can be pasted", "[externa
     CHECK(has(told, "mine.toml' -i odd.right -f f32 -o out --plugin "));
     must(told, folder.path());
     CHECK(has(contents(folder.path() / "junit.xml"), told));
-    // Of two libraries the words stand once.
+    // A command with two libraries names the options once.
     CHECK(told.find("--plugin") == told.rfind("--plugin"));
     const Outcome page =
         must("report 'my scenes/mine.toml' --size 16x12 -i odd.first -f f32 --no-claims -o page" + plugin("odd_plugin"),

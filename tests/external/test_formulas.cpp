@@ -147,7 +147,7 @@ TEST_CASE("formulas: plugin check tests t, near and far of a hit", "[external]")
     };
     for (const std::string form : {"unified", "double_inside", "inclusive"}) {
         INFO(finding(form));
-        CHECK(has(finding(form), "does as it says"));
+        CHECK(has(finding(form), "keeps its promises"));
         CHECK(has(finding(form), "the t beside near and far is the root that counts, in every probe"));
     }
     INFO(finding("size_of_near"));

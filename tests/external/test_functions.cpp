@@ -157,7 +157,7 @@ TEST_CASE("functions: plugin check, choose, diff and claims take them", "[extern
           std::string::npos);
     std::ofstream(made.path() / "mine.toml")
         << "schema = \"lostbits-claims/1\"\nprofile = \"libraries\"\n[[claim]]\nid = \"mine.decides\"\nstatement = "
-           "\"Mine decides rightly\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\nscene = "
+           "\"Mine decides correctly\"\nsource = \"-\"\nverdict = \"holds\"\n[claim.given]\nscene = "
            "\"near-benign\"\nform = \"function.schoolbook\"\nformat = \"f32\"\n[claim.expect]\nmetric = "
            "\"false_hit_fraction\"\nin = [0, 0]\ncriterion = \"= 0\"\n";
     CHECK(must("check mine.toml --profile libraries" + schoolbook, made.path()).out.find("1 verdict confirmed") !=
@@ -169,7 +169,10 @@ TEST_CASE("functions: what cannot be followed is refused with its place", "[exte
     CHECK(refusal("refused.c:endless").find("refused.c:8:5: a loop has no bound") != std::string::npos);
     CHECK(refusal("refused.c:rounded").find("refused.c:12:88: a number becomes an integer") != std::string::npos);
     CHECK(refusal("refused.c:counting").find("refused.c:16:11: a global variable is written") != std::string::npos);
-    CHECK(refusal("refused.c:nothing").find("does not compile") != std::string::npos);
+    CHECK(refusal("refused.c:calls").find("does not compile") != std::string::npos);
+    CHECK(refusal("refused.c:nothing")
+              .ends_with("refused.c: has no function \"nothing\"; it defines \"counting\", \"endless\", \"rounded\", "
+                         "\"sine\""));
     CHECK(refusal("sphere.c").find("names no function") != std::string::npos);
     CHECK(refusal("nowhere.c:f").find("no such file") != std::string::npos);
 }

@@ -22,7 +22,7 @@ std::string opencl(const std::string& name, const std::string& options) {
 /// The first batch waits for the compiler of kernels: seconds, and many of a busy machine.
 const std::string patient = " --time-limit 300";
 
-/// What its kernels compile to is kept in the folder of the test, not in that of the user.
+/// Setting that keeps the compiled kernels in the folder of the test, not in that of the user.
 std::string kept_in(const Scratch& folder) { return "POCL_CACHE_DIR='" + (folder.path() / "kernels").string() + "' "; }
 
 }  // namespace
@@ -55,7 +55,7 @@ TEST_CASE("kernels: OpenCL has the bits of C++ without contraction, and those of
 TEST_CASE("kernels: OpenCL kernels keep their contracts", "[kernels]") {
     const Scratch folder;
     const Outcome o = must("plugin check" + patient + opencl("opencl.sphere", ""), folder.path(), kept_in(folder));
-    CHECK(has(o.out, "does as it says"));
+    CHECK(has(o.out, "keeps its promises"));
 }
 
 TEST_CASE("kernels: a kernel that cannot run is refused with a reason, and nothing is written", "[kernels]") {

@@ -25,7 +25,7 @@ TEST_CASE("libraries: every claim about a built library holds, and the others ar
     CHECK(has(all.out, " 0 failed"));
     const Outcome one = must("check --profile libraries --plugin glm", folder.path());
     CHECK(has(one.out, " confirmed, 0 failed, 80 skipped"));
-    CHECK(has(one.out, "no loaded library has openvdb.sphere; add --plugin, --pipe or --shader"));
+    CHECK(has(one.out, "no loaded library has openvdb.sphere; add --plugin, --pipe, --shader or --function"));
 }
 
 TEST_CASE("libraries: a claim about a missing form is skipped only in the profile without the form", "[external]") {

@@ -215,7 +215,8 @@ TEST_CASE("plugin: a file that is not a library of forms is refused with advice"
     };
     refused("no-such-library", "no such library; looked in the current folder");
     refused("./no-such-library.so", "./no-such-library.so: no such library");
-    refused(folder.write("text.so", "hello"), "is not a library; compile it first: c++ -O2");
+    refused(folder.write("text.so", "hello"), "is not a library; give one that a compiler made (c++ -O2");
+    refused(folder.write("mine.c", "hello"), "is not a library; compile it first: c++ -O2 -shared -fPIC mine.c -o");
     refused(folder.write("mine.cpp", "#include <lostbits_form.hpp>\n"),
             "compile it first: c++ -shared mine.cpp -o mine.so @build/form.flags");
     refused(folder.write("cut.so",
@@ -278,15 +279,15 @@ TEST_CASE("plugin: a reader that closes the pipe early is not blamed on the libr
 TEST_CASE("plugin check: it names the broken promise and says what to write", "[external]") {
     const Scratch folder;
     const Outcome o = must("plugin check " + library("schoolbook"), folder.path());
-    CHECK(has(o.out, "example.schoolbook in binary32, a sphere: does as it says"));
+    CHECK(has(o.out, "example.schoolbook in binary32, a sphere: keeps its promises"));
     // The forms that crash are left to the test above: the library's order is the order of the trials.
     const Outcome odd = run("plugin check " + library("odd_plugin") + " --time-limit 2", folder.path());
     CHECK(odd.code == 3);
     const auto finding = [&odd](const std::string& form) { return finding_of(odd, form); };
-    CHECK(has(finding("odd.right"), "does as it says"));
-    CHECK(has(finding("odd.first"), "does as it says"));
-    CHECK(has(finding("odd.predicate"), "does as it says"));
-    CHECK(has(finding("odd.unit"), "does as it says"));
+    CHECK(has(finding("odd.right"), "keeps its promises"));
+    CHECK(has(finding("odd.first"), "keeps its promises"));
+    CHECK(has(finding("odd.predicate"), "keeps its promises"));
+    CHECK(has(finding("odd.unit"), "keeps its promises"));
     CHECK(has(finding("odd.distance"), "say LB_UNIT"));
     CHECK(has(finding("odd.squared"), "the radius is taken for its square"));
     CHECK(has(finding("odd.far_first"), "the far root comes first"));

@@ -108,7 +108,7 @@ TEST_CASE("state: a library that changes the processor state at any time changes
             ++turn;
         }
     }
-    // Where the loader runs it before the program begins.
+    // With LD_PRELOAD, the loader runs it before the program begins.
     for (const std::string what : {"rounding", "flush", "denormals", "x87"})
         for (const std::string when : {"load", "yield"})
             hold(turn++, "", environment(when, what) + "export LD_PRELOAD=" + library + ";");

@@ -284,7 +284,8 @@ TEST_CASE("suspicion: map and sweep report suspicions on stderr, for wrong forms
     folder.write("large.toml", scene_text("[[sphere]]\ncentre = [0, 0, 0]\nradius = 4\n", "",
                                           "kind = \"pinhole\"\nfov_deg = 50\neye = [0, 0, 12]\n"));
     CHECK(has(map("odd.squared", "large.toml"), "taken for its square"));
-    // Of a radius of 1000 the square root is missed by all rays, which says nothing of a radius.
+    // For a radius of 1000 the form sees a sphere of radius √1000, which all rays miss. That says nothing about a
+    // radius.
     CHECK(has(map("odd.squared", "rtg-fig-7-4.r1e3"), "miss what they should hit; no known mistake"));
     CHECK(has(map("odd.far_first", "near-benign"), "far root"));
     CHECK(has(map("odd.forgetful", "near-benign"),

@@ -47,7 +47,7 @@ TEST_CASE("words: plugin check names the missing property and accepts a form wit
           "at_origin",   "thickness",     "points",        "in_range",      "box_in_range",
           "blocks",      "triangle",      "open_triangle", "segment_point", "segment_thickness"}) {
         INFO(finding("word." + form));
-        CHECK(has(finding("word." + form), ": does as it says"));
+        CHECK(has(finding("word." + form), ": keeps its promises"));
     }
     for (const auto& [form, says] : std::initializer_list<std::array<std::string, 2>>{
              {"unsigned_near", "the near root without its sign"},

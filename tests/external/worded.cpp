@@ -202,7 +202,7 @@ Points<float> points(const Ray<float>& ray, const Sphere<float>& s) {
     return {near, far};
 }
 
-// What a library of the first version of the header was compiled to: it is read so for good.
+// Layout to which a library of the first version of the header was compiled. It stays readable for good.
 static_assert(sizeof(lb_form) == 72 && offsetof(lb_form, shape) == 24 && offsetof(lb_form, at_origin) == 44);
 static_assert(offsetof(lb_form, flags) == 48 && offsetof(lb_form, own) == 56 && offsetof(lb_form, run) == 64);
 static_assert(sizeof(lb_batch) == 72 && offsetof(lb_batch, starts) == 64 && offsetof(lb_batch, near_far) == 40 &&

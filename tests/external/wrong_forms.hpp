@@ -20,7 +20,7 @@ using intersect::external::ForeignForm;
 using Found = std::optional<double>;
 using Solves = std::function<Found(const Ray<double>&, const Primitive<double>&)>;
 
-/// What is right of a closed primitive: its first t >= 0.
+/// Right answer for a closed primitive: its first t >= 0.
 inline Found right(const Ray<double>& ray, const Primitive<double>& primitive) {
     const auto truth = measure::truth::find_truth(ray, primitive);
     if (!truth.is_hit()) return {};
@@ -73,7 +73,7 @@ struct Mistake {
     Solves solve;
 };
 
-/// Those that can be made of any shape.
+/// Mistakes that can be made for any shape.
 inline std::vector<Mistake> error_cases_of_all() {
     using R = const Ray<double>&;
     using S = const Primitive<double>&;
@@ -147,7 +147,7 @@ inline std::vector<Mistake> error_cases_of_all() {
     };
 }
 
-/// Those of one shape.
+/// Mistakes that can be made for one shape.
 inline std::vector<std::pair<Shape, Mistake>> error_case_of_one() {
     using R = const Ray<double>&;
     using S = const Primitive<double>&;

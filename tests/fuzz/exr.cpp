@@ -9,7 +9,7 @@ void fuzz_exr(std::string_view bytes) {
     const std::filesystem::path path = file_of(bytes);
     output::image::ImageBackend& images = output::image::image_backend();
     answer_or_error([&] {
-        if (output::image::ExrHeads(path).pixels() > 100'000) return;  // reading so many takes its time, and rightly
+        if (output::image::ExrHeads(path).pixels() > 100'000) return;  // reading so many takes long, as it should
         const std::size_t parts = std::min<std::size_t>(images.exr_parts(path).size(), 4);
         for (std::size_t part = 0; part < parts; ++part) {
             const output::image::ExrImage image = images.read_exr(path, part);

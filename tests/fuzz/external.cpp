@@ -1,4 +1,4 @@
-// What comes from other processes: libraries, pipes, shaders, shards.
+// Input from other processes: libraries, pipes, shaders, shards.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -78,7 +78,7 @@ void read_record(unsigned kind, output::shard::BitReader& bits) {
 
 }  // namespace
 
-/// What a process behind a pipe says first: what is read without error is written and read back as the same.
+/// First lines of a process behind a pipe. If they are read without error, they are written and read back as the same.
 void fuzz_headers(std::string_view bytes) {
     using intersect::external::read_greeting;
     const intersect::external::PipeTerms terms{.who = "a pipe"};
@@ -91,8 +91,8 @@ void fuzz_headers(std::string_view bytes) {
     });
 }
 
-/// What a library says of a form: a line each for name, title and source, then a byte a number. A form that is taken
-/// has a header for pipes, which says the same.
+/// Description of a form by a library: a line each for name, title and source, then one byte per number. A form that is
+/// accepted has a header for pipes with the same content.
 void fuzz_plugin(std::string_view bytes) {
     std::array<std::string, 3> words;
     for (std::string& word : words) word = take_line(bytes);
@@ -121,7 +121,7 @@ void fuzz_plugin(std::string_view bytes) {
     });
 }
 
-/// What `plugin serve` is asked through a pipe: batches for two forms, one of which refuses.
+/// Requests to `plugin serve` through a pipe: batches for two forms, one of which refuses.
 void fuzz_requests(std::string_view bytes) {
     using intersect::external::ForeignForm;
     static const std::vector<ForeignForm> forms = [] {

@@ -1,4 +1,4 @@
-// What files of their own compute, so that nobody who calls it knows what it is made of.
+// Computations in files of their own, so that the compiler of a caller cannot see what they consist of.
 #pragma once
 
 namespace lostbits::test {

@@ -36,8 +36,9 @@ auto native_of(const Intersector& row) {
     else return row.native64;
 }
 
-/// Of no ray, and of a miss, the filter of boxes leaves what the steps that it took have, and it goes on in double from
-/// float, in two words from a format that no register has.
+/// True if a ray has finite numbers and an end that is a number. For others, and for misses, the filter of boxes leaves
+/// whatever its steps computed; and it goes on in double from float, but in two words from a format that no register
+/// has.
 template <class S>
 bool is_ray(const Scene<S>& scene, std::size_t i) {
     return std::ranges::all_of(scene.column, [i](const auto& all) { return std::isfinite(all[i]); }) &&

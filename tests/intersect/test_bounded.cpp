@@ -1,5 +1,5 @@
-// What a form says of its own error, held against the same formula without rounding: the bound is never below the
-// error, and a decision that the bounds prove is never wrong.
+// The bound that a form states for its own error, compared with the same formula without rounding: the bound is never
+// below the error, and a decision that the bounds prove is never wrong.
 //
 //   LOSTBITS_RAYS=100000000 build/test_filtered "[long-bounds]"
 #include <tbb/parallel_for.h>
@@ -81,7 +81,7 @@ void check_form(const Intersector& form, std::uint64_t rays, std::uint64_t seed,
             const bool as_box = form.shape == Shape::box || form.shape == Shape::triangle;
             HostileRay x = as_box ? draw.box((b + i) % hostile_box_distributions.size())
                                   : draw.sphere((b + i) % sphere_distributions.size());
-            // What is hostile to a sphere is to a primitive around the same centre.
+            // Rays that are hostile to a sphere are hostile to a primitive around the same centre.
             if (!as_box && form.shape != Shape::sphere)
                 x.primitive =
                     transformed(primitive_around<double>(form.shape, x.primitive.point(0), x.primitive.numbers[3]),
@@ -115,7 +115,7 @@ void check_bounds(std::uint64_t rays, std::uint64_t seed, bool any_scale = false
             CHECK(tally.below == 0);
             if (any_scale) continue;  // where most over- or underflows, little is known
             // A bound that adds up what operations lose does not see that a second word holds what the first has lost.
-            // Of tori: a solver divides by what its bounds may hold to be 0.
+            // A solver of tori divides by numbers that may be 0 within their bounds.
             if (form.shape != Shape::torus)
                 CHECK(tally.proved > tally.asked / (form.info->name == "ellipsoid.two_words" ? 64 : 8));
             // Not every form knows anything: closest_approach takes the sign of what is zero but for rounding.

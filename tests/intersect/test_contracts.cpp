@@ -21,7 +21,8 @@ TEST_CASE("every form has a name, a title and a source, and the table keeps the 
         INFO(info.name);
         const std::string shape = std::string(name_of(intersect::shape_of<Form>)) + '.';
         CHECK(names.emplace(info.name).second);
-        // Of the other shapes several forms do the same in another order, which their sources tell.
+        // Several forms of the other shapes do the same operations in another order. Their sources say so, not their
+        // titles.
         if (intersect::shape_of<Form> <= Shape::triangle) CHECK(titles.insert(shape + std::string(info.title)).second);
         CHECK(info.name.starts_with(shape));
         CHECK(info.name.size() > shape.size());
@@ -42,7 +43,7 @@ TEST_CASE("every form has a name, a title and a source, and the table keeps the 
         CHECK(row.exists_in(*find_format("f32")));
         for (const char* format : {"f64", "fp16", "bf16", "tf32", "p24", "p53"})
             CHECK(row.exists_in(*find_format(format)) == everywhere);
-        // What a box, a triangle or a march is asked says more.
+        // Boxes, triangles and marches have more rules.
         if (intersect::shape_of<Form> == Shape::box)
             CHECK((info.direction == intersect::Direction::any && info.roots == intersect::Roots::both && everywhere));
         if (intersect::shape_of<Form> == Shape::triangle) CHECK(info.roots == intersect::Roots::first_only);

@@ -24,7 +24,7 @@ struct Tally {
     std::atomic<std::uint64_t> other_bits = 0, other_way = 0, turned = 0, inexact = 0, of_constants = 0;
 };
 
-/// Of a box the triangle of three corners, on whose edges the rays through its own edges and corners lie.
+/// Triangle of three corners of a box. Rays through edges and corners of the box meet the triangle's own.
 HostileRay at_triangle(const HostileRay& x) {
     const Box<double> box = x.primitive.box();
     const Vec<double> third(box.lo.x, box.hi.y, box.lo.z);
@@ -121,7 +121,7 @@ TEST_CASE("the tape of a filtered form records what ran, with its exact step as 
         if (!form.way) continue;
         ++forms;
         for (const bool any_scale : {false, true}) {
-            // What a span leaves open goes as far as intervals of many bits, of a torus a hundred times as slowly.
+            // Rays that a span leaves open need intervals of many bits, which for a torus take a hundred times as long.
             const bool slow = form.shape == Shape::torus;
             // Few hits of a plane are decided exactly.
             const bool quick = asks_steps(form) || form.shape == Shape::plane;

@@ -163,7 +163,7 @@ TEST_CASE("lines, points and normals of a shape are consistent") {
                     const double depth = shape.off_surface(at((ends->near + ends->far) / 2));
                     CHECK(depth <= 0);
                     if (depth == 0) continue;  // along a face
-                    // Of a primitive with a hole the line may be in it again, so it is asked right behind.
+                    // The line may enter a primitive with a hole again, so the point right behind the exit is checked.
                     const double beyond = is_holed<std::decay_t<decltype(shape)>> ? 0x1p-20 : 1;
                     CHECK(shape.off_surface(at(ends->far + beyond * (ends->far - ends->near))) > 0);
                     from_inside += shape.off_surface(ray.origin) < 0;
@@ -180,7 +180,7 @@ TEST_CASE("lines, points and normals of a shape are consistent") {
                 CHECK(std::fabs(length(n) - 1) <= 0x1p-50);
                 CHECK((dot(n, ray.direction) < 0 || (surface && ends->near == ends->far)));
                 CHECK(std::fabs(shape.off_surface(shape.projected(ray, p))) <= 0x1p-50);
-                // Of an ellipsoid `distance` is a bound, and a cone grows about a point across its axis.
+                // The `distance` of an ellipsoid is a bound, and a cone grows about a point across its axis.
                 if (row.name == "ellipsoid" || row.name == "cone") continue;
                 const double away = shape.distance(ray.origin);
                 if (const auto grown = shape.grown(ray.origin, 2); grown && away > 0)
@@ -240,7 +240,7 @@ TEST_CASE("the span of a shape over balls contains its span over intervals") {
             };
             const auto quick = ends_in.template operator()<Ball>();
             const auto sharp = ends_in.template operator()<Interval>();
-            // Of a rim or a double root balls may not know.
+            // Balls may leave a rim or a double root open.
             const bool open = visit(primitive, []<class Of>(const Of&) { return is_surface<Of> || is_holed<Of>; });
             REQUIRE((quick.has_value() == sharp.has_value() || (open && !quick)));
             if (!quick || !quick->near.is_bounded() || !quick->far.is_bounded()) continue;

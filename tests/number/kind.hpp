@@ -1,5 +1,5 @@
-// What the generic test must know of a number: how operands are drawn, which exact reals they stand for, and when a
-// result keeps the number's promise. One specialisation serves a whole family.
+// Facts that the generic test needs about a number type: how operands are drawn, which exact reals they stand for, and
+// when a result keeps the promise of the type. One specialisation serves several similar types.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,7 @@ inline bool surely_not(Tri mask) { return mask.is_no(); }
 inline bool surely(const RecordedMask& mask) { return mask.value(); }
 inline bool surely_not(const RecordedMask& mask) { return !mask.value(); }
 
-/// Of a pack: in every lane, or in none.
+/// For a pack: true in every lane, or in none.
 template <class F, class Width>
 bool surely(const PackMask<F, Width>& mask) {
     return !any_of(!mask);
@@ -45,7 +45,7 @@ inline constexpr bool is_pack = false;
 template <class F, class Width>
 inline constexpr bool is_pack<Pack<F, Width>> = true;
 
-/// What every lane holds. test_pack.cpp looks at lanes that differ.
+/// Value of every lane, which must be the same. test_pack.cpp looks at lanes that differ.
 template <class F, class Width>
 double in_every_lane(const Pack<F, Width>& x) {
     F lanes[Pack<F, Width>::lanes];

@@ -1,4 +1,4 @@
-// What an operation should give, independently of src/number: MPFR at the width in question, with the exponent range
+// Expected result of an operation, independent of src/number: MPFR at the width in question, with the exponent range
 // and the subnormals of the format.
 #pragma once
 

@@ -33,7 +33,7 @@ constexpr bool proves = false;
 template <class F>
 constexpr bool proves<Proving<F>> = true;
 
-/// What a number with a bound has for words, and of what format they are.
+/// Words of a number with a bound, and their format.
 template <class N>
 auto words_of(const N& x) {
     if constexpr (proves<N>) return x.word();
@@ -241,7 +241,7 @@ void nothing_is_said_without_a_bound() {
         CHECK(silent(x > one));
         for (const auto& y : {x + one, x * two, sqrt(x)}) CHECK(silent(y < two));
     }
-    // What overflows, and quotients and roots that may not exist.
+    // Results that overflow, and quotients and roots that may not exist.
     const Running<W> large(W(0x1p+1000), 0);
     says_nothing(large * large);
     says_nothing(one / Running<W>(W(1), 1.0));

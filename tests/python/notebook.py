@@ -12,7 +12,7 @@ from typing import Any
 
 
 def shown(value: Any) -> dict[str, Any]:
-    """What a notebook shows of the value of a cell's last expression: text, and a picture or a table if it has one."""
+    """Output of a notebook for the value of a cell's last expression: text, and a picture or a table if it has one."""
     data: dict[str, Any] = {"text/plain": repr(value).splitlines(True)}
     if (html := getattr(value, "_repr_html_", None)) is not None and (text := html()) is not None:
         data["text/html"] = text.splitlines(True)

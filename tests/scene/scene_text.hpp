@@ -1,4 +1,4 @@
-// What the tests of scenes share: files from text, and the words of an error.
+// Files from text, and the text of an error, for the tests of scenes.
 #pragma once
 
 #include <filesystem>
@@ -55,7 +55,7 @@ inline std::string replaced(std::string text, const std::string& from, const std
     return text.replace(at, from.size(), to);
 }
 
-/// What reads `text` as a file of that name, and the error of that.
+/// Reads `text` as a file of that name; `error_as` returns the message of the error.
 template <class File, class... More>
 File read_as(const std::string& name, const std::string& text, const More&... more) {
     const Scratch folder;

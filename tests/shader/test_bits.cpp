@@ -119,7 +119,7 @@ TEST_CASE("shader bits: every example keeps its contract, and boxes have the bit
         const bool traces = file.filename() == "sphere_tracer.glsl" || file.filename() == "field.glsl";
         INFO(file << o.out << o.err);
         CHECK(o.code == (traces ? 1 : 0));
-        CHECK(has(o.out, traces ? "BROKEN scale        where all lengths are 2^-" : "does as it says"));
+        CHECK(has(o.out, traces ? "BROKEN scale        where all lengths are 2^-" : "keeps its promises"));
         CHECK(static_cast<bool>(has(o.out, "BROKEN")) == traces);
     }
     const auto out = map_of(folder, "box-one", "--shader " + examples + "box.glsl -i 'shader.*' -i box.signs -f f32");
@@ -154,7 +154,7 @@ TEST_CASE("shader bits: shaders that depend on the order of operations need prec
         CHECK(fault(on("two_words_precise"), "false_miss") == 0);
         CHECK(fault(on("filtered"), "false_hit") == 0);
         if (!has(run("devices --json").out, "Mesa 22.3.6")) continue;
-        // What this driver rewrites, and its fma that rounds twice.
+        // This driver rewrites these expressions, and its fma rounds twice.
         CHECK(bits(on("kahan_fma")) != bits("sphere.kahan_discriminant"));
         CHECK(bits(on("kahan_split")) != bits(on("kahan_split_precise")));
         CHECK(fault(on("two_words"), "false_hit") > 1000);

@@ -290,7 +290,7 @@ int main(int count, char** words) {
         fault = fault_of(progress, limits);
     }
     if (!fault.empty()) say("the test is ended: " + fault + "; it was:" + in_words(descendants()));
-    // What serves a test, as a browser does, may take a moment longer than it.
+    // Processes that serve a test, such as a browser, may end a moment later than the test.
     for (int looks = 0; over && looks < 50 && !descendants().empty(); ++looks) {
         usleep(20000);
         reap(test, status, over, ended_ticks);

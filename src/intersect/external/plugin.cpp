@@ -3,8 +3,11 @@
 #include <dlfcn.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <fstream>
 #include <map>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -111,6 +114,13 @@ std::string beginning(const fs::path& file, std::size_t size) {
     return text;
 }
 
+/// True if the name ends like that of a source of C or C++.
+bool is_source(const fs::path& file) {
+    constexpr std::array<std::string_view, 7> endings{".c", ".cc", ".cpp", ".cxx", ".C", ".h", ".hpp"};
+    const std::string ending = file.extension().string();
+    return std::ranges::find(endings, std::string_view(ending)) != endings.end();
+}
+
 /// The command that compiles a source file to a library. The source of a formula needs the program's own headers and
 /// flags.
 std::string compiling(const fs::path& source) {
@@ -126,7 +136,10 @@ Library load_library(const fs::path& library) {
     const std::string from = library.string();
     const char* const who = lasting_text(from);
     if (beginning(library, 4) != "\177ELF")
-        throw InputError(from + ": is not a library; compile it first: " + compiling(library));
+        throw InputError(from + ": is not a library; " +
+                         (is_source(library) ? "compile it first: " + compiling(library)
+                                             : "give one that a compiler made (c++ -O2 -shared -fPIC mine.cpp -o "
+                                               "mine.so), or a program with --pipe"));
     // The path is absolute: for a name without a slash the loader would search its own folders.
     const auto [loaded, now] = call_of(who, [&] {
         const LoadsForeignCode here(who);

@@ -7,8 +7,8 @@
 
 namespace lostbits::intersect::function {
 
-/// Positions of the blocks such that all blocks of a loop come before those after it, and each before those that it
-/// leads to: the one with the lowest position runs next (F. Bourdoncle, Efficient chaotic iteration strategies with
+/// Positions of the blocks: all blocks of a loop come before those after it, and each block before those that it leads
+/// to. The block with the lowest position runs next (F. Bourdoncle, Efficient chaotic iteration strategies with
 /// widenings, 1993: a weak topological order).
 class BlockOrder {
 public:
@@ -21,8 +21,8 @@ public:
     [[nodiscard]] const std::vector<int>& positions() const { return position_; }
 
 private:
-    /// Arranges the blocks of `inside` that `entry` reaches: components one after another, and each without its entry
-    /// again. Tarjan's algorithm without recursion into blocks.
+    /// Arranges the blocks of `inside` that `entry` reaches. Components stand one after another, and each is arranged
+    /// again without its entry. Tarjan's algorithm without recursion into blocks.
     void arrange(int entry, const std::vector<bool>& inside) {
         const std::size_t n = next_.size();
         std::vector<int> number(n, -1), low(n, 0), stack;

@@ -45,7 +45,7 @@ void write_text(const fs::path& path, const std::string& text) {
     if (!out.flush()) throw EnvironmentError(path.string() + ": cannot be written; set TMPDIR to a folder with space");
 }
 
-/// `FILE:NAME` and `FILE:NAME:WORDS`.
+/// Parts of `FILE:NAME` or `FILE:NAME:WORDS`.
 struct Named {
     fs::path file;
     std::string function, words;
@@ -109,7 +109,7 @@ public:
                                                                    : "the Debian package clang");
     }
 
-    /// The text of a file of LLVM IR; bitcode is read by llvm-dis.
+    /// Returns the text of a file of LLVM IR. llvm-dis reads bitcode.
     std::string ir_of_file() {
         if (file_.extension() == ".ll") return text_of(file_);
         require_in_path("llvm-dis", "the Debian package llvm");
@@ -118,7 +118,7 @@ public:
         return text_of(made);
     }
 
-    /// The LLVM IR of a file that ends in `text`.
+    /// Compiles a file that ends in `text`, and returns its LLVM IR.
     std::string ir(const std::string& text, bool optimised) {
         const fs::path source = write(text), made = folder_.path / "function.ll";
         process::ProgramArguments words{program_};
@@ -209,14 +209,26 @@ private:
     device::TemporaryFolder folder_;
 };
 
-/// A file that makes the compiler keep the function, so that its types can be read.
+/// Writes a file that makes the compiler keep the function, so that its types can be read. An empty name keeps none.
 std::string probe_of(SourceLanguage language, const fs::path& file, const std::string& name) {
-    if (language == SourceLanguage::rust)
-        return text_of(file) + "\n#[no_mangle] pub fn lostbits_keep() -> usize { " + name +
-               " as *const () as usize }\n";
-    const std::string include = "#include \"" + file.string() + "\"\n";
+    const bool is_rust = language == SourceLanguage::rust;
+    const std::string include = is_rust ? text_of(file) + "\n" : "#include \"" + file.string() + "\"\n";
+    if (name.empty()) return include;
+    if (is_rust)
+        return include + "#[no_mangle] pub fn lostbits_keep() -> usize { " + name + " as *const () as usize }\n";
     if (language == SourceLanguage::c) return include + "void* lostbits_keep(void) { return (void*)" + name + "; }\n";
     return include + "auto lostbits_keep = &" + name + ";\n";
+}
+
+/// LLVM IR of the probe. A name that is not in the file is refused with the functions that the file defines.
+std::string probed_ir(Compiler& compiler, SourceLanguage language, const Named& parts, const std::string& source) {
+    try {
+        return compiler.ir(probe_of(language, compiler.file(), parts.function), false);
+    } catch (const InputError&) {
+        if (mentions(source, parts.function)) throw;
+    }
+    const std::string whole = compiler.ir(probe_of(language, compiler.file(), ""), false);
+    throw InputError(no_function(whole, parts.file.string(), parts.function, language));
 }
 
 bool says_miss(const MissValue& s, double t) {
@@ -244,7 +256,7 @@ Mask miss_mask(const MissValue& s, Nodes& nodes, NodeId t) {
     }
 }
 
-/// The value that the function returns for a miss, by the constants that its t may be.
+/// Value that the function returns for a miss, guessed from the constants that its t may be.
 MissValue guessed_sentinel(const Nodes& nodes, NodeId t) {
     bool others = false;
     const std::vector<double> constants = nodes.constants_of(t, others);
@@ -293,7 +305,7 @@ void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& sentinel, 
     }
 }
 
-/// The answer of the table from that of the function, as `external::hit_of` makes it of compiled answers.
+/// Answer of a function as the table has it. `external::hit_of` does the same for compiled answers.
 struct Outputs {
     Mask hit;
     NodeId t, near, far;
@@ -405,7 +417,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     const std::string who = made->path + ":" + parts.function;
 
     const bool is_ir = language == SourceLanguage::llvm;
-    Module probe(is_ir ? made->source : compiler.ir(probe_of(language, compiler.file(), parts.function), false));
+    Module probe(is_ir ? made->source : probed_ir(compiler, language, parts, made->source));
     UserSignature signature = signature_of(probe, made->path, parts.function, language);
     guess(signature,
           parts.words.empty() ? stated_in(made->source, made->path, signature.line)
@@ -434,7 +446,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     Mask hit = answer.hit;
     if (answer.t != no_node) hit = nodes.both(hit, nodes.opposite(miss_mask(signature.sentinel, nodes, answer.t)));
     const Outputs out = outputs_of(nodes, contract, answer, hit);
-    // Names of what has no variable: the answer itself.
+    // The answer itself may have no variable, so it is named here.
     if (out.t != no_node && contract.roots != Roots::none) nodes.name(out.t, "t", 100);
     Nodes::Written written = nodes.written(out.hit, out.t, out.near, out.far);
     written.formula.name = contract.name;

@@ -26,8 +26,8 @@ struct UserFunction {
     UserFunction(const UserFunction&) = delete;
     UserFunction& operator=(const UserFunction&) = delete;
 
-    std::string path;    ///< of its file
-    std::string source;  ///< text of the file; of bitcode, the LLVM IR in it
+    std::string path;    ///< path of its file
+    std::string source;  ///< text of the file; for bitcode, its LLVM IR
     std::string shown;   ///< the signature as it was guessed, in one line
     std::unique_ptr<external::ForeignRow> answers;
     std::unique_ptr<table::WrittenForm> written;
@@ -36,15 +36,15 @@ struct UserFunction {
     table::Intersector row = {.info = nullptr, .shape = {}, .native32 = {}, .native64 = {}};
 };
 
-/// Compiles `FILE.c:NAME`, with words of a signature after another colon, and reads its operations. InputError for a
-/// file that does not compile and for what cannot be followed, EnvironmentError if there is no compiler.
+/// Compiles `FILE.c:NAME` (with a signature after another colon, if given) and reads its operations. Throws InputError
+/// if the file does not compile or an operation cannot be followed, and EnvironmentError if there is no compiler.
 std::unique_ptr<UserFunction> load_function(const std::string& named, const CompileTerms& terms);
 
 /// Adds it to the table, where it stays.
 void register_forms(std::unique_ptr<UserFunction> function);
 
-/// The line of the user's file where an operation of a function stands, marked as compilers mark an error;
-/// empty for other forms and for operations without a place. `node`: its index on a tape of that format.
+/// The line of the user's file with an operation of a function, marked as compilers mark an error. Empty for other
+/// forms and for operations without a place. `node` is the index of the operation on a tape of that format.
 std::string quoted_line(const Info& form, const Format& format, NodeId node);
 /// `sphere.c:12:20`, in the same way.
 std::string place_words(const Info& form, const Format& format, NodeId node);

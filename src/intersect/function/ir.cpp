@@ -16,7 +16,7 @@ bool is_of_word(char c) {
 
 std::size_t rounded_up(std::size_t size, std::size_t align) { return (size + align - 1) / align * align; }
 
-/// Words that are values, so they are not attributes before one.
+/// True for words that are values, so that they are not read as attributes of one.
 bool is_value_word(std::string_view word) {
     constexpr std::array words{"true",
                                "false",

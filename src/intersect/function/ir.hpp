@@ -16,11 +16,11 @@ struct Type {
     enum class Kind { nothing, integer, number, pointer, sequence, structure, other };
     Kind kind = Kind::other;
     std::size_t size = 0, align = 1;      ///< in bytes
-    int bits = 0;                         ///< of an integer or a number
-    bool is_vector = false;               ///< of a sequence: <4 x float>
-    std::vector<const Type*> parts = {};  ///< those of a structure; the one of a sequence
+    int bits = 0;                         ///< bits of an integer or a number
+    bool is_vector = false;               ///< true for a sequence such as <4 x float>
+    std::vector<const Type*> parts = {};  ///< parts of a structure; the item of a sequence
     std::vector<std::size_t> at = {};     ///< offset of each part of a structure
-    std::size_t count = 0;                ///< of a sequence
+    std::size_t count = 0;                ///< number of items of a sequence
 
     /// Part k of a structure or of a sequence, and its offset; null if there is none.
     [[nodiscard]] const Type* part(std::size_t k, std::size_t& offset) const;
@@ -30,7 +30,7 @@ struct Type {
 struct SourcePlace {
     std::string file;
     int line = 0, column = 0;
-    int caller = -1;  ///< index of the place of the call; none in the function itself
+    int caller = -1;  ///< index of the place of the call; -1 in the function itself
 };
 
 struct Block {
@@ -42,7 +42,7 @@ struct IrParameter {
     std::string name;
     const Type* type;
     const Type* by_value = nullptr;              ///< the structure that the caller passes by a pointer to a copy
-    std::string_view type_text = {}, text = {};  ///< the type as it is written; the same with the attributes after it
+    std::string_view type_text = {}, text = {};  ///< the type as written; the same with its attributes
 };
 
 struct IrFunction {
@@ -50,12 +50,12 @@ struct IrFunction {
     std::vector<IrParameter> parameters;
     std::vector<Block> blocks;
     int subprogram = -1;                                   ///< its debug information
-    std::string_view returned_text = {}, convention = {};  ///< as they are written; no convention: C's
+    std::string_view returned_text = {}, convention = {};  ///< as written; an empty convention is C's
 };
 
 struct Global {
     const Type* type;
-    std::string_view value;  ///< empty: declared elsewhere
+    std::string_view value;  ///< empty if it is declared elsewhere
     bool is_constant;
 };
 
@@ -121,7 +121,7 @@ private:
     std::vector<const char*> line_ends_;  // filled by `line_of`
     std::deque<Type> types_;
     const Type* pointer_;
-    std::map<std::string, std::string_view> definitions_;  // of named types
+    std::map<std::string, std::string_view> definitions_;  // the text of each named type
     std::map<std::string, const Type*> named_;
     std::map<int, std::string_view> metadata_;
     int depth_ = 0;

@@ -64,7 +64,7 @@ NodeId Nodes::widen(NodeId x) {
     return known->second;
 }
 
-/// Rounds a double to the function's format. An operation on converted numbers is done in that format instead, which
+/// Rounds a double to the function's format. An operation on converted numbers is instead done in that format. That
 /// gives the same number: binary64 has more than twice the digits of binary32 and two more (S. A. Figueroa, When is
 /// double rounding innocuous?, 1995).
 NodeId Nodes::narrow(NodeId x) {
@@ -107,7 +107,7 @@ NodeId Nodes::number(TapeOp op, NodeId a, NodeId b, NodeId c) {
         const double x = (*this)[a].value, y = b == no_node ? 0 : (*this)[b].value;
         if (op == TapeOp::neg) return constant(-x, wide);
         if (op == TapeOp::abs) return constant(std::fabs(x), wide);
-        // Sums and products without rounding, such as those of a counter.
+        // Computes sums and products of known numbers if they are exact, such as those of a counter.
         if (op == TapeOp::add || op == TapeOp::sub || op == TapeOp::mul) {
             const double z = op == TapeOp::sub ? -y : y;
             const double r = op == TapeOp::mul ? x * y : x + z;
@@ -124,7 +124,7 @@ NodeId Nodes::select(Mask when, NodeId a, NodeId b) {
     if (when == yes || a == b) return a;
     if (when == no) return b;
     if ((*this)[when].op == TapeOp::opposite) return select((*this)[when].operands[0], b, a);
-    // A choice inside of a choice by the same decision is made already.
+    // A choice inside a choice by the same decision is already made.
     const auto made = [&](NodeId side, std::size_t k) {
         const ProgramNode& n = (*this)[side];
         return n.op == TapeOp::select && n.operands[0] == when ? n.operands[k] : side;
@@ -140,12 +140,12 @@ NodeId Nodes::select(Mask when, NodeId a, NodeId b) {
 
 NodeId Nodes::least(TapeOp op, NodeId a, NodeId b) {
     const TapeOp first = op == TapeOp::min ? TapeOp::less : TapeOp::greater;
-    // x86 asks b < a and keeps a if they are equal.
+    // x86 evaluates b < a and keeps a if they are equal.
     return select(either(compare(first, b, a), is_nan(a)), b, a);
 }
 
 Mask Nodes::compare(TapeOp op, NodeId a, NodeId b) {
-    // Asks each constant that a choice may give by itself: t < 0 where t is -1 for a miss.
+    // Compares each constant that a choice may give by itself: t < 0, for example, if t is −1 for a miss.
     const auto resolve = [&](NodeId x, NodeId y, bool turned) -> std::optional<Mask> {
         bool others = false;
         const ProgramNode chosen = (*this)[x];
@@ -165,8 +165,8 @@ Mask Nodes::compare(TapeOp op, NodeId a, NodeId b) {
         return no;
     if (x.wide) {
         auto left = narrowed(a), right = narrowed(b);
-        // A converted number against a constant between two of its format: the neighbour on the right side decides the
-        // same.
+        // A converted number is compared with a constant between two numbers of its format. The neighbour on the right
+        // side gives the same decision.
         const auto beside = [&](double c, bool up) {
             float f = static_cast<float>(c);
             if (up && f < c) f = std::nextafterf(f, std::numeric_limits<float>::infinity());

@@ -1,4 +1,4 @@
-// The recorded operations of a function, while they are recorded. Simplifies what no rounding depends on: decisions
+// The operations of a function while they are recorded. Parts that no rounding depends on are simplified: decisions
 // with a known result, choices between equal sides, numbers that are widened and narrowed again.
 #pragma once
 
@@ -26,7 +26,7 @@ struct ProgramNode {
     TapeOp op = TapeOp::constant;
     bool wide = false;  ///< computed in double by a function of float
     std::array<NodeId, 3> operands{no_node, no_node, no_node};
-    double value = 0;  ///< of a constant, which may be NaN
+    double value = 0;  ///< value of a constant, which may be NaN
     std::string label = {};
     int label_depth = 0;  ///< number of calls around the variable that named it
     int place = -1;
@@ -37,7 +37,7 @@ public:
     /// `bits`: of the format that the function takes and returns.
     explicit Nodes(int bits) : bits_(bits) {}
 
-    int place = -1;  ///< of the operations that follow
+    int place = -1;  ///< place of the operations that follow
 
     [[nodiscard]] const ProgramNode& operator[](NodeId i) const { return all_[static_cast<std::size_t>(i)]; }
     [[nodiscard]] std::size_t size() const { return all_.size(); }
@@ -57,7 +57,7 @@ public:
     Mask both(Mask a, Mask b);
     Mask either(Mask a, Mask b);
     Mask opposite(Mask a);
-    /// `a` where `when` holds, and `b` elsewhere.
+    /// Selects `a` if `when` holds, and `b` otherwise.
     Mask choose(Mask when, Mask a, Mask b);
     Mask is_nan(NodeId x) { return opposite(compare(TapeOp::less_equal, x, x)); }
 
@@ -68,7 +68,7 @@ public:
 
     struct Written {
         table::WrittenFormula formula;
-        std::vector<int> places;  ///< of each operation
+        std::vector<int> places;  ///< place of each operation
     };
     /// The operations that the outputs depend on.
     [[nodiscard]] Written written(Mask hit, NodeId t, NodeId near, NodeId far) const;

@@ -12,7 +12,7 @@
 namespace lostbits::intersect::function {
 namespace {
 
-/// All functions that exist, so that the form of an operation leads to its file.
+/// All functions that exist, to find the file of a form's operation.
 struct Known {
     std::mutex mutex;
     std::vector<const UserFunction*> all;

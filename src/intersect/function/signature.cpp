@@ -37,7 +37,7 @@ bool is_radius(std::string_view name) {
     return is_one_of(name, {"r", "rad", "radius", "w", "sr", "ra"}) && name != "w";
 }
 
-/// Numbers of a type that stand beside each other; -1 if it holds anything else.
+/// Count of the numbers in a type that consists of numbers of one size; -1 if it holds anything else.
 int floats_in(const SourceType& t, std::size_t& size, std::string& last) {
     if (t.kind == Kind::number) {
         if (size != 0 && size != t.size) return -1;
@@ -70,7 +70,7 @@ public:
         argument_ = index;
         out_ = points && !a.type.is_const && !a.is_this && is_answer(a);
         const std::string name = a.is_this ? "this" : a.name;
-        // A pointer to a number is one number where its name says so, and three otherwise.
+        // A pointer to a number means one number if its name says so, and three otherwise.
         if (points && a.target().kind == Kind::number) {
             const bool one = out_ || is_one_of(small(a.name), {"radius", "r", "tmin", "tmax", "t"});
             put(0, a.target().size, !one, name, small(a.name));
@@ -108,7 +108,7 @@ private:
         if (t.kind == Kind::number) return put(at, t.size, false, path, last);
         if (t.kind == Kind::whole) return put(at, t.size, false, path, last, true);
         if (count == 3 || (count == 4 && !is_radius(last_name))) {
-            // Three numbers with names of their own are no vector.
+            // Three numbers with names of their own are not a vector.
             const bool named = t.kind == Kind::structure && t.parts.size() >= 3 && t.parts[0].kind == Kind::number &&
                                is_one_of(small(t.parts[0].member), {"t", "tmin", "tnear", "near", "dist", "radius"});
             if (!named) return put(at, size, true, path, last);
@@ -199,7 +199,7 @@ void give_roles(std::vector<Part>& parts, Shape shape) {
             give(p, "tmax");
         }
     }
-    // Arguments whose names say nothing are taken in the usual order.
+    // Arguments whose names say nothing get the usual order.
     for (const char* const role : {"o", "d"}) {
         if (has(role) || (std::string_view(role) == "d" && has("1/d"))) continue;
         for (const bool ray_only : {true, false}) {
@@ -350,7 +350,8 @@ void guess(UserSignature& s, const Stated& stated, const std::string& who) {
     const Shape shape = guessed_shape(s, stated, parts.all, who);
     if (stated.has_roles) take_roles(parts.all, shape, stated);
     else give_roles(parts.all, shape);
-    // C has no const for the arrays of many functions: a float* that is no part of the question takes an answer.
+    // Many C functions take their arrays without const. So a float* that is not part of the question receives an
+    // answer.
     for (Part& p : parts.all)
         if (p.role.empty() && p.points_to_numbers && p.is_vector &&
             !s.arguments[static_cast<std::size_t>(p.slot.argument)].type.is_const)

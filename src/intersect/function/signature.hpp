@@ -14,18 +14,18 @@ namespace lostbits::intersect::function {
 
 enum class SourceLanguage { c, cpp, rust, llvm };
 
-/// A type as the source has it.
+/// A type as written in the source.
 struct SourceType {
     enum class Kind { nothing, number, whole, pointer, structure, sequence, optional, other };
     Kind kind = Kind::other;
-    std::string name;                        ///< as one would write it
+    std::string name;                        ///< as the source would write it
     std::size_t size = 0;                    ///< in bytes
-    bool is_const = false;                   ///< of a pointer or a reference: its target is not written
+    bool is_const = false;                   ///< true for a pointer or a reference whose target is not written
     std::vector<SourceType> parts = {};      ///< members, or one: the item, the target, the value of an optional
     std::string member = {};                 ///< name of this member
     std::size_t at = 0;                      ///< offset of this member
-    std::size_t count = 0;                   ///< of a sequence
-    std::size_t flag_at = 0, flag_size = 0;  ///< of an optional: the number that is 0 if it is empty; size 0: unknown
+    std::size_t count = 0;                   ///< number of items of a sequence
+    std::size_t flag_at = 0, flag_size = 0;  ///< the number that is 0 if an optional is empty; size 0: unknown
 };
 
 struct Argument {
@@ -62,15 +62,15 @@ struct UserSignature {
     SourceLanguage language{};
     std::string call;    ///< the function as the source calls it
     std::string symbol;  ///< the function in the LLVM IR
-    std::string folder;  ///< of the source file that debug information names; or empty
-    int line = 0;        ///< of its definition in that file
+    std::string folder;  ///< folder of the source file, if debug information names it
+    int line = 0;        ///< line of its definition in that file
     bool is_method = false;
     std::vector<Argument> arguments;
     SourceType returned;
     int bits = 32;
     std::vector<InputSlot> inputs;
     std::optional<Slot> hit, t, far;
-    bool hit_is_optional = false;  ///< the returned value is there or not
+    bool hit_is_optional = false;  ///< the returned optional is empty for a miss
     MissValue sentinel;
     external::Contract contract;
     std::string shown;  ///< the guess in one line
@@ -79,24 +79,29 @@ struct UserSignature {
 /// The words of a comment `lostbits: sphere(o, d, c, r) -> t, miss = -1, roots = near`, or of the option.
 struct Stated {
     std::string shape;
-    std::vector<std::string> roles;  ///< of the vectors and numbers of all arguments, in their order
+    std::vector<std::string> roles;  ///< roles of the vectors and numbers of all arguments, in order
     bool has_roles = false;
     std::vector<std::pair<std::string, std::string>> words;  ///< key and value
     std::string where;
 };
 Stated stated_by(const std::string& text, const std::string& where);
-/// The words after `lostbits:` in a comment right above the function that is defined at that line; without one, the
-/// last comment that stands above no other function.
+/// Reads the words after `lostbits:` in a comment directly above the function defined at that line. Without such a
+/// comment, the last comment that stands above no other function is used.
 Stated stated_in(const std::string& source, const std::string& path, int definition);
 
-/// Reads the signature from the debug information of a module; of LLVM IR without it, from its types. InputError if
-/// the function is not there.
+/// True if a source contains the last part of a name, such as `hit` of `Sphere::hit<float>`, as a word.
+bool mentions(const std::string& source, const std::string& name);
+/// Message about a function that a file lacks, with the functions that the file defines. `ir` is its LLVM IR.
+std::string no_function(const std::string& ir, const std::string& path, const std::string& name,
+                        SourceLanguage language);
+/// Reads the signature from the debug information of a module. LLVM IR without debug information gives its types.
+/// InputError if the function does not exist.
 UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language);
 /// Guesses the rest of it. InputError, which says what to write, if an argument has no meaning that can be guessed.
 void guess(UserSignature& s, const Stated& stated, const std::string& who);
 
-/// A file with a function `lostbits_entry(in, out, hit)` that calls the user's. It includes the file of that path; of
-/// Rust, `file` is the text of the file, which stands before the new function.
+/// Returns the text of a file with a function `lostbits_entry(in, out, hit)` that calls the user's function. It
+/// includes the file of that path. For Rust, `file` is the text of the file, which stands before the new function.
 std::string wrapper_of(const UserSignature& s, const std::string& file);
 /// The same for LLVM IR: the text of the module, and the new function.
 std::string ir_wrapper_of(const UserSignature& s, Module& module, const std::string& who);

@@ -1,10 +1,12 @@
 // Types and names of a function, from its debug information.
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <tuple>
 
@@ -180,6 +182,39 @@ void take_ir_types(UserSignature& s, Module& module, const IrFunction& f, const 
 
 }  // namespace
 
+bool mentions(const std::string& source, const std::string& name) {
+    const std::string plain = name.substr(0, name.find('<'));
+    const std::string last = plain.substr(plain.rfind(':') == std::string::npos ? 0 : plain.rfind(':') + 1);
+    const auto is_of_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+    for (std::size_t at = source.find(last); at != std::string::npos; at = source.find(last, at + 1)) {
+        const std::size_t end = at + last.size();
+        if ((at == 0 || !is_of_word(source[at - 1])) && (end == source.size() || !is_of_word(source[end]))) return true;
+    }
+    return false;
+}
+
+std::string no_function(const std::string& ir, const std::string& path, const std::string& name,
+                        SourceLanguage language) {
+    constexpr std::size_t most_listed = 12;
+    std::set<std::string> names;
+    if (ir.find("define ") != std::string::npos) {
+        const Module module(ir);
+        for (const auto& [symbol, f] : module.functions) {
+            const std::string_view text = module.metadata(f.subprogram);
+            const std::filesystem::path file = field(module.metadata(reference(field(text, "file"))), "filename");
+            if (language != SourceLanguage::llvm && file.filename() != std::filesystem::path(path).filename()) continue;
+            names.insert(text.empty() ? symbol : qualified(module, text, language));
+        }
+    }
+    std::string all;
+    std::size_t listed = 0;
+    for (const std::string& each : names) {
+        if (listed++ < most_listed) all += (all.empty() ? "; it defines " : ", ") + external::shown_text(each);
+    }
+    if (listed > most_listed) all += " and " + std::to_string(listed - most_listed) + " more";
+    return path + ": has no function " + external::shown_text(name) + all;
+}
+
 UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language) {
     // The definition whose debug information has the name; of several, the one with the whole name.
     const IrFunction* found = nullptr;
@@ -193,7 +228,7 @@ UserSignature signature_of(Module& module, const std::string& path, const std::s
         found = &f;
         text = subprogram;
     }
-    if (found == nullptr) throw InputError(path + ": has no function " + external::shown_text(name));
+    if (found == nullptr) throw InputError(no_function(module.text(), path, name, language));
     UserSignature s;
     s.language = language;
     s.call = name;

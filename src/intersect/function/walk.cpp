@@ -211,7 +211,7 @@ Scalar Walk::join(Mask when, const Scalar& a, const Scalar& b, std::size_t size)
 Value Walk::join(Mask when, const Value& a, const Value& b) {
     if (when == yes) return a;
     if (when == no) return b;
-    // Cuts the cells of both at the same places.
+    // Cuts the cells of both values at the same offsets.
     const auto cut = [&](const Value& x, const Value& like) {
         Value made;
         for (const auto& [at, cell] : x) {
@@ -273,7 +273,7 @@ void Walk::join(State& into, State&& other) {
         if (into.memory[k] == nullptr) into.memory[k] = other.memory[k];
         else into.memory[k] = std::make_shared<Value>(join(when, *into.memory[k], *other.memory[k]));
     }
-    // A register that only one of the ways has set is not read after this point.
+    // A register that only one of the two paths has set is not read after this point.
     for (auto r = into.registers.begin(); r != into.registers.end();) {
         const auto same = other.registers.find(r->first);
         if (same == other.registers.end()) {
@@ -332,7 +332,7 @@ void Walk::store(State& state, const Value& pointer, std::size_t size, const Val
     }
 }
 
-/// Goes to a block: sets its phis, and joins the state with those that wait there.
+/// Enters a block: sets its phis, and joins the state with those that wait there.
 void Walk::enter(Frame& frame, State state, const std::string& target) {
     const auto found = frame.blocks.find(target);
     if (found == frame.blocks.end()) fail("the LLVM IR has no block " + target);
@@ -380,7 +380,7 @@ void Walk::enter(Frame& frame, State state, const std::string& target) {
     else join(waiting->second, std::move(state));
 }
 
-/// Goes to a block if the decision holds.
+/// Enters a block if the decision holds.
 void Walk::branch(Frame& frame, State& state, Mask when, const std::string& target) {
     if (when == no) return;
     State there = state;

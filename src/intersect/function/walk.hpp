@@ -1,5 +1,5 @@
-// Runs a function of LLVM IR over recorded numbers: integers and pointers are known or one of a few that decisions
-// choose from, numbers are operations. Both sides of a branch are run, and what they leave is joined by choices.
+// Runs a function of LLVM IR over recorded numbers. An integer or a pointer is known, or is one of a few that decisions
+// choose from. Other numbers are operations. Both sides of a branch are run, and their results are joined by choices.
 #pragma once
 
 #include <map>
@@ -24,9 +24,9 @@ struct Case {
 struct Scalar {
     enum class Kind { undefined, lost, number, whole };
     Kind kind = Kind::undefined;
-    NodeId node = no_node;         ///< of a number
-    std::vector<Case> cases = {};  ///< of an integer or an address: exactly one holds
-    std::string why = {};          ///< of one that is lost
+    NodeId node = no_node;         ///< operation of a number
+    std::vector<Case> cases = {};  ///< cases of an integer or an address: exactly one holds
+    std::string why = {};          ///< reason, for a value that is lost
     friend bool operator==(const Scalar&, const Scalar&) = default;
 };
 
@@ -36,22 +36,23 @@ struct MemoryCell {
     friend bool operator==(const MemoryCell&, const MemoryCell&) = default;
 };
 
-/// A value of any type: its scalars by their offsets in memory. Bytes that are missing are undefined.
+/// A value of any type: its scalars by their offsets in memory. Missing bytes are undefined.
 using Value = std::map<std::size_t, MemoryCell>;
 
 class Walk {
 public:
-    /// `own`: the folder of the user's file; operations in headers elsewhere are shown at the call in it. `ir_file`:
-    /// the module itself if it is the user's file; functions without debug information are then shown as its lines.
+    /// `own` is the folder of the user's file; operations in headers elsewhere are shown at the call in the user's
+    /// file. `ir_file` is the module itself if that is the user's file; functions without debug information are then
+    /// shown as its lines.
     Walk(Module& module, Nodes& nodes, std::string own, std::string ir_file = {})
         : module_(module), nodes_(nodes), own_(std::move(own)), ir_file_(std::move(ir_file)) {}
 
     struct Answer {
         Mask hit;
-        NodeId t, far;  ///< none: not written
+        NodeId t, far;  ///< none if it is not written
     };
-    /// Runs `void NAME(const T* in, T* out, int* hit)`. `inputs` numbers stand in `in`; `out` takes t and the far t.
-    /// InputError with the place for everything that cannot be followed.
+    /// Runs `void NAME(const T* in, T* out, int* hit)`. `in` holds `inputs` numbers; `out` receives t and the far t.
+    /// Throws InputError with the place of anything that cannot be followed.
     Answer run(const std::string& name, int inputs);
 
     [[nodiscard]] const std::vector<SourcePlace>& places() const { return places_; }
@@ -71,10 +72,10 @@ private:
         int caller;              ///< place of the call
         std::vector<int> order;  ///< position of each block
         std::map<std::string, int> blocks;
-        std::map<int, State> pending;  ///< by position
+        std::map<int, State> pending;  ///< by position of the block
         std::vector<int> visits;
         std::optional<State> returned = {};
-        std::string block = {};  ///< the one that runs
+        std::string block = {};  ///< the block that runs
     };
 
     // Values
@@ -144,8 +145,8 @@ private:
     std::map<std::pair<int, int>, int> known_places_;
     std::map<std::string, int> global_objects_;
     std::map<int, std::string> functions_;          // objects that are functions
-    std::map<int, std::pair<int, int>> variables_;  // of objects: the variable, and the depth of calls
-    std::map<int, Value> global_memory_;            // of global constants
+    std::map<int, std::pair<int, int>> variables_;  // by object: the variable, and the depth of calls
+    std::map<int, Value> global_memory_;            // contents of global constants
     int objects_ = 1;
     int depth_ = 0, nesting_ = 0;
     std::size_t steps_ = 0;

@@ -1,4 +1,4 @@
-// Calls: of functions of the file, and of those whose meaning is known.
+// Calls of functions of the file, and of functions whose meaning is known.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -12,7 +12,7 @@ namespace lostbits::intersect::function {
 
 // Calls
 
-/// A call of a function whose meaning is known; nothing if it is none of these.
+/// Performs a call of a function whose meaning is known; returns nothing if it is none of these.
 std::optional<Value> Walk::known_call(State& state, const std::string& name, const Type& type,
                                       const std::vector<Value>& arguments, const std::vector<const Type*>& types) {
     std::string_view base = name;

@@ -68,7 +68,7 @@ int Walk::own_place(int place) const {
     return -1;
 }
 
-/// Names the numbers of a value by the variable that it is stored in, from this offset of the variable on.
+/// Names the numbers of a value after the variable in which it is stored, from this offset of the variable on.
 void Walk::name_value(State& state, int variable, const Value& value, std::size_t from, int depth) {
     static_cast<void>(state);
     const std::string_view text = module_.metadata(variable);
@@ -87,7 +87,7 @@ void Walk::name_value(State& state, int variable, const Value& value, std::size_
             scope = reference(field(around, "scope"));
         }
     }
-    // The path to each number by the types of the debug information.
+    // Adds the path to each number, by the types of the debug information.
     const auto path = [&](std::size_t offset) {
         std::string found;
         int type = reference(field(text, "type"));
@@ -133,7 +133,7 @@ void Walk::name_value(State& state, int variable, const Value& value, std::size_
             nodes_.name(cell.scalar.node, prefix + name + path(from + at), depth);
 }
 
-/// `llvm.dbg.declare`, `llvm.dbg.value`, and the records that stand in their place since LLVM 19.
+/// Handles `llvm.dbg.declare`, `llvm.dbg.value`, and the records that replace them since LLVM 19.
 void Walk::declare(State& state, std::string_view line, Cursor at, bool is_record) {
     const bool is_memory =
         line.find("dbg_declare") != std::string_view::npos || line.find("@llvm.dbg.declare") != std::string_view::npos;

@@ -53,7 +53,7 @@ Value Walk::address_of(State& state, const std::string& name) {
     return whole({{yes, known->second, 0}}, 8);
 }
 
-/// `(TYPE, ptr BASE, i64 0, i32 1)`, of an instruction or in a constant.
+/// Reads `(TYPE, ptr BASE, i64 0, i32 1)`, in an instruction or in a constant.
 Value Walk::element_address(State& state, Cursor& at) {
     skip_flags(at);
     if (at.take("inrange")) at.group();

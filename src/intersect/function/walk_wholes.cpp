@@ -11,7 +11,8 @@
 
 namespace lostbits::intersect::function {
 
-/// Operations on the bits of numbers that compilers and programmers use: the sign, and parts put side by side.
+/// Operations on the bits of numbers that compilers and programmers use: changes of the sign, and parts put side by
+/// side.
 std::optional<Value> Walk::on_bits(std::string_view op, const Type& type, const Value& a, const Value& b) {
     const auto is_number = [&](const Value& v) {
         return v.size() == 1 && v.begin()->second.scalar.kind == Scalar::Kind::number &&
@@ -191,7 +192,7 @@ Value Walk::converted(State& state, std::string_view op, Cursor& at) {
 
 namespace {
 
-/// The part of a whole that the indices at the cursor name, and its offset.
+/// Part of a whole that the indices at the cursor name, and its offset.
 std::pair<const Type*, std::size_t> indexed_part(const Type& whole, Cursor& at) {
     const Type* part = &whole;
     std::size_t from = 0;

@@ -1,5 +1,5 @@
-// The file that calls a user's function with the numbers of a ray and a primitive. The compiler then does what the
-// calling convention asks: structures in registers, references, results in memory.
+// The file that calls a user's function with the numbers of a ray and a primitive. The compiler then follows the
+// calling convention: structures in registers, references, results in memory.
 #include <algorithm>
 
 #include "intersect/function/signature.hpp"

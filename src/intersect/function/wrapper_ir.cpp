@@ -1,5 +1,5 @@
-// The function of LLVM IR that calls a user's function of LLVM IR with the numbers of a ray and a primitive. It gives
-// each parameter the bytes of the argument that debug information says it is a part of.
+// The function of LLVM IR that calls a user's function of LLVM IR with the numbers of a ray and a primitive. Each
+// parameter gets the bytes of the argument that it is a part of, by the debug information.
 #include <algorithm>
 
 #include "intersect/function/signature.hpp"

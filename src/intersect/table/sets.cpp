@@ -146,7 +146,7 @@ std::string refusal_of_set(const std::vector<const Intersector*>& parts) {
     const auto placed = std::ranges::find_if(parts, [](const Intersector* part) { return part->is_placed; });
     if (bare != parts.end() && placed != parts.end())
         return name(*bare) + " has no transform and " + name(*placed) +
-               " has one; write @SPACE after each form, or after none";
+               " has one; write @TRANSFORM after each form, or after none";
     if (!share_a_format(parts)) return "these forms have no format in common; name forms that run in the same format";
     const auto tells_t = [](const Intersector* part) { return part->info->roots != Roots::none; };
     const auto silent = std::ranges::find_if_not(parts, tells_t), telling = std::ranges::find_if(parts, tells_t);

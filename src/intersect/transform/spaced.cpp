@@ -209,9 +209,9 @@ const Intersector& through(const TransformMethod& space, const Intersector& form
     const std::string name(form.info->name);
     if (!is_primitive(form.shape))
         throw InputError(name + "@" + std::string(space.info->name) +
-                         ": a form that marches takes all primitives at once and in the world; leave @SPACE out");
+                         ": a form that marches takes all primitives at once and in the world; leave @TRANSFORM out");
     if (form.is_set() || form.is_placed)
-        throw InputError(name + "@" + std::string(space.info->name) + ": write one @SPACE after each form");
+        throw InputError(name + "@" + std::string(space.info->name) + ": write one @TRANSFORM after each form");
     return rows().row_of({&space, &form}, fill);
 }
 

@@ -31,7 +31,7 @@ std::string missing_for(const Claim& claim) {
     const auto rows = intersect::table::intersectors();
     const auto named = [&claim](const intersect::table::Intersector& row) { return row.info->name == claim.form; };
     if (claim.profile == Claim::Profile::libraries && std::ranges::none_of(rows, named))
-        return "no loaded library has " + claim.form + "; add --plugin, --pipe or --shader";
+        return "no loaded library has " + claim.form + "; add --plugin, --pipe, --shader or --function";
     for (const std::string& need : claim.requirements) {
         // For a shader: the driver named in its source description.
         if (need.starts_with("driver-")) {
@@ -132,9 +132,10 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
     if (names.size() == 1) {
         std::vector<std::string> known;
         for (const intersect::table::Intersector& row : rows) known.emplace_back(row.info->name);
-        scene::toml::fail(claim.where, "unknown form \"" + form +
-                                           "\" (load a form of your own with --plugin, --pipe or --shader); " +
-                                           scene::toml::did_you_mean(form, known));
+        scene::toml::fail(claim.where,
+                          "unknown form \"" + form +
+                              "\" (load a form of your own with --plugin, --pipe, --shader or --function); " +
+                              scene::toml::did_you_mean(form, known));
     }
     std::vector<const intersect::table::Intersector*> parts;
     for (const std::string& name : names) parts.push_back(&scene::rays::without_generator(form_named(claim, name)));

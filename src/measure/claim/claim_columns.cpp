@@ -124,8 +124,9 @@ double ClaimColumns::value(const Claim& claim, const FormSummary& summary) const
     std::vector<std::string> names;
     for (const SummaryColumn& c : columns) names.push_back(c.name);
     add_columns_of_the_others(names);
-    scene::toml::fail(claim.quantity,
-                      "unknown metric \"" + claim.metric + "\"; " + scene::toml::did_you_mean(claim.metric, names));
+    scene::toml::fail(claim.quantity, "unknown metric \"" + claim.metric + "\"; " +
+                                          scene::toml::did_you_mean(claim.metric, names) +
+                                          " (`lostbits list metrics` lists the metrics)");
 }
 
 }  // namespace lostbits::measure::claim

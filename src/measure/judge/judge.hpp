@@ -75,7 +75,7 @@ struct JudgeResult {
 
     /// Adds the results of the pieces that come next.
     void append(JudgeResult&& after);
-    /// Number of rays that the file rightly misses, by its summary, scaled to as many rays as `first` holds.
+    /// Number of rays that the file correctly misses, by its summary, scaled to as many rays as `first` holds.
     [[nodiscard]] std::uint64_t misses_beside_first(const evaluate::FormSummary& file) const;
     /// True if `first` has every ray that the file (with this summary) or the truth hits.
     [[nodiscard]] bool first_are_all(const evaluate::FormSummary& file) const;

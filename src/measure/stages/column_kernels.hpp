@@ -26,8 +26,8 @@ mask_t<P> mask_of(const P& x) {
     return mask_t<P>(x.words());
 }
 
-/// The columns of an instruction, in locals: stores cannot change those. Where every operand moves, which most
-/// instructions have, all move alike, and one index is enough.
+/// The columns of an instruction, in local variables, which stores cannot change. In most instructions every operand
+/// moves from pack to pack. Then all move alike, and one index is enough.
 template <class P, std::size_t count, bool all_move>
 class ColumnCursor {
 public:
@@ -49,7 +49,8 @@ private:
     std::size_t steps_[count], pack_ = 0;
 };
 
-/// `Step::run(cursor)` for each pack. (Flattened itself: within a lambda of a flattened function GCC leaves calls.)
+/// Calls `Step::run(cursor)` for each pack. (It is flattened itself: GCC keeps calls in a lambda of a flattened
+/// function.)
 template <class P, class Step, bool all_move>
 [[gnu::flatten]] void run_packs(double* scratch, const ColumnOperand* operands, std::size_t packs) {
     ColumnCursor<P, Step::columns, all_move> cursor(scratch, operands);
@@ -99,7 +100,8 @@ struct StepOfWords {
     }
 };
 
-/// The bounded numbers of an instruction, of which `exact` are one word each, as the compiler sees.
+/// The bounded numbers of an instruction. The compiler knows those that are exact, one word each, from the bits of
+/// `exact`.
 template <class W, unsigned exact, std::size_t count>
 struct BoundedOperands {
     using E = Running<W>;
@@ -111,7 +113,7 @@ struct BoundedOperands {
         for (std::size_t k = 0; k < operand; ++k) place += (exact >> k & 1) != 0 ? 1 : has_two ? 3 : 2;
         return place;
     }
-    /// Operands and results.
+    /// Number of columns, for operands and results.
     static constexpr std::size_t columns(bool is_decision) {
         return index_of(count) + (is_decision || !has_two ? 2 : 3);
     }
@@ -191,7 +193,7 @@ void fill_kernels(ColumnKernels::OfWords& kernels) {
     [&]<std::size_t... k>(std::index_sequence<k...>) {
         (fill_kernels<W, static_cast<ColumnOperation>(k)>(kernels[k]), ...);
     }
-    (std::make_index_sequence<number::wide::column_operations - 1>());  // a gate has none
+    (std::make_index_sequence<number::wide::column_operations - 1>());  // a gate has no kernel
 }
 
 template <class P>

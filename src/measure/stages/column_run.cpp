@@ -14,11 +14,11 @@ using number::wide::ColumnProgram;
 
 namespace {
 
-/// Rays of a block. The columns of most programs then stay in the second-level cache, and many rays share the cost of a
-/// kernel call.
+/// Number of rays in a block. The columns of most programs then stay in the second-level cache, and many rays share the
+/// cost of a kernel call.
 constexpr std::size_t block = 128;
-/// Doubles from the start of one column to the next. Not a multiple of 4096 bytes, or the processor would mistake a
-/// load for one of what was just stored.
+/// Doubles from the start of one column to the next. This is not a multiple of 4096 bytes, because the processor would
+/// take a load for one that depends on a recent store.
 constexpr std::size_t column_step = block + 8;
 constexpr std::size_t most_lanes = 8;
 
@@ -49,8 +49,8 @@ public:
         for (std::size_t k = 0; k < program.inputs; ++k)
             if (at_[k].last >= 0) place(at_[k]);
     }
-    /// Places the results of an instruction, in the columns of operands that it reads for the last time where there are
-    /// any.
+    /// Places the results of an instruction. They reuse the columns of operands that it reads for the last time, if
+    /// there are any.
     void step(const ColumnInstruction& one, std::ptrdiff_t number) {
         for (std::size_t k = 0; k < one.ins; ++k) release(one.in[k], number);
         for (std::size_t k = 0; k < one.outs; ++k) {

@@ -12,11 +12,11 @@
 namespace lostbits::measure::stages {
 
 /// A program with a buffer for its columns. Everything that is the same for every ray (constants, columns of one
-/// number, and results of these alone) is computed once a batch; the other columns are reused as soon as they are no
-/// longer needed.
+/// number, and results of these alone) is computed once for each batch. The other columns are reused as soon as they
+/// are no longer needed.
 class ColumnRun {
 public:
-    /// `same`: bit k is set where input k is one number for all rays.
+    /// `same`: bit k is set if input k is one number for all rays.
     ColumnRun(const number::wide::ColumnProgram& program, const ColumnKernels& kernels, std::uint64_t same);
     ColumnRun(const ColumnRun&) = delete;
     ColumnRun& operator=(const ColumnRun&) = delete;
@@ -26,7 +26,7 @@ public:
 
 private:
     struct Step {
-        ColumnKernels::Kernel kernel;  ///< null of a gate, whose operand is its mask
+        ColumnKernels::Kernel kernel;  ///< null for a gate, whose operand is its mask
         const ColumnOperand* operands;
         bool is_of_masks;
     };
@@ -41,7 +41,7 @@ private:
     void run_block(double* scratch, std::size_t packs) const;
 
     const ColumnKernels* kernels_;
-    std::size_t scratch_size_ = 0;  ///< doubles
+    std::size_t scratch_size_ = 0;  ///< in doubles
     std::vector<ColumnOperand> operands_;
     std::vector<Step> once_, each_;
     std::vector<Input> once_in_, each_in_;

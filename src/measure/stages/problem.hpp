@@ -26,7 +26,7 @@ TwoWords<P> select(const mask_t<P>& mask, const TwoWords<P>& a, const TwoWords<P
 /// Relative error bound of t* in a stage of one word, and of two. The latter is `truth::certified_tightness`.
 inline constexpr double narrow_tightness = 0x1p-33, wide_tightness = 0x1p-72;
 
-/// Relative distance between an input of 256 bits and the sum of its two words, at most. Every other input has one word
+/// Largest relative distance between an input of 256 bits and the sum of its two words. Every other input has one word
 /// and is equal to it.
 inline constexpr double input_error = 0x1p-104;
 
@@ -37,16 +37,17 @@ struct Enclosure {
     P bound;
 };
 
-/// Findings of a stage: valid only where `settled`. The lengths of a hit that are asked for lie in one binade.
+/// Findings of a stage, valid only where `settled` is set. The requested lengths of a hit lie in one binade.
 template <class P>
 struct Finding {
     mask_t<P> settled, hit;
     Enclosure<P> t, distance;
 };
 
-/// The components of directions that are made unit: no product and no quotient of them over- or underflows.
+/// Limits on the components of directions that are made unit. Within them no product and no quotient over- or
+/// underflows.
 inline constexpr double largest_length = 0x1p+200, least_length = 0x1p-200;
-/// The lengths that columns hold.
+/// Limits on the lengths that columns hold.
 inline constexpr double least_result = 0x1p-900, largest_result = 0x1p+900;
 
 template <class P>
@@ -62,7 +63,7 @@ P sum_of_sizes(const P& x, const P& y, const P& z) {
     return sum_of_three<P>(abs(x), abs(y), abs(z));
 }
 
-/// True where no power of two lies in [x − bound, x + bound], x ≠ 0: the binade of the enclosed number is known.
+/// True if no power of two lies in [x − bound, x + bound], x ≠ 0: the binade of the enclosed number is known.
 template <class P>
 mask_t<P> in_one_binade(const P& x, const P& bound) {
     const P low = binade(x - bound), high = binade(x + bound);

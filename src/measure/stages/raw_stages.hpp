@@ -19,15 +19,15 @@ struct RawColumn {
     std::size_t step;
 };
 
-/// Destination of a length; null where it is not asked for.
+/// Destination of a length; null if it is not requested.
 struct RawLength {
     double *hi = nullptr, *lo = nullptr, *bound = nullptr;
 };
 
-/// Destinations of the findings, one of each for a problem.
+/// Destinations of the findings, one of each kind for each problem.
 struct RawFindings {
     std::uint8_t *settled, *hit;  ///< 0 or 1
-    RawLength t, distance;        ///< t*, in lengths of the direction, and t* |d|: one of them at least
+    RawLength t, distance;        ///< t*, in lengths of the direction, and t* |d|; at least one of them
     /// As in `Truth`; only `RawStages::ties` sets them, since the other stages settle no such ray.
     std::uint8_t *touches = nullptr, *on_surface = nullptr;
 };
@@ -40,38 +40,38 @@ struct UnderMatrix {
     friend auto operator<=>(const UnderMatrix&, const UnderMatrix&) = default;
 };
 
-/// Whole packs of problems and room for what is found: `size` is a multiple of a register's doubles.
+/// Whole packs of problems, and buffers for the findings. `size` is a multiple of the doubles in a register.
 template <class S>
 struct RawProblems {
     RawColumn<S> ray[6], primitive[most_stored];
     RawColumn<S> ray_low[6], primitive_low[most_stored];  ///< second words
-    bool two_words;                                       ///< whether there are any; never of floats
+    bool two_words;                                       ///< true if there are second words; always false for floats
     RawColumn<S> tmin, tmax;
-    bool ranged;  ///< else these are 0 and endless for every ray
+    bool ranged;  ///< if false, tmin is 0 and tmax infinite for every ray
     OpenEnds open;
     UnderMatrix matrix;
     RawFindings out;
     std::size_t size;
 };
 
-/// As many problems, their columns still to be named.
+/// Problems without columns: `size` of them, whose columns are set later.
 template <class S>
 RawProblems<S> raw_problems(std::size_t size, const RawFindings& out) {
     return {{}, {}, {}, {}, false, {}, {}, false, {}, {}, out, size};
 }
 
-/// Directions to be made unit: whole packs.
+/// Directions to be made unit, in whole packs.
 struct RawDirections {
     const double* in[3];
     double* out[3];
     std::uint8_t* settled;  ///< 0 or 1
-    bool binary32;          ///< rounded to binary32; else to binary64
-    double scale;           ///< of the errors that the lemma allows for: 1, but where a test widens them
+    bool binary32;          ///< true: rounded to binary32; false: to binary64
+    double scale;           ///< factor on the error bounds of the lemma: 1, unless a test widens them
     std::size_t size;
 };
 
-/// An operand of an instruction: where its column begins in a room of doubles, and how far apart its packs are: 0 of
-/// what is the same for every ray.
+/// An operand of an instruction: where its column begins in a buffer of doubles, and how far apart its packs are. The
+/// distance is 0 if the operand is the same for every ray.
 struct ColumnOperand {
     std::uint32_t offset, step;
 };
@@ -85,19 +85,19 @@ struct CellsOfColumn {
 /// The instructions of column programs in registers of one width.
 struct ColumnKernels {
     using Kernel = void (*)(double* scratch, const ColumnOperand* operands, std::size_t packs);
-    using OfOperation = std::array<Kernel, 64>;  ///< by the operands that are exact
+    using OfOperation = std::array<Kernel, 64>;  ///< indexed by the set of exact operands
     using OfWords = std::array<OfOperation, number::wide::column_operations>;
 
     std::size_t lanes;
-    std::array<OfWords, 2> of{};  ///< of bounded numbers of one word, of two
+    std::array<OfWords, 2> of{};  ///< for bounded numbers of one word, and of two
 
-    /// Packs of a column from the ray `first` on.
+    /// Copy packs of a column, from the ray `first` on.
     void (*load_floats)(const RawColumn<float>& from, std::size_t first, double* to, std::size_t packs);
     void (*load_doubles)(const RawColumn<double>& from, std::size_t first, double* to, std::size_t packs);
     void (*repeat)(double x, double* to);
     bool (*is_any)(const double* mask, std::size_t packs);
     void (*store_mask)(const CellsOfColumn& mask, std::uint8_t* to, std::size_t packs);
-    /// 0 where the mask is not set.
+    /// Stores 0 in lanes in which the mask is not set.
     void (*store_where)(const CellsOfColumn& mask, const CellsOfColumn& x, double* to, std::size_t packs);
 };
 
@@ -110,7 +110,7 @@ struct RawStages {
     std::array<void (*)(const RawProblems<double>&), shape_rows.size()> ties;
 };
 
-/// One function for registers of 128 bits and one for wider ones, each in an object of its own.
+/// One function for registers of 128 bits and one for wider ones, each in an object file of its own.
 void fill_stages_w128(RawStages& kernels);
 void fill_stages_w256(RawStages& kernels);
 

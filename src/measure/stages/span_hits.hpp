@@ -21,8 +21,8 @@ using number::wide::ColumnWord;
 using number::wide::is_unset;
 using number::wide::Running;
 
-/// The first t at which a ray meets a closed primitive, if the open primitive has the same answer: `hit` and `missed`
-/// hold where that is proved. If `at_origin` holds too, t* is 0 and `t` is not used.
+/// The first t at which a ray meets a closed primitive, if the open primitive has the same answer. `hit` and `missed`
+/// are set if that is proved. If `at_origin` is set too, t* is 0 and `t` is not used.
 template <class E>
 struct SpanHit {
     mask_t<typename E::P> hit, missed, at_origin;
@@ -44,14 +44,14 @@ E root_of(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far, const mas
     return root.n / root.m;
 }
 
-/// Tests if an entry lies in the range, for the closed and the open primitive alike, by its order to the end of the
-/// range. A ray that ends at the entry touches the primitive.
+/// Tests if an entry lies in the range, for the closed and the open primitive alike, by its order relative to the end
+/// of the range. A ray that ends at the entry touches the primitive.
 template <class Mask, class T>
 Mask entry_in_time(const Order<Mask>& to_end, const RangeOfSpan<T>& range) {
     return {to_end.less.yes(), in_time(to_end, range).no()};
 }
 
-/// As `truth::enclose` has it for the usual convention.
+/// The answer of `truth::enclose` for the usual convention.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s) {
     using E = Running<W>;
@@ -66,7 +66,7 @@ SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s) {
     return {hit, missed, none, root_of(s, inside.yes(), past.yes())};
 }
 
-/// The same of a ray with a range.
+/// The same for a ray with a range.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
     using E = Running<W>;
@@ -134,7 +134,8 @@ private:
     }
 };
 
-/// Slabs in numbers that are compared by their first word, and whether those are good enough: to 2^-45 of themselves.
+/// Slabs in numbers that are compared by their first word. `told` is set if all first words are good to 2^-45 of
+/// themselves.
 template <class W>
 struct QuickSlabs {
     SlabSpan<ByFirstWord<W>> span;
@@ -149,7 +150,7 @@ QuickSlabs<W> quick(const SlabSpan<Running<W>>& s) {
     QuickSlabs<W> q{{.entry = {}, .exit = {}, .crossed = s.crossed, .closed = s.closed, .open = s.open, .d2 = {}},
                     P(0) <= P(0)};
     const auto quickly = [&q](const E& x) {
-        q.told = q.told && x.radius() <= P(0x1p-46) * abs(x.first());  // and the second word is less
+        q.told = q.told && x.radius() <= P(0x1p-46) * abs(x.first());  // and the second word is smaller
         return Quick(x);
     };
     for_each_axis([&](auto i) {
@@ -160,7 +161,7 @@ QuickSlabs<W> quick(const SlabSpan<Running<W>>& s) {
     return q;
 }
 
-/// As `truth::enclose` has it for the usual convention. Nothing is said where a first word is not good to 2^-45 of
+/// The answer of `truth::enclose` for the usual convention. Nothing is proved if a first word is not good to 2^-45 of
 /// itself.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s) {
@@ -175,7 +176,7 @@ SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s) {
     return {hit, missed, at_origin, select(at_origin, one, first.n.whole) / select(at_origin, one, first.m.whole)};
 }
 
-/// The same of a ray with a range.
+/// The same for a ray with a range.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
     using E = Running<W>;
@@ -193,7 +194,8 @@ SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s, const RangeOfS
     return {hit, missed, at_origin, select(at_begin, range.begin, t)};
 }
 
-/// As `truth::enclose` has it for the usual convention, where neither the rim nor the origin is met.
+/// The answer of `truth::enclose` for the usual convention, if the ray meets neither the rim nor the surface at its
+/// origin.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s) {
     using P = typename Running<W>::P;
@@ -204,7 +206,7 @@ SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s) {
     return {hit, missed, none, s.at.n / select(hit, s.at.m, one)};
 }
 
-/// The same of a ray with a range, where it does not begin on the surface.
+/// The same for a ray with a range that does not begin on the surface.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
     using P = typename Running<W>::P;
@@ -217,8 +219,8 @@ SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s, const RangeOfS
     return {hit, missed, none, s.at.n / select(hit, s.at.m, one)};
 }
 
-/// As `truth::enclose` has it for the usual convention, where no rim is met: the near side where the ray is known to
-/// meet that, else the far one where it is known not to.
+/// The answer of `truth::enclose` for the usual convention, if the ray meets no rim: the near side if the ray is known
+/// to meet it, and the far side if the ray is known not to meet the near one.
 template <class E, class Begin>
 SpanHit<E> first_span_hit_of_wall(const WallSpan<E>& s, const Begin& begin, const std::array<mask_t<E>, 2>& in_range) {
     using P = typename E::P;
@@ -241,7 +243,7 @@ SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s) {
     return first_span_hit_of_wall<E>(s, Start(), {always, always});
 }
 
-/// The same of a ray with a range.
+/// The same for a ray with a range.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
     return first_span_hit_of_wall<Running<W>>(
@@ -249,7 +251,8 @@ SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s, const RangeOfS
         {in_time(s.order_to(0, range.end), range), in_time(s.order_to(1, range.end), range)});
 }
 
-/// The t at which the line enters (if `far`, leaves), and a mask of the lanes where it is known, in the lanes of a hit.
+/// The t at which the line enters (if `far`, leaves), in the lanes of a hit. `known` is set in the lanes in which it is
+/// known.
 template <class E>
 struct BoundaryHit {
     mask_t<typename E::P> known;
@@ -273,8 +276,8 @@ BoundaryHit<Running<W>> boundary_hit(const JoinedSpan<Running<W>>& s, const mask
     return {P(0) <= P(0), root_of(at, far, (at.h > Running<W>(0)).yes())};
 }
 
-/// As `truth::enclose` has it for the usual convention, of a ray that begins at `begin` and does not begin on the
-/// surface: from outside where it enters, from inside where it leaves, each in the range where there is one.
+/// The answer of `truth::enclose` for the usual convention, for a ray that begins at `begin` and not on the surface. A
+/// ray from outside is answered where it enters, a ray from inside where it leaves, if that lies in the range.
 template <class E, class S, class Begin>
 SpanHit<E> first_span_hit_from(const S& s, const Begin& begin, const mask_t<E>& entry_in, const mask_t<E>& exit_in) {
     using P = typename E::P;
@@ -295,7 +298,7 @@ requires ComparableSpan<Span<Running<W>>, Running<W>> SpanHit<Running<W>> first_
     return first_span_hit_from<E>(s, Start(), always, always);
 }
 
-/// The same of a ray with a range.
+/// The same for a ray with a range.
 template <class W, template <class> class Span>
 requires ComparableSpan<Span<Running<W>>, Running<W>> SpanHit<Running<W>> first_span_hit(
     const Span<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
@@ -304,8 +307,8 @@ requires ComparableSpan<Span<Running<W>>, Running<W>> SpanHit<Running<W>> first_
                                            in_time(s.leaves_to(range.end), range));
 }
 
-/// First t on a surface of degree four, as `truth::enclose` has it for the usual convention: the first root ahead is an
-/// entry or an exit, if every root is known to be simple.
+/// First t on a surface of degree four: the answer of `truth::enclose` for the usual convention. If every root is known
+/// to be simple, the first root ahead is an entry or an exit.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const QuarticSpan<Running<W>>& s) {
     using P = typename Running<W>::P;
@@ -313,7 +316,7 @@ SpanHit<Running<W>> first_span_hit(const QuarticSpan<Running<W>>& s) {
     return {root.found, root.none, P(0) < P(0), s.time(root.x)};
 }
 
-/// The same of a ray with a range.
+/// The same for a ray with a range.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const QuarticSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
     using P = typename Running<W>::P;

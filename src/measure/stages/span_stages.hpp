@@ -86,8 +86,8 @@ mask_t<typename E::P> is_proper(const std::array<E, numbers_of<S>>& primitive) {
     return keeps_limits<S>(primitive, std::make_index_sequence<numbers_of<S>>());
 }
 
-/// Returns the range from tmin to tmax. Where it does not contain more than one t, `proper` becomes false, and nothing
-/// is proved.
+/// Returns the range from tmin to tmax. If it does not contain more than one t, `proper` becomes false, and nothing is
+/// proved.
 template <class E, class P = typename E::P>
 RangeOfSpan<E> range_of(const P& tmin, const P& tmax, OpenEnds open, mask_t<P>& proper) {
     const auto endless = tmax >= P(HUGE_VAL);
@@ -96,12 +96,13 @@ RangeOfSpan<E> range_of(const P& tmin, const P& tmax, OpenEnds open, mask_t<P>& 
     return {exactly(tmin), {exactly(select(endless, P(1), tmax)), exactly(select(endless, P(0), P(1)))}, open};
 }
 
-/// Results requested for all problems alike. `ranged`: the rays have ranges. `t`, `distance`: these are needed.
+/// Results requested for all problems alike. `ranged`: the rays have ranges. `t`, `distance`: the lengths that are
+/// needed.
 struct RequestedResults {
     bool ranged, t, distance;
 };
 
-/// A ray and a primitive in the space of the primitive, and d·d in the world. `proper` is true where the numbers of the
+/// A ray and a primitive in the space of the primitive, and d·d in the world. `proper` is true if the numbers of the
 /// primitive are proved to be valid.
 template <class S, class E>
 struct InSpace {
@@ -111,10 +112,10 @@ struct InSpace {
     mask_t<typename E::P> proper;
 };
 
-/// Does the work of `in_object` (shapes/placement.hpp) for rays at one primitive, in each lane. What depends on the
-/// matrix and the primitive alone is computed once. If the determinant is not proved to differ from 0, nothing is
-/// proved. `proper` is decided on the numbers before they are scaled, since zero times a number with an error bound is
-/// not an exact zero.
+/// Does the work of `in_object` (shapes/placement.hpp) for rays at one primitive, in each lane. Everything that depends
+/// only on the matrix and the primitive is computed once. If the determinant is not proved to differ from 0, nothing is
+/// proved. `proper` is decided before the numbers are scaled, since zero times a number with an error bound is not an
+/// exact zero.
 template <class S, class E>
 struct Entrance {
     UnderMatrix matrix;
@@ -141,8 +142,8 @@ struct Entrance {
     }
 };
 
-/// Takes a length that is known closely enough or is `exact`, and clears `hit` in all other lanes. The length is 0
-/// where `at_origin` is set.
+/// Keeps a length that is known closely enough or is `exact`, and clears `hit` in all other lanes. The length is 0 in
+/// lanes in which `at_origin` is set.
 template <class E, class P = typename E::P>
 Enclosure<P> taken(const E& length, const mask_t<P>& at_origin, const mask_t<P>& exact, mask_t<P>& hit) {
     const P zero(0);

@@ -14,19 +14,21 @@
 
 namespace lostbits::measure::stages {
 
-/// A direction's components, rounded; nothing unless `settled`.
+/// Components of a direction, rounded; valid only where `settled` is set.
 template <class P>
 struct UnitDirection {
     mask_t<P> settled;
     P components[3];
 };
 
-/// The lemma, ε = 2^-102 (`word_error`), for components that are 0 or within [2^-200, 2^200]: their squares are exact,
-/// the two sums add 2ε of d·d, the root ε and half of that, the quotient ε:
+/// Makes directions unit. Let ε = 2^-102 (`word_error`), and let each component be 0 or within [2^-200, 2^200]. The
+/// squares are exact, the two sums add errors of 2ε of d·d, the root half of that and ε, and the quotient ε. So
+///
 ///     |q̂ − d_i/|d|| ≤ 4ε |q̂|
-/// In binary64 hi is nearest to d_i/|d| if it is nearest to hi + (lo ± 8ε|hi|). In binary32 the float nearest to
-/// hi ± 2^-50|hi| is, if both have the same: 2^-53 + 4ε < 2^-51. Quotients below 2^-120 are left, for a float of them
-/// may be subnormal. What `scale` multiplies is 8ε and 2^-50.
+///
+/// In binary64, hi is nearest to d_i/|d| if it is nearest to both hi + (lo ± 8ε|hi|). In binary32, the float nearest to
+/// d_i/|d| is the one nearest to both hi ± 2^-50|hi|, if both have the same: 2^-53 + 4ε < 2^-51. Quotients below 2^-120
+/// are left open, because their floats may be subnormal. `scale` multiplies 8ε and 2^-50.
 template <class P>
 UnitDirection<P> settle_unit_direction(const P (&d)[3], bool binary32, const P& scale) {
     using lostbits::abs;
@@ -59,7 +61,7 @@ template <class P>
 [[gnu::always_inline]] inline void store(const Finding<P>& found, const RawFindings& out, std::size_t i) {
     store_lanes<P>(found.settled, out.settled + i);
     store_lanes<P>(found.hit, out.hit + i);
-    // A miss has zeros; so has a lane that says nothing.
+    // Misses have zeros, and so have lanes in which nothing is settled.
     const auto store = [&](const Enclosure<P>& x, const RawLength& to) {
         if (!to.hi) return;
         select(found.hit, x.middle.hi, P(0)).store(to.hi + i);

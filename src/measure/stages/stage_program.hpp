@@ -1,4 +1,5 @@
-// Program of a shape's stage: its span and where a ray first meets it, recorded once for what a batch has in common.
+// Program of a shape's stage: its span and the first t at which a ray meets it. It is recorded once for all batches
+// with the same terms.
 #pragma once
 
 #include <compare>
@@ -15,18 +16,18 @@ inline constexpr std::size_t input_of_ray = 0, input_of_primitive = 6,
                              input_of_primitive_low = input_of_ray_low + 6,
                              input_of_tmin = input_of_primitive_low + most_stored, input_of_tmax = input_of_tmin + 1,
                              stage_inputs = input_of_tmax + 1;
-/// Outputs: two decisions, then t* and t* |d|, two words and a bound each; 0 for a length that is not asked for.
+/// Outputs: two decisions, then t* and t* |d|, each with two words and a bound. A length that is not requested is 0.
 inline constexpr std::size_t output_settled = 0, output_hit = 1, output_t = 2, output_distance = 5;
 
 /// Properties that all problems of a batch have in common, as far as their program depends on them.
 struct StageTerms {
     Shape shape;
-    int words;       ///< of the arithmetic: 1 or 2
-    bool two_words;  ///< of each input
+    int words;       ///< words of each number that is computed: 1 or 2
+    bool two_words;  ///< each input has two words
     UnderMatrix matrix;
     bool ranged;
     OpenEnds open;
-    bool t, distance;  ///< which of the lengths are asked for
+    bool t, distance;  ///< true for the lengths that are requested
 
     friend auto operator<=>(const StageTerms&, const StageTerms&) = default;
 };

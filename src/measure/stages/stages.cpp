@@ -15,8 +15,8 @@ using intersect::simd::Isa;
 
 namespace {
 
-/// Calls the function that fills the table. It is compiled for its register width too, so it must not be called for a
-/// width that the machine lacks.
+/// Calls the function that fills the table. The function is compiled for its register width too, so it must not be
+/// called for a width that the machine lacks.
 RawStages filled_by(void (*fill)(RawStages&)) {
     RawStages kernels{};
     fill(kernels);
@@ -58,7 +58,7 @@ private:
     std::map<Key, std::unique_ptr<ColumnRun>> all_;
 };
 
-/// Sets bit k where input k is the same number for every problem, or is missing.
+/// Sets bit k if input k is the same number for every problem, or is missing.
 template <class S>
 std::uint64_t same_inputs(const RawProblems<S>& p) {
     std::uint64_t same = 0;

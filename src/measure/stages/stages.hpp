@@ -24,11 +24,11 @@ struct ShapeStage {
 extern template void ShapeStage<float>::operator()(const RawProblems<float>&) const;
 extern template void ShapeStage<double>::operator()(const RawProblems<double>&) const;
 
-/// Stages of one shape at `isa`, and the number of problems that they take at a time. Their findings are the same to
-/// the bit at every width.
+/// Stages of one shape at `isa`, and the number of problems that they take at a time. Their findings have the same bits
+/// at every width.
 struct Stages {
     ShapeStage<float> binary64;        ///< binary32 inputs
-    ShapeStage<double> double_double;  ///< one word a number, or two
+    ShapeStage<double> double_double;  ///< inputs of one word or two
     /// Settles also rays that touch: one word a number, no matrix and no range.
     ShapeStage<double> ties;
     void (*unit_directions)(const RawDirections&);  ///< the same for every shape

@@ -1,4 +1,4 @@
-// Rays that pass exactly through a rim, many at once, by sums that are exact, so that a zero is proved.
+// Settles rays that pass exactly through a rim, many at once, by sums that are exact, so that a zero is proved.
 #pragma once
 
 #include <algorithm>
@@ -14,11 +14,11 @@ namespace lostbits::measure::stages {
 using number::wide::Grid;
 using number::wide::Multiple;
 
-/// Most bits of points and of directions with which two words hold the polynomials exactly. For a shape that lies flat
-/// between points, every sign is that of a polynomial of degree three. With points up to S = 2^31 U, directions up to
-/// D = 2^33 V and vertices relative to o, d·(b × c) is at most 24 D S² < 2^100 V U² and (a − o)·n at most
-/// 48 S³ < 2^99 U³. So the exponents of binary32 numbers may spread by 7 and by 9. The polynomials of other shapes have
-/// degree 4 and more.
+/// Largest numbers of bits, of points and of directions, with which two words hold the polynomials exactly. For a shape
+/// that lies flat between points, every sign is that of a polynomial of degree three. With points up to S = 2^31 U,
+/// directions up to D = 2^33 V and vertices relative to o, d·(b × c) is at most 24 D S² < 2^100 V U² and (a − o)·n at
+/// most 48 S³ < 2^99 U³. So the exponents of binary32 numbers may spread by 7 for points and by 9 for directions. The
+/// polynomials of other shapes have degree 4 and more.
 inline constexpr int bits_of_points = 31, bits_of_directions = 33;
 template <class S>
 inline constexpr bool is_flat_between_points = false;
@@ -29,15 +29,16 @@ inline constexpr bool is_flat_between_points<Of<Multiple<P>>> =
         return key.kind == Key::Kind::point;
     });
 
-/// Findings of the stage for a ray; and as in `Truth`, if the ray touches and if it begins on the surface.
+/// Findings of the stage for a ray. `touches` and `on_surface` are as in `Truth`: the ray touches, or begins on the
+/// surface.
 template <class P>
 struct TieFinding {
     Finding<P> found;
     mask_t<P> touches, on_surface;
 };
 
-/// A length, and a mask of the lanes where it is exact. A ray aimed at a point p by d = p − o meets it at t = 1. A
-/// length that is known only to within a bound around a power of two may lie in either binade.
+/// A length, and a mask of the lanes in which it is exact. A ray aimed at a point p by d = p − o meets it at t = 1
+/// exactly. If that were known only to within a bound, it might lie in either binade around the power of two.
 template <class P>
 struct Exactly {
     using Known = Running<TwoWords<P>>;
@@ -45,14 +46,14 @@ struct Exactly {
     Known length;
     mask_t<P> is_exact;
 
-    /// The quotient t = n/m of multiples: 2^k where n is 2^k m, word by word. m.lo is a multiple of 2^-1000, or 0, and
-    /// so is exact times 2^-60.
+    /// The quotient t = n/m of multiples: exactly 2^k if n is 2^k m, word by word. m.lo is a multiple of 2^-1000, or 0,
+    /// so its product with a power of two of at least 2^-60 is exact.
     Exactly(const Known& t, const Known& n, const Known& m) {
         const P power = binade(t.first()), hi = power * m.first(), lo = power * m.second();
         is_exact = t.first() <= power && power >= P(0x1p-60) && same(hi, n.first()) && same(lo, n.second());
         length = select(is_exact, Known(TwoWords<P>(power)), t);
     }
-    /// 2^k √x where the root is a double.
+    /// 2^k √x, exact if the root is a double.
     [[nodiscard]] Exactly times_root(const Known& x) const {
         const Known root = sqrt(x);
         const TwoWords<P> squared = product_of(root.first(), root.first());
@@ -65,9 +66,9 @@ private:
     static mask_t<P> same(const P& x, const P& y) { return x <= y && x >= y; }
 };
 
-/// As `truth::enclose` has it for a surface with the usual convention. A surface or ray that is not valid meets
+/// The answer of `truth::enclose` for a surface with the usual convention. A surface or ray that is not valid meets
 /// nothing: a direction of zero crosses no plane, and no line crosses the plane of points on one line. For numbers that
-/// are not finite, the result is a miss or nothing.
+/// are not finite, the result is a miss, or nothing is settled.
 template <template <class> class Of, class P, std::size_t count>
 TieFinding<P> settle_tie(const std::array<P, 6>& ray, const std::array<P, count>& points,
                          const RequestedResults& asked) {

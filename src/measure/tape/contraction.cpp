@@ -246,7 +246,7 @@ const Intersector& contracted_row(const Intersector& form) {
     if (form.is_placed)
         throw InputError(std::string(form.info->name) + std::string(contracted_suffix) +
                          ": the suffix of the contraction comes before that of the transform; write FORM" +
-                         std::string(contracted_suffix) + "@SPACE");
+                         std::string(contracted_suffix) + "@TRANSFORM");
     if (is_contracted(form)) throw InputError(std::string(form.info->name) + ": it is contracted already");
     try {
         if (!has_tape(form)) static_cast<void>(tape_of(form, *find_format("f32")));  // throws the reason

@@ -22,7 +22,7 @@ using scene::rays::RayBlock;
 
 namespace {
 
-/// Primitives of a group; those of its culler where it has one.
+/// Primitives of a group; if the group has a culler, those of the culler.
 PrimitiveList<double> primitives_of(const scene::rays::RayGroup& group, const culling::Culler* culler) {
     return culler ? culler->shared() : scene::rays::primitive_list_of(group);
 }

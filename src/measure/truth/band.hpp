@@ -31,7 +31,7 @@ public:
     explicit Band(scene::rays::RayGroup group, TruthLimit limit = {}, culling::Culler* culler = nullptr);
     /// Given ideal rays among the primitives of a scene with own inputs, which must outlive the band.
     Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, TruthLimit limit = {});
-    /// Given ideal rays and primitives; where they are paired, ray i is aimed at primitive i alone.
+    /// Given ideal rays and primitives; if `paired`, ray i is aimed only at primitive i.
     Band(scene::rays::IdealRayBlock rays, std::vector<Primitive<Real>> primitives, bool paired, TruthLimit limit = {});
     /// One ray in stored numbers among the primitives of a scene with shared inputs. `culler` is of that scene and must
     /// outlive the band.
@@ -42,8 +42,8 @@ public:
     void find_condition();
     /// κ of ray i after `find_condition`; NaN for a miss.
     [[nodiscard]] double condition(std::size_t i, intersect::Convention convention) const;
-    /// Bounds how far errors of the inputs can move the t of ray i, or its distance, see `truth::reach`; NaN for a
-    /// miss. `of` gives the format, and the answer where it holds it. In units of the power of two of that t, or
+    /// Bounds how far errors of the inputs can move the t of ray i, or its distance (see `truth::reach`); NaN for a
+    /// miss. `of` gives the format, and the answer if it holds one. The unit is the power of two of that t, or
     /// distance.
     [[nodiscard]] double reach(std::size_t i, intersect::Convention convention, intersect::Direction unit_of,
                                const FormatInputs& of, Perturbed perturbed = Perturbed::componentwise) const;
@@ -59,13 +59,13 @@ public:
     [[nodiscard]] bool keeps_all(const FormatInputs& inputs) const;
     /// Ray i before any format rounds or makes it.
     [[nodiscard]] Ray<Real> true_ray(std::size_t i) const;
-    /// The camera whose rays each format makes; null where it rounds them.
+    /// The camera whose rays each format makes; null if each format rounds given rays.
     [[nodiscard]] const scene::rays::CameraFrame<Real>* frame() const;
-    /// Operations that make ray i in a format; nothing where the format rounds the rays.
+    /// Operations that make ray i in a format; empty if the format rounds given rays.
     [[nodiscard]] std::optional<scene::rays::RecordedRay> recorded_ray(std::size_t i, const Format& format) const;
-    /// Ray i alone as it was given, before any format rounded it, with these primitives. Where none is named, with all
-    /// of them, and with the constants of a march along them. Nothing for a pixel of a scene (its position names it),
-    /// for an ideal ray, and where there would be more than `most_given` primitives.
+    /// Ray i as it was given, before any format rounded it, with the named primitives; without names, with all of them,
+    /// and with the constants of a march along them. Empty for a pixel of a scene (its position names it), for an ideal
+    /// ray, and if there were more than `most_given` primitives.
     [[nodiscard]] std::shared_ptr<const scene::rays::RayGroup> given(std::size_t i, std::set<int> primitives) const;
     static constexpr std::size_t most_given = 64;
 
@@ -73,15 +73,15 @@ public:
     [[nodiscard]] int rows() const { return rows_; }
     [[nodiscard]] intersect::process::StopToken stop() const { return limit_.stop; }
     [[nodiscard]] std::size_t pixels() const { return truths_.size(); }
-    /// Stages that settled the rays, each with each primitive that it could meet.
+    /// Counts of the stages that settled the rays, for each ray and each primitive that it could meet.
     [[nodiscard]] const StageCounts& stages() const { return stages_; }
     /// Truth of ray i by the convention of a form.
     [[nodiscard]] Truth truth(std::size_t i, intersect::Convention convention) const;
     /// Truth of ray i at one of the primitives alone, as if there were no other.
     [[nodiscard]] Truth truth_of_primitive(std::size_t i, std::size_t primitive,
                                            intersect::Convention convention) const;
-    /// True where a special convention needs a truth of its own for ray i: where it starts in or on a primitive, where
-    /// it ends, and for what it meets where one side counts.
+    /// True if a special convention needs a separate truth for ray i: because the ray starts in or on a primitive,
+    /// because of where it ends, or because of what it meets if only one side counts.
     [[nodiscard]] bool needs_special_truth(std::size_t i, intersect::Convention convention) const;
     /// Truth of every ray by the closed primitive's convention. Other conventions that are not special can differ only
     /// on rays of its `whole`.
@@ -105,14 +105,14 @@ private:
     void find_reach(FormatInputs& in, BandNeeds needs) const;
 
     culling::Culler* culler_ = nullptr;
-    const scene::file::Scene* scene_ = nullptr;  ///< for own inputs, whose primitives each format rounds itself
+    const scene::file::Scene* scene_ = nullptr;  ///< set for own inputs, whose primitives each format rounds itself
     int y0_ = 0, rows_ = 0;
     TruthLimit limit_;
-    bool in_binary32_ = true;       ///< every shared number is one of binary32
+    bool in_binary32_ = true;       ///< binary32 holds every shared number
     bool paired_ = false;           ///< ray i is aimed at primitive i alone
-    scene::rays::RayBlock shared_;  ///< inputs = shared
+    scene::rays::RayBlock shared_;  ///< used if inputs = shared
     scene::rays::PrimitiveList<double> shared_primitives_;
-    std::optional<scene::rays::IdealRayBlock> ideal_;  ///< inputs = own
+    std::optional<scene::rays::IdealRayBlock> ideal_;  ///< used if inputs = own
     scene::rays::PrimitiveList<Real> ideal_primitives_;
     std::optional<intersect::MarchConstants<double>> shared_march_;
     /// Truth by a convention that differs from the closed primitive's.
@@ -120,7 +120,7 @@ private:
         Truth truth;
         double condition = 0;
     };
-    /// Truth where the convention makes a difference on ray i; else null.
+    /// Special truth of ray i if the convention makes a difference; null otherwise.
     [[nodiscard]] const SpecialTruth* find_special(std::size_t i, intersect::Convention convention) const;
     template <class Function>
     auto with_ray(std::size_t i, Function&& function) const {
@@ -130,7 +130,7 @@ private:
     RayTruths truths_;
     StageCounts stages_;
     std::vector<double> condition_;
-    std::unordered_map<std::size_t, SpecialTruth> apart_;  ///< by `key_of`, where the convention makes a difference
+    std::unordered_map<std::size_t, SpecialTruth> apart_;  ///< by `key_of`, for rays on which the convention matters
 };
 
 }  // namespace lostbits::measure::truth

@@ -11,7 +11,7 @@
 namespace lostbits::measure::truth {
 namespace {
 
-/// 2^e, where it is a normal number.
+/// 2^e, if it is a normal number.
 double power_of_two(std::int64_t e) { return std::bit_cast<double>(static_cast<std::uint64_t>(e + 1023) << 52); }
 
 /// Same as ilogb, without the call for normal numbers.
@@ -64,7 +64,8 @@ std::optional<Certified> certify(const Interval& x, double tightness) {
     if (mpfr_zero_p(x.lower()) != 0 && mpfr_zero_p(x.upper()) != 0) return Certified{};
     if (mpfr_sgn(x.lower()) * mpfr_sgn(x.upper()) <= 0) return std::nullopt;
     const mpfr_exp_t e = mpfr_get_exp(x.lower()) - 1;
-    // All in units of 2^e: hi + lo is the lower end to 106 bits, the rest of the interval goes into the bound.
+    // All numbers are in units of 2^e. hi + lo is the lower end to 106 bits, and the rest of the interval goes into the
+    // bound.
     mpfr_t work;
     mpfr_init2(work, std::max(mpfr_get_prec(x.lower()), mpfr_get_prec(x.upper())) + 64);
     mpfr_sub(work, x.upper(), x.lower(), MPFR_RNDU);
@@ -98,7 +99,7 @@ int compare(const Certified& x, const Certified& y) {
     const std::int64_t top = std::max(x.is_zero() ? y.exponent : x.exponent, y.is_zero() ? x.exponent : y.exponent);
     const double d = scaled_difference(x, y, top);
     const double slack = (scale(x.bound, x.exponent - top) + scale(y.bound, y.exponent - top)) * (1 + 0x1p-40);
-    // d carries a relative error of a few 2^-53 of its own size, and what underflowed in scaling is below 2^-1000.
+    // d has a relative error of a few 2^-53, and the losses to underflow in scaling are below 2^-1000.
     if (std::fabs(d) * (1 - 0x1p-40) > slack + 0x1p-1000) return d < 0 ? -1 : 1;
     return 0;
 }
@@ -106,7 +107,8 @@ int compare(const Certified& x, const Certified& y) {
 Certified nearer(const Certified& x, const Certified& y) {
     const int order = compare(x, y);
     if (order != 0) return order < 0 ? x : y;
-    // Indistinguishable: the smaller of the two lies within both bounds and the distance of the midpoints of either.
+    // The two cannot be told apart. The smaller one lies within both bounds plus the distance of the midpoints of
+    // either.
     Certified r = x;
     if (x.is_zero()) return x;
     const double apart = std::fabs(scaled_difference(x, y, x.exponent));
@@ -117,7 +119,7 @@ Certified nearer(const Certified& x, const Certified& y) {
 Neighbours round_ends(const Certified& x, const FloatFormat& format) {
     if (x.is_zero()) return {0, 0};
     const auto rounded_at = [&](double shift) {
-        // hi + lo + shift = nearest double + rest, exactly: all that correct rounding needs is the sign of the rest.
+        // hi + lo + shift = nearest double + rest, exactly. Correct rounding needs only the sign of the rest.
         const DoubleDouble outer = two_sum(x.lo, shift);
         DoubleDouble s = two_sum(x.hi, outer.hi);
         const DoubleDouble rest = two_sum(s.lo, outer.lo);
@@ -128,7 +130,7 @@ Neighbours round_ends(const Certified& x, const FloatFormat& format) {
             s.hi = towards;
             residual = -residual;
         }
-        // Rounds in units of 2^exponent, to a format whose exponents are shifted by as much.
+        // Rounds in units of 2^exponent, to a format whose exponents are shifted by the same amount.
         const auto moved = [&](std::int64_t bound) {
             return static_cast<int>(std::clamp<std::int64_t>(bound - x.exponent, -4000, 4000));
         };

@@ -10,8 +10,8 @@
 
 namespace lostbits::measure::truth {
 
-/// x = (hi + lo)·2^exponent with 1 ≤ |hi| < 2 (or x = 0 exactly), |x − (hi + lo)·2^exponent| ≤ bound·2^exponent.
-/// The exponent is apart so that numbers beyond the range of double are values like any other.
+/// x = (hi + lo)·2^exponent with 1 ≤ |hi| < 2 (or x = 0 exactly), |x − (hi + lo)·2^exponent| ≤ bound·2^exponent. The
+/// exponent is separate, so that numbers beyond the range of double need no special case.
 struct Certified {
     double hi = 0;
     double lo = 0;
@@ -26,36 +26,36 @@ struct Certified {
 /// The relative bound that every certified value meets: 2^-72, which is 2^-19 of a double's last place.
 inline constexpr double certified_tightness = 0x1p-72;
 
-/// The midpoint and bound of an enclosure, or nothing where it is not tight enough (or unbounded).
+/// Midpoint and bound of an enclosure; empty if it is not tight enough (or unbounded).
 std::optional<Certified> certify(const Ball& x, double tightness = certified_tightness);
 std::optional<Certified> certify(const Interval& x, double tightness = certified_tightness);
 
-/// hi + lo ± bound, |lo| ≤ ulp(hi)/2, of any size; hi = 0 stands for zero exactly.
+/// The number hi + lo ± bound, |lo| ≤ ulp(hi)/2, of any size; hi = 0 means exactly zero.
 Certified certified(double hi, double lo, double bound);
 
-/// (x − y)/2^e for the midpoints of both, as a double, to a relative error of 2^-50; infinite where it exceeds double's
-/// range. x and y may be any numbers, equal exponents not required.
+/// (x − y)/2^e of the midpoints, as a double, to a relative error of 2^-50; infinite if it exceeds the range of double.
+/// The exponents of x and y may differ.
 double scaled_difference(const Certified& x, const Certified& y, std::int64_t e);
 
 /// A finite double as a certified value with bound zero.
 Certified exactly(double x);
 
-/// Enclosure of both: the nearest of two intersections where they cannot be told apart.
+/// Nearer of two intersections; if they cannot be told apart, an enclosure of both.
 Certified nearer(const Certified& x, const Certified& y);
-/// −1, 0 (cannot be decided), or +1.
+/// Order of x and y: −1, 0 (cannot be decided), or +1.
 int compare(const Certified& x, const Certified& y);
 
-/// Both ends of x, each rounded to nearest even in a format: one number, or two neighbours where the bound straddles
-/// the boundary between them.
+/// Both ends of x, each rounded to nearest even in a format: one number, or two neighbours if the bound straddles the
+/// boundary between them.
 struct Neighbours {
     double lower, upper;
 };
 Neighbours round_ends(const Certified& x, const FloatFormat& format);
-/// x rounded to nearest even in a format, or nothing where the bound straddles a rounding boundary.
+/// x rounded to nearest even in a format; empty if the bound straddles a rounding boundary.
 std::optional<double> round_certified(const Certified& x, const FloatFormat& format);
 
-/// |x|/2^emin-scaled position in the format's ordering: 0 for zero, +1 per representable number, negative below zero.
-/// Infinity follows the largest finite number. x must be a number of the format.
+/// Position of x in the order of the format's numbers: 0 for zero, +1 for each representable number, negative below
+/// zero. Infinity follows the largest finite number. x must be a number of the format.
 std::int64_t ordinal(double x, const FloatFormat& format);
 /// Finite number of that ordinal.
 double number_at(std::int64_t ordinal, const FloatFormat& format);

@@ -26,7 +26,7 @@ namespace {
 struct Given {
     Shape shape;
     std::variant<std::vector<double>, std::vector<Real>> numbers;
-    std::optional<Placement<int>> placed;  ///< without its numbers
+    std::optional<Placement<int>> placed;  ///< its kind, without its numbers
 
     template <class S>
     Given(const Ray<S>& ray, const Primitive<S>& primitive) : shape(primitive.shape) {
@@ -39,8 +39,8 @@ struct Given {
     }
 };
 
-/// Number with derivatives, enough of them for any primitive. With a width for each shape, the code would be compiled
-/// for each.
+/// Number with derivatives, enough of them for any primitive. A width for each shape would compile the code once for
+/// each.
 template <class E>
 using Sensitive = Dual<E, 6 + most_stored>;
 
@@ -66,7 +66,7 @@ struct Problem {
     }
 };
 
-/// t and its derivatives by each number. A miss has none. `endless` has none either: a t of 0, or a double root, which
+/// t and its derivatives by each number. A miss has none. `endless` has none either: t is 0, or at a double root, which
 /// does not move in proportion to its inputs.
 template <class E>
 struct Sensitivity {
@@ -75,7 +75,7 @@ struct Sensitivity {
     std::vector<E> x = {}, by = {};
 };
 
-/// Sensitivity at one precision; nothing where that is too low.
+/// Sensitivity at one precision; empty if the precision is too low.
 template <class E>
 std::optional<Sensitivity<E>> sensitivity(const Given& given, Convention convention, const Range<double>& of_ray) {
     using Kind = typename Sensitivity<E>::Kind;
@@ -143,7 +143,7 @@ struct OfGradient {
     }
 };
 
-/// Answer that `Asked` computes from a sensitivity; nothing where the precision is too low for it.
+/// Answer that `Asked` computes from a sensitivity; empty if the precision is too low for it.
 template <class Asked, class E>
 std::optional<typename Asked::Answer> asked_of(const std::optional<Sensitivity<E>>& found) {
     if (!found) return std::nullopt;
@@ -166,7 +166,7 @@ typename Asked::Answer answer_of(const Ray<S>& ray, const Primitive<S>& primitiv
         const Interval::Precision precision(bits);
         if (const auto found = asked_of<Asked>(sensitivity<Interval>(given, convention, range))) return *found;
     }
-    // A problem that no precision settles has a division by a root that is exactly zero: a tangent.
+    // If no precision settles a problem, it divides by a root that is exactly zero: a tangent.
     return Asked::endless();
 }
 

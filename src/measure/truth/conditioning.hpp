@@ -10,16 +10,16 @@
 namespace lostbits::measure::truth {
 
 /// κ = Σ |xᵢ ∂t/∂xᵢ| / |t| of the true first intersection, over all inputs: origin, direction, the primitive's numbers.
-/// Relative errors of δ in each input alone move t by at most κ·δ in all, to first order. Good to 2^-20 of itself.
-/// Infinite where t = 0, and on an exact tangent, where ∂t/∂xᵢ is infinite; NaN for a miss. The range is not an input:
-/// where the answer is the tmin of a ray that begins inside, κ is 0.
+/// If each input has a relative error of at most δ, t moves by at most κ·δ (relative, to first order). κ is good to
+/// 2^-20 of itself. It is infinite if t = 0, and on an exact tangent, where ∂t/∂xᵢ is infinite; NaN for a miss. The
+/// range is not an input: if the answer is the tmin of a ray that begins inside, κ is 0.
 double condition(const Ray<double>& ray, const Primitive<double>& primitive, intersect::Convention convention = {},
                  const Range<double>& range = {});
 double condition(const Ray<Real>& ray, const Primitive<Real>& primitive, intersect::Convention convention = {},
                  const Range<double>& range = {});
 
 /// ∂t/∂xᵢ of the same intersection, in the order of the inputs and then those of a matrix, each good to 2^-40 of the
-/// largest. Empty for a miss, for a hit where the range begins, and on an exact tangent.
+/// largest. Empty for a miss, for a hit at the beginning of the range, and on an exact tangent.
 std::vector<double> gradient(const Ray<double>& ray, const Primitive<double>& primitive,
                              intersect::Convention convention = {}, const Range<double>& range = {});
 

@@ -22,10 +22,10 @@ namespace lostbits::measure::truth {
 /// (exit).
 enum class Crossing : std::uint8_t { begin, near, far };
 
-/// Answer of one precision for one primitive. The other members have a meaning only where `hit` is certain.
+/// Answer of one precision for one primitive. The other members are valid only if `hit` is certain.
 template <class E>
 struct Enclosed {
-    Tri hit;  ///< of the closed primitive: touching counts
+    Tri hit;  ///< hit of the closed primitive: touching counts
     E t = E(0);
     E distance = E(0);
     /// The ray meets only the boundary of the primitive, which is a miss if touching is a miss. Tangents touch, and so
@@ -35,7 +35,7 @@ struct Enclosed {
     /// The ray begins on the surface. That is a root, and the convention decides if it counts.
     bool on_surface = false;
     Crossing at = Crossing::begin;
-    bool at_double_root = false;  ///< of a quartic: t has no derivative
+    bool at_double_root = false;  ///< t is a double root of a quartic, and has no derivative
 };
 
 /// Parameter t at which a ray begins: the start of its range, or 0.
@@ -164,16 +164,16 @@ Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* 
 /// lies in the closed box, for `Touching::miss` the infimum of those for which it lies in the open box. Either way, t*
 /// = max(tmin, largest entry):
 ///
-///   - a ray that begins inside gives t = tmin exactly, be that end open or not; so does one that begins on the
-///   boundary if it goes in (or, closed and not open there, along it or out);
+///   - a ray that begins inside gives t = tmin exactly, whether that end is open or not; so does one that begins on
+///     the boundary if it goes in (or, if the box is closed and the end is not open, along it or out);
 ///   - an entry exactly at tmax is a hit of the closed box and a miss of the open one, whose points all come later;
 ///   - a box of zero thickness has an empty inside.
 ///
 /// All decisions are signs of dyadic polynomials of degree two in the inputs (differences times a direction or tmax),
 /// so for doubles an interval of 2·(1024 + 1074) + 3 < 4200 bits decides every one. The direction must not be zero, and
-/// lo ≤ hi. From inside the answer is tmin unless the convention says another. `touching` says that the two conventions
-/// differ; it is known, like everything else, only where `hit` is. A Dual's gradient is that of the axis that was
-/// chosen: where two entries are equal t has a kink, and the gradient is one-sided.
+/// lo ≤ hi. From inside the answer is tmin unless the convention states another. `touching` means that the two
+/// conventions differ; like everything else, it is known only if `hit` is. The gradient of a Dual is that of the axis
+/// that was chosen: if two entries are equal, t has a kink, and the gradient is one-sided.
 template <class E>
 Enclosed<E> enclose(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, intersect::Convention convention) {
     const E zero(0);

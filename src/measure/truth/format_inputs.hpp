@@ -21,11 +21,11 @@ struct FormatInputs {
     Format format;
     scene::rays::RayBlock rays = {};
     scene::rays::PrimitiveList<double> primitives = {};
-    /// Constants of a march, where the scene has them; a form that marches is never run without them.
+    /// Constants of a march, if the scene has them; a form that marches is never run without them.
     std::optional<intersect::MarchConstants<double>> march = {};
     /// Directions normalised and rounded to the format; empty unless a form asks for them.
     scene::rays::RayBlock unit_rays = {};
-    /// Truth of these inputs; empty where they are the ideal ones, or where no metric needs it.
+    /// Truth of these inputs; empty if they are the ideal ones, or if no metric needs it.
     RayTruths own_truth = {};
     /// Truth by other conventions, by `key_of`, for the rays on which they matter.
     std::unordered_map<std::size_t, Truth> own_apart = {};
@@ -33,10 +33,11 @@ struct FormatInputs {
     std::array<std::array<std::vector<double>, 2>, 2> reach = {};
     bool ideal = false;   ///< the inputs are exactly those of the truth
     bool paired = false;  ///< ray i is aimed at primitive i alone
-    /// Index of the primitives that forms are asked about: for spheres, and for other shapes ray by ray. Null: all.
+    /// Index of the primitives that forms are tested against. It is for spheres; other shapes have `candidates` ray by
+    /// ray. Null: all primitives.
     std::shared_ptr<const culling::SphereIndex> index = {};
     std::shared_ptr<const culling::CandidateLists> candidates = {};
-    intersect::process::StopToken stop = {};  ///< of the band, for code that runs forms on the inputs
+    intersect::process::StopToken stop = {};  ///< the band's token, for code that runs forms on the inputs
 
     [[nodiscard]] Truth own(std::size_t i, intersect::Convention convention) const;
     [[nodiscard]] const scene::rays::RayBlock& rays_for(const intersect::Info& info) const {
@@ -62,7 +63,7 @@ struct FormatInputs {
     }
 };
 
-/// Key for a ray and for what a convention says of touching and of the origin.
+/// Key for a ray and the values of a convention for touching and for the origin.
 [[nodiscard]] inline std::size_t key_of(std::size_t i, intersect::Convention convention) {
     return 4 * i + (convention.touching == intersect::Touching::miss ? 2 : 0) +
            (convention.at_origin == intersect::AtOrigin::miss ? 1 : 0);

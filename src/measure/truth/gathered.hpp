@@ -54,7 +54,7 @@ private:
     std::array<std::vector<double>, std::is_same_v<S, double> ? 0 : 12> buffers_;
 };
 
-/// True where some ray has a range that is not everything ahead of its origin.
+/// True if some ray has a range that is not everything ahead of its origin.
 template <class S>
 bool have_ranges(std::span<const S> tmin, std::span<const S> tmax, OpenEnds open) {
     return open.tmin || std::ranges::any_of(tmin, [](S t) { return t != 0; }) ||
@@ -90,15 +90,15 @@ struct BatchFindings {
     }
 };
 
-/// Problems gathered in a row from anywhere. The last one is repeated to fill whole registers.
+/// Problems from anywhere, gathered in a row. The last one is repeated to fill whole registers.
 template <class S>
 struct Gathered {
     alignas(64) S numbers[most_columns][column_capacity];
     BatchFindings found;
     std::size_t size = 0;  ///< number of problems that were added one by one
 
-    /// Buffer of this thread for a shape, or for columns of any shape: some callers ask for one ray at a time, a
-    /// thousand times.
+    /// Buffer of this thread for a shape, or for columns of any shape. It is reused, because some callers settle one
+    /// ray at a time, thousands of times.
     static Gathered& of_thread(std::optional<Shape> shape = {}) {
         thread_local std::array<std::unique_ptr<Gathered>, shape_rows.size() + 1> all;
         auto& wanted = all[shape ? static_cast<std::size_t>(*shape) : shape_rows.size()];

@@ -9,8 +9,8 @@
 
 namespace lostbits::measure::truth {
 
-/// True where t is x rounded to the format, or may be where x is known too loosely to tell. If t is infinite, this is
-/// an overflow that rounding alone makes.
+/// True if t is x rounded to the format, or may be, because x is not known closely enough to tell. If t is infinite,
+/// rounding alone makes this overflow.
 inline bool may_round_to(const Certified& x, double t, const FloatFormat& format) {
     const Neighbours ends = round_ends(x, format);
     return ends.lower == t || ends.upper == t;
@@ -31,8 +31,8 @@ inline double lost_bits(double ulps, int precision) {
     return std::min(bits::log2_of(size) + 1, static_cast<double>(precision));
 }
 
-/// log2 of the unit of a `reach` (reach.hpp): the power of two of t*, so that no reach leaves the range of double where
-/// t* does; 1 is the unit where t* is 0.
+/// log2 of the unit of a `reach` (reach.hpp): the power of two of t*, so that no reach leaves the range of double
+/// because t* does. If t* is 0, the unit is 1.
 inline std::int64_t exponent_of_unit(const Certified& truth) { return truth.is_zero() ? 0 : truth.exponent; }
 
 /// Bits that a `reach` can cost: the lost bits of the envelope max(½, reach/ulp(t*)) ulp.
@@ -41,7 +41,7 @@ inline double inherent_bits(double reach, const Certified& truth, const FloatFor
     return lost_bits(std::ldexp(reach, static_cast<int>(exponent_of_unit(truth) - ulp)), format.precision);
 }
 
-/// Lost bits beyond `inherent_bits`. Where `inherent_bits` is p (t* = 0, or below what it can move by), a loss of all
+/// Lost bits beyond `inherent_bits`. If `inherent_bits` is p (t* = 0, or t* is smaller than its reach), a loss of all
 /// bits is still compared with `reach`: log2(|t − t*| / reach), from 0 to p.
 inline double excess_bits(double t, const Certified& truth, const FloatFormat& format, double reach) {
     const int precision = format.precision;

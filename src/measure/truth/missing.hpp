@@ -9,7 +9,7 @@ namespace lostbits::measure::truth {
 
 inline constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-/// `part` over `whole`; missing where `whole` is 0.
+/// `part` over `whole`; missing if `whole` is 0.
 inline double fraction(std::uint64_t part, std::uint64_t whole) {
     return whole == 0 ? missing : static_cast<double>(part) / static_cast<double>(whole);
 }

@@ -21,7 +21,7 @@ inline constexpr double outward = 1 + 0x1p-40;
 inline constexpr double anywhere = std::numeric_limits<double>::infinity();
 inline constexpr int exponent_of_zero = -1000000;
 inline constexpr double tiny =
-    std::numeric_limits<double>::denorm_min();  ///< what a product that underflows may have lost
+    std::numeric_limits<double>::denorm_min();  ///< largest loss of a product that underflows
 
 using WithinErrors = Bounded<double>;
 /// Large enough for the numbers of any problem.
@@ -59,9 +59,9 @@ struct AllValues {
 };
 
 /// Numbers of a problem (origin, direction, the primitive's, its matrix's) and the error bound of each. Their units
-/// make the largest length and the largest component of d about 1. Under a matrix the lengths of the primitive have a
-/// unit of their own, its directions have another, and A has the quotient of two units. So no number is above 1 and
-/// nothing overflows; losses of small numbers to underflow are in the bounds.
+/// make the largest length and the largest component of d about 1. Under a matrix A, the lengths of the primitive have
+/// a unit of their own, its directions have another, and A has the quotient of two units. So no number is above 1, and
+/// nothing overflows. The bounds include the losses of small numbers to underflow.
 class ProblemNumbers {
 public:
     template <class S>
@@ -89,7 +89,7 @@ public:
             unit = std::max(unit, exponents[i]);
         }
         if (placed_) put_units_of_matrix();
-        for (int* const unit : {&units_[0], &units_[1]}) {  // units of lengths and of directions
+        for (int* const unit : {&units_[0], &units_[1]}) {  // the units of lengths and directions
             if (placed_) break;
             *unit = std::abs(*unit) < 32 ? 0 : std::max(*unit, format.emin);  // zeros get emin
         }
@@ -120,8 +120,8 @@ public:
         return WithinErrors(value, t.is_zero() ? 0 : std::fabs(value) * 0x1p-51 + tiny);
     }
 
-    /// |f(x') − f(x)| ≤ Σ hᵢ |∂f/∂xᵢ|, each derivative the largest within the errors (the mean value theorem); for
-    /// vectors, Σ hᵥ |∇ᵥ f|.
+    /// Bound of |f(x') − f(x)|: Σ hᵢ |∂f/∂xᵢ|, each derivative the largest within the errors (the mean value theorem);
+    /// for vectors, Σ hᵥ |∇ᵥ f|.
     [[nodiscard]] double moved(const Differentiated& f) const {
         std::array<double, capacity> by;
         for (std::size_t i = 0; i < count_; ++i) {
@@ -135,15 +135,19 @@ public:
         return sum * outward;
     }
 
-    /// Bounds how far f(x') can be from 0, for an f that is 0 where t is its root. Where f is not 0 (the range begins
-    /// there, or another face is met), the part of the enclosure of f(x') beyond 0 bounds it too, and is often nothing.
+    /// Bounds how far f(x') can be from 0, for an f that is 0 if t is its root. If f is not 0 (the range begins there,
+    /// or the ray meets another face), a second bound is the part of the enclosure of f(x') beyond 0, which is often
+    /// nothing.
     [[nodiscard]] double aside(const Differentiated& f) const {
         const WithinErrors& all = f.value();
         return std::min(moved(f), std::max(0.0, all.error() * outward - std::fabs(all.value())));
     }
 
-    /// Bound by a ball. Both points of the primitive that are met, X = o + t d and X' = o' + t' d', lie within a ball
-    /// of radius R, X' apart from what the primitive itself moves: |t' − t| (|d| − |Δd|) ≤ |X' − X| + |Δo| + |t| |Δd|.
+    /// Bound by a ball of radius R. The ray meets the primitive at X = o + t d, and with errors at X' = o' + t' d'.
+    /// Both points lie within the ball, apart from how far the primitive itself moves:
+    ///
+    ///     |t' − t| (|d| − |Δd|) ≤ |X' − X| + |Δo| + |t| |Δd|
+    ///
     /// For distances d is replaced by e = d/|d|, where |e| = 1 and |Δe| ≤ 2|Δd|/(2|d| − |Δd|) (Dunkl and Williams, A
     /// simple norm inequality, 1964).
     [[nodiscard]] double across(const WithinErrors& t) const {
@@ -163,14 +167,14 @@ public:
 
 protected:
     std::size_t matrix_, count_;            ///< index of the first number of a matrix, and the number of all
-    std::optional<Placement<int>> placed_;  ///< without its numbers
+    std::optional<Placement<int>> placed_;  ///< its kind, without its numbers
     [[nodiscard]] bool is_as_distance() const { return as_distance_; }
 
 private:
     static constexpr std::size_t capacity = 6 + most_stored;
 
-    /// Index of the unit of number i: the world's lengths, directions, the primitive's lengths under a matrix, its
-    /// linear part, the primitive's directions.
+    /// Index of the unit of number i. The units are: 0 lengths in the world, 1 directions in the world, 2 lengths of a
+    /// primitive under a matrix, 3 the linear part of the matrix, 4 directions of the primitive.
     [[nodiscard]] std::size_t unit_place(std::size_t i) const {
         if (i >= 3 && i < 6) return 1;
         if (i >= 6 && i < matrix_ && is_direction_[i]) return 4;
@@ -179,12 +183,12 @@ private:
         return i < matrix_ + 9 ? 3 : placed_->is_inverse ? 2 : 0;
     }
     [[nodiscard]] int unit_of(std::size_t i) const { return units_[unit_place(i)]; }
-    /// Sets the units of a matrix. World x is A x' + τ of object x', or the other way round: the unit of A is the
-    /// quotient of both. Where A is larger, the unit of its result grows.
+    /// Sets the units of a matrix. A point x' of the object is at A x' + τ in the world, or the other way round, so the
+    /// unit of A is the quotient of both units. If A is larger than that, the unit of its result grows.
     void put_units_of_matrix() {
         const bool inverse = placed_->is_inverse;
         int &made = units_[inverse ? 2 : 0], &from = units_[inverse ? 0 : 2], &linear = units_[3];
-        from = std::max(from, -1000);  // of zeros
+        from = std::max(from, -1000);  // if all are zeros
         made = std::max(made, linear + from);
         linear = made - from;
     }
@@ -202,8 +206,8 @@ private:
     std::array<double, capacity> x_, step_, off_;
 };
 
-/// Problem as a function of its numbers: f(x') of any x' within the errors is in f(ray, primitive). For distances the
-/// direction is d/|d|, also a function of its numbers, so that t is the distance.
+/// A problem as a function of its numbers: f(ray, primitive) encloses f(x') for any x' within the errors. For distances
+/// the direction is d/|d|, also a function of its numbers, so that t is the distance.
 struct Perturbable : ProblemNumbers {
     Ray<Differentiated> ray;
     Primitive<Differentiated> primitive;
@@ -222,7 +226,7 @@ struct Perturbable : ProblemNumbers {
             primitive.placed->matrix[place_in_matrix(i - matrix_)] = input(i);
     }
 
-    /// Calls `act(shape, ray)` in object space, with the ray starting at its point at t.
+    /// Calls `act(shape, ray)` in object space, with a ray that starts at the point at t.
     template <class Act>
     [[nodiscard]] auto with_ray_from(const WithinErrors& t, const Act& act) const {
         const Ray<Differentiated> from{ray.origin + Differentiated(t) * ray.direction, ray.direction};

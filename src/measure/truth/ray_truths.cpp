@@ -1,5 +1,5 @@
-// Truth of rays among primitives. Each primitive is tested against whole columns of rays. Pairs of one ray and one
-// primitive are used where a ray can meet only a few primitives, or where columns cannot tell which comes first.
+// Truth of rays among primitives. Each primitive is tested against whole columns of rays. If a ray can meet only a few
+// primitives, or if columns cannot decide which one comes first, pairs of one ray and one primitive are tested instead.
 #include <tbb/combinable.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace lostbits::measure::truth {
 
 namespace {
 
-/// Truths that columns cannot hold, with the indices of their rays, and counts of what settled the truths.
+/// Truths that columns cannot hold, with the indices of their rays, and counts of the stages that settled the truths.
 struct Leftover {
     StageCounts counts;
     std::vector<std::pair<std::size_t, Truth>> whole;
@@ -231,15 +231,15 @@ private:
         if (together.size == 0) return;
         std::vector<std::size_t> left(together.size);
         std::iota(left.begin(), left.end(), std::size_t{0});
-        // Without an index, columns were tried in two words with bounds before, and what they leave open are often
-        // ties.
+        // Without an index, columns in two words with bounds were tried before, and the pairs that they leave open are
+        // often ties.
         if (!problems_.index) settle_ties(shape, left);
         if (!left.empty()) settle_gathered(shape, left);
         if (problems_.index) settle_ties(shape, left);
         for (const std::size_t k : left) settle_alone(pairs_[places(shape)[k]]);
         together.size = 0;
     }
-    /// Settles what was gathered of one shape, as far as it is in `left`, which keeps the pairs that stay open.
+    /// Settles the gathered pairs of one shape that are in `left`, and keeps in `left` those that stay open.
     void settle_gathered(Shape shape, std::vector<std::size_t>& left) {
         const stages::Stages stages = stages::stages_of(shape, isa_);
         auto& together = gathered(shape);
@@ -257,7 +257,7 @@ private:
         stages.ties(ties.gather(gathered(shape).columns(shape), left, stages.lanes));
         take(ties.found, shape, left, [](std::size_t k) { return k; });
     }
-    /// Takes over the findings on the pairs of `left`, each at `place(k)`, and keeps in `left` those that are open.
+    /// Copies the findings on the pairs of `left`, each at `place(k)`, and keeps in `left` those that stay open.
     template <class Place>
     void take(const BatchFindings& found, Shape shape, std::vector<std::size_t>& left, const Place& place) {
         std::size_t still = 0;
@@ -311,8 +311,8 @@ private:
     std::vector<std::size_t> asked_;  ///< rays whose pairs are in `pairs_`
     std::vector<RayAndPrimitive> pairs_;
     std::array<std::array<std::size_t, settled_together>, shape_rows.size()>
-        places_;  ///< indices into `pairs_` of those gathered of each shape
-    std::array<stages::UnderMatrix, shape_rows.size()> matrices_;  ///< of those gathered of each shape
+        places_;  ///< indices into `pairs_` of the pairs that are gathered, by shape
+    std::array<stages::UnderMatrix, shape_rows.size()> matrices_;  ///< kind of matrix of these pairs, by shape
     std::vector<std::uint32_t> candidates_;
 };
 

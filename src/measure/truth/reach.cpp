@@ -16,13 +16,13 @@ namespace lostbits::measure::truth {
 
 namespace {
 
-/// P as seen from t: how far P(t) can be from 0, half of the slope there, and half of the second derivative on the way
-/// to t', |P''|/2 from `least` to `most`.
+/// The quadratic P as seen from t. `B` bounds how far P(t) can be from 0, `slope` is half of the slope there, and
+/// |P''|/2 lies between `least` and `most` on the way to t'.
 struct Bend {
     double B;
     AllValues slope;
     double least, most;
-    double unevenness = 1;  ///< √(most/least) where it may change on the way
+    double unevenness = 1;  ///< √(most/least) if P'' may change on the way
 
     Bend(const Perturbable& problem, const QuadraticSpan<Differentiated>& s)
         : B(problem.aside(s.c)),
@@ -31,18 +31,22 @@ struct Bend {
           most(AllValues(s.a.value()).most()) {}
 };
 
-/// The ray begins at t here, so that all is of the size of the primitive, however far away it is. With P' and s' of the
-/// problem with errors, P'(0) = c' and half of its slope there, h': t' − t is a root of a'δ² + 2s'δ + P'(0), which is
-/// −P'(0)/(s' ± √(s'² − a'P'(0))), and the same root where the sign is that of s. With |P'(0)| ≤ B, as P(0) = 0, and
-/// σ ≤ |s'| on the side of s,
-///     |δ| ≤ B/(σ + √(σ² − a'B))  where σ² ≥ a'B for the largest |a'|: B/(2|s|) to first order, which is κ's;
-///     |δ| ≤ √(B/a')              where not, for the smallest |a'|: as near to a tangent t goes as a square root (the
-///                                law of Hölder with exponent ½), the ray may miss, and κ says nothing any more;
-/// and |s'|/a' twice more where s' may have the other sign. P and −P have the same roots: a' > 0 is no loss.
+/// Bound on |δ|, δ = t' − t. The ray begins at t here, so that all numbers are of the size of the primitive, however
+/// far away it is. Let P', a', s' belong to the problem with errors: P'(0) = c', and s' = h' is half of the slope
+/// there. Then δ is a root of a'δ² + 2s'δ + P'(0), so δ = −P'(0)/(s' ± √(s'² − a'P'(0))). It is the same root if the
+/// sign is that of s. Since P(0) = 0, |P'(0)| ≤ B. Let σ ≤ |s'| on the side of s. P and −P have the same roots, so let
+/// a' > 0.
 ///
-/// Where P is convex, its slope has no jump, and P'' changes on the way, a'δ² + 2s'δ + P'(0) with the least a' lies
-/// below P and with the largest above, so that the first bound holds; near a tangent the root comes no later than the
-/// least P does, at no more than s'/a' with s'² < a'B for the largest: √(B/a') of the smallest, √(most/least) times.
+///     |δ| ≤ B/(σ + √(σ² − a'B))   if σ² ≥ a'B for the largest |a'|
+///     |δ| ≤ √(B/a')               otherwise, for the smallest |a'|; plus 2|s'|/a' if s' may have the other sign
+///
+/// To first order the first bound is B/(2|s|), as for κ. The second one is for rays so near to a tangent that t moves
+/// like a square root of the errors (the law of Hölder with exponent ½). The ray may then miss, and κ is not valid.
+///
+/// If P'' changes on the way, P must be convex, with a slope that has no jump. Then P lies between the parabolas with
+/// the least and the largest a', and the first bound holds. Near a tangent, the root comes no later than the minimum of
+/// P. That is at most |s'|/a' away for the smallest a', and s'² < a'B for the largest a': √(B/a') for the smallest a',
+/// times √(most/least).
 double moved_root(const Bend& bend) {
     if (bend.B == 0) return 0;
     const double sigma = std::max(bend.slope.low, -bend.slope.high), aB = bend.most * bend.B * outward + tiny;
@@ -55,9 +59,10 @@ double moved_root(const Perturbable& problem, const QuadraticSpan<Differentiated
     return moved_root(Bend(problem, s));
 }
 
-/// δ = t' − t is a root of f'(b' + a' δ) = Σ cₖ δᵏ with |c₀| ≤ B. Where |cₖ| ρᵏ > Σ |cⱼ| ρʲ over all other j, the
-/// circle |δ| = ρ goes around k roots whatever the errors are (Rouché), of which t' is one: for k = 1 that is B/|f'| to
-/// first order, for k = 2 what a tangent leaves, as a square root of the errors, and so on.
+/// Bound on |δ|. δ = t' − t is a root of f'(b' + a' δ) = Σ cₖ δᵏ with |c₀| ≤ B. If |cₖ| ρᵏ > Σ |cⱼ| ρʲ over all other
+/// j, the circle |δ| = ρ encloses k roots, whatever the errors are (Rouché), and t' is one of them. To first order,
+/// this is B/|f'| for k = 1. For k = 2 it is the bound that is left at a tangent, a square root of the errors; and so
+/// on.
 double moved_root(const Perturbable& problem, const QuarticSpan<Differentiated>& s) {
     const double B = problem.aside(s.f.at(s.b));
     if (B == 0) return 0;
@@ -89,8 +94,8 @@ double moved_root(const Perturbable& problem, const QuarticSpan<Differentiated>&
     return best;
 }
 
-/// t' − t = n'/m' of t = n/m, where n is 0 as the ray begins at t. A plane of which the ray is known to begin on the
-/// inner side, n > 0, comes no nearer.
+/// Bound on |t' − t| = |n'/m'| for t = n/m, where n is 0 because the ray begins at t. If the ray is known to begin on
+/// the inner side of a plane (n > 0), that plane comes no nearer.
 double moved_quotient(const Perturbable& problem, const Differentiated& n, const Differentiated& m) {
     const double B = problem.aside(n);
     if (B == 0) return 0;
@@ -106,8 +111,8 @@ double moved_root(const Perturbable& problem, const WallSpan<Differentiated>& s)
     return moved_root(problem, s.primitive.side);
 }
 
-/// t is on one of the planes of the slabs and moves as far as any of them can come to where it is. A slab that the line
-/// does not cross has 1/0 there, which no error moves.
+/// Bound for slabs. t lies on one of their planes, and moves at most as far as any plane can come to where it is. A
+/// slab that the line does not cross has 1/0 there, which no error moves.
 [[maybe_unused]] double moved_root(const Perturbable& problem, const SlabSpan<Differentiated>& s) {
     double most = 0;
     for (std::size_t i = 0; i < s.entry.size(); ++i)
@@ -116,8 +121,8 @@ double moved_root(const Perturbable& problem, const WallSpan<Differentiated>& s)
     return most;
 }
 
-/// Two planes between which a primitive lies, seen from where a ray begins: how far it is from each, n > 0 between
-/// them, and how fast it goes across.
+/// Two planes with a primitive between them, seen from the start of a ray: its distance from each plane (above 0
+/// between the planes), and its speed across them.
 struct Slab {
     Differentiated from_low, from_high, across;
 
@@ -131,7 +136,7 @@ struct Slab {
     }
 };
 
-/// The slab between the ends of an axis; all of it times the length of the axis.
+/// Slab between the ends of an axis, with all numbers multiplied by the length of the axis.
 Slab slab_of(const Vec<Differentiated>& from, const Vec<Differentiated>& to, const Ray<Differentiated>& ray) {
     const Vec<Differentiated> axis = to - from;
     return {dot(axis, Vec<Differentiated>(ray.origin - from)), dot(axis, Vec<Differentiated>(to - ray.origin)),
@@ -150,9 +155,10 @@ double moved_between_corners(const Perturbable& problem, const Shape& s, const R
     return most;
 }
 
-/// P = |p − q|² − r², q the point of the axis nearest to p: that of the ball around one end, of the side or of the
-/// other ball, as p lies before the axis, beside it or behind. It is convex, its slope has no jump where the pieces
-/// meet, and its second derivative does, so that all pieces count that the ray may pass through on the way to t'.
+/// P = |p − q|² − r² for a capsule, where q is the point of the axis nearest to p. P has three pieces: the ball around
+/// one end, the side, and the other ball, as p lies before the axis, beside it or behind it. It is convex, and its
+/// slope has no jump where the pieces meet. Its second derivative has one, so all pieces count that the ray may pass
+/// through on the way to t'.
 class PiecesAlongAxis {
 public:
     template <class Shape>
@@ -177,7 +183,7 @@ private:
         const Differentiated zero(0);
         return {dot(f, ray.direction), square(f) - square(radius), square(ray.direction), zero, zero};
     }
-    /// The quadratic of the side over v², which is P.
+    /// The quadratic of the side over v², which equals P.
     template <class Shape>
     static QuadraticSpan<Differentiated> side(const Shape& s, const Ray<Differentiated>& ray) {
         const Vec<Differentiated> v = s.end - s.start, m = cross(v, Vec<Differentiated>(ray.origin - s.start)),
@@ -185,13 +191,13 @@ private:
         const Differentiated v2 = square(v), zero(0);
         return {dot(m, n) / v2, square(m) / v2 - square(s.radius), square(n) / v2, zero, zero};
     }
-    /// The pieces in which the ray may be within this time, before or after.
+    /// Pieces in which the ray may be at any moment within `time` of now, before or after.
     [[nodiscard]] Pieces within(double time) const {
         const double way = time == 0 ? 0 : time * AllValues(slab_.across.value()).most() * outward;
         const AllValues low(slab_.from_low.value()), high(slab_.from_high.value());
         return {!(low.low - way > 0), !(low.high + way < 0) && !(high.high + way < 0), !(high.low - way > 0)};
     }
-    /// P(t) and its slope in any of those pieces, and its second derivative in any of these.
+    /// Bounds of P(t) and its slope over the pieces `here`, and of its second derivative over the pieces `passed`.
     [[nodiscard]] Bend joined(const Pieces& here, const Pieces& passed) const {
         std::optional<Bend> all;
         for (std::size_t i = 0; i < 3; ++i) {
@@ -212,9 +218,12 @@ private:
     std::array<Bend, 3> bends_;
 };
 
-/// How far the answer of a ray that begins there moves at a shape: between corners, along an axis with round ends or
-/// with caps, of which t is on a root or a cap and moves as far as either can come to where it is, or by its span
-/// alone.
+/// Bound on how far the answer moves, for a ray that begins at its answer. By shape:
+///
+/// - between corners: by the planes along the axes;
+/// - along an axis with round ends: by the three pieces;
+/// - along an axis with caps: t is on a root or a cap, and moves as far as either can come to where it is;
+/// - other shapes: by the span alone.
 template <class Shape>
 double moved_at(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray, MovedBy moved_by) {
     if constexpr (requires { s.lo; }) return moved_between_corners(problem, s, ray, moved_by);

@@ -17,7 +17,7 @@ namespace lostbits::measure::truth {
 /// each length v has an error of length u|v|, u = 2^-p, in any direction: a 0 beside a 1 moves as far as the 1.
 enum class Perturbed : std::uint8_t { componentwise, normwise };
 
-/// Index in a matrix of its k-th perturbed number: the linear part first, row by row, then the translation.
+/// Index in a matrix of its k-th perturbed number: the linear part comes first, row by row, then the translation.
 inline constexpr std::size_t place_in_matrix(std::size_t k) { return k < 9 ? k / 3 * 4 + k % 3 : (k - 9) * 4 + 3; }
 
 /// Faces of a box that the answer can come from. A ray that begins inside at tmin answers max(tmin, largest entry):

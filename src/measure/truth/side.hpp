@@ -10,8 +10,8 @@
 
 namespace lostbits::measure::truth {
 
-/// Result of `find.operator()<E>()` with balls, or else with intervals of rising precision. It is an optional, empty
-/// where no precision decides.
+/// Result of `find.operator()<E>()` with balls, or else with intervals of rising precision. It is an optional that is
+/// empty if no precision decides.
 template <class Find>
 auto by_rising_precision(const Find& find) {
     auto found = find.template operator()<Ball>();
@@ -22,7 +22,7 @@ auto by_rising_precision(const Find& find) {
     return found;
 }
 
-/// −1, 0 or +1; nothing where this precision does not decide.
+/// −1, 0 or +1; empty if this precision does not decide.
 template <class E>
 std::optional<int> sign(const E& x) {
     const E zero(0);
@@ -32,7 +32,7 @@ std::optional<int> sign(const E& x) {
     return std::nullopt;
 }
 
-/// Sign of u + v/√a for a > 0: that of the larger of u² a and v² where u and v differ in sign.
+/// Sign of u + v/√a for a > 0. If u and v differ in sign, it is the sign of the one with the larger of u² a and v².
 template <class E>
 std::optional<int> sign_of_sum(const E& u, const E& v, const E& a) {
     const auto of_u = sign(u), of_v = sign(v);
@@ -52,9 +52,9 @@ std::optional<int> side_of_fraction(const Fraction<E>& f, const E& d2, const E& 
 }
 
 /// Tells if a root of a quadratic lies above m > 0, at it or below. With P(t) = a t² + 2 h t + c, the near root is
-/// above m where P(m) > 0 and a m + h < 0, the far root where P(m) < 0 or a m + h < 0. For a distance m the same holds
-/// with m/√b in place of m, b = d·d, and a factor b or √b: (a m² + b c) + 2 b h m/√b, and a m + b h/√b. Where a < 0 (a
-/// line steeper than a cone) the line enters at the larger root, where P falls: the far root of −P.
+/// above m if P(m) > 0 and a m + h < 0. The far root is above m if P(m) < 0 or a m + h < 0. For a distance m, put m/√b
+/// in place of m, b = d·d, and multiply by b or √b: the signs are those of (a m² + b c) + 2 b h m/√b and a m + b h/√b.
+/// If a < 0 (a line steeper than a cone), the line enters at the larger root, where P falls: it is the far root of −P.
 template <class E>
 std::optional<int> side_of_root(const QuadraticSpan<E>& s, Crossing at, const E& m, Length length) {
     const auto bends = sign<E>(s.a);
@@ -67,16 +67,16 @@ std::optional<int> side_of_root(const QuadraticSpan<E>& s, Crossing at, const E&
                              : sign_of_sum<E>(s.a * square(m) + s.d2 * s.c, (s.h + s.h) * m * s.d2, s.d2);
     if (!p) return std::nullopt;
     if (*p < 0) return at == Crossing::near ? -1 : 1;
-    // Before the middle of the roots both P(m) > 0 and the root P(m) = 0 come before the far root, past it after the
-    // near one.
+    // Here P(m) ≥ 0, so m lies at or outside the roots. Before the middle of the roots m comes before the far root, and
+    // after the middle it comes after the near root.
     const auto past = parameter ? sign<E>(s.a * m + s.h) : sign_of_sum<E>(s.a * m, s.d2 * s.h, s.d2);
     if (!past) return std::nullopt;
     if (at == Crossing::near) return *past > 0 ? -1 : *p;
     return *past < 0 ? 1 : -*p;
 }
 
-/// For a ray that hits the surface and m > 0. Without a range the near root is the answer from outside, and the far one
-/// from inside, where no m > 0 comes before the near root.
+/// Side for a ray that hits the surface, and m > 0. Without a range, the answer is the near root from outside, and the
+/// far root from inside, where no m > 0 comes before the near root.
 template <class E>
 std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
                            intersect::Convention convention) {
@@ -94,7 +94,7 @@ std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length,
     return side_of_root(s, at, m, length);
 }
 
-/// For the point where the line enters or leaves.
+/// Side of the point at which the line enters or leaves.
 template <class E>
 std::optional<int> side_at(const CappedSpan<E>& s, Crossing at, const E& m, Length length) {
     const bool near = at == Crossing::near;
@@ -116,7 +116,7 @@ std::optional<int> side_at(const WallSpan<E>& s, Crossing at, const E& m, Length
     return side_of_root(s.primitive.side, at, m, length);
 }
 
-/// For a ray that hits and m > 0.
+/// Side for a ray that hits, and m > 0.
 template <class E, class S>
 requires(ComparableSpan<S, E> || SurfaceSpan<S, E>) std::optional<int> side_of(const S& s, const E& m, Length length,
                                                                                const RangeOfSpan<E>* range,
@@ -127,8 +127,8 @@ requires(ComparableSpan<S, E> || SurfaceSpan<S, E>) std::optional<int> side_of(c
     return side_at<E>(s, found.at, m, length);
 }
 
-/// For a ray that hits and m > 0: t* is the start of the range, its first entry, or its exit where that is the answer
-/// from inside.
+/// Side for a ray that hits, and m > 0. t* is the start of the range, the first entry, or the exit if that is the
+/// answer from inside.
 template <class E>
 std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
                            intersect::Convention convention) {
@@ -172,9 +172,10 @@ struct RootHit {
     EnclosedRoots<F> roots = {};
 };
 
-/// Goes from root to root of an enclosing quartic. Where f does not change its sign at a root, the line touches there,
-/// from outside or from inside. That is a hit or not by the convention, whatever comes behind it. From outside and from
-/// inside alike the answer is the next root that counts. A ray that ends at a root by which it enters touches there.
+/// Goes from root to root of an enclosing quartic. If f does not change its sign at a root, the line touches there,
+/// from outside or from inside. The convention decides if that is a hit, whatever lies behind it. The answer is the
+/// next root that counts, from outside and from inside alike. A ray that ends at a root by which it enters touches
+/// there.
 template <class F>
 class QuarticWalk {
 public:
@@ -211,7 +212,7 @@ private:
         if (asked_.inside == intersect::Inside::zero && !met_.on_surface) return begun();
         return on_from(next, Crossing::far);
     }
-    /// Like `enclose_from_inside` for convex primitives; behind a surface that is left there may be another.
+    /// Like `enclose_from_inside` for convex primitives, but behind a surface that the ray leaves there may be another.
     [[nodiscard]] RootHit<F> from_surface(int root) {
         using intersect::AtOrigin, intersect::Inside, intersect::Touching;
         const bool leaving = met_.roots[root].behind > 0;
@@ -268,8 +269,7 @@ RootHit<F> root_hit(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, inters
     return QuarticWalk<F>(part, within ? &*within : nullptr, asked).find();
 }
 
-/// Root as a function of numbers with a gradient, by f = 0: x' = −f'/(∂f/∂x). At a double root nothing is known of the
-/// gradient.
+/// Root as a function of numbers with a gradient, by f = 0: x' = −f'/(∂f/∂x). At a double root the gradient is unknown.
 template <class E>
 Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
     const auto met = root_hit(s, range, convention);
@@ -293,7 +293,8 @@ Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, inters
             .at_double_root = !met.roots[met.root].crosses};
 }
 
-/// x = u + v √d, and sums and products of such numbers: a distance m lies at x = b + a m/√d2, d2 times which is one.
+/// x = u + v √d, and sums and products of such numbers. A distance m lies at x = b + a m/√d2, and d2 x is such a
+/// number.
 template <class E>
 struct WithRoot {
     E u, v, d;

@@ -15,8 +15,8 @@ using intersect::Touching;
 
 namespace {
 
-/// Exponent k of the power of two that the bound of x > 0 straddles; nothing where the binade of x is certain. (The
-/// bound is below 2^-72 and hi + lo at least 2^-53 below 2, so it never reaches the binade above.)
+/// Exponent k of the power of two that the bound of x > 0 straddles; empty if the binade of x is certain. (The bound is
+/// below 2^-72, and hi + lo is at least 2^-53 below 2, so it never reaches the binade above.)
 std::optional<std::int64_t> straddled_power(const Certified& x) {
     if (x.hi == 1 && x.lo < x.bound && x.lo >= -x.bound) return x.exponent;
     return std::nullopt;
@@ -33,7 +33,7 @@ Interval interval_at_power(std::int64_t k) {
     return r;
 }
 
-/// x once it is known to lie below, at or above the power of two that its bound straddles.
+/// x after it is known to lie below, at or above the power of two that its bound straddles.
 Certified on_side(const Certified& x, int side) {
     if (side == 0) return {.hi = 1, .lo = 0, .bound = 0, .exponent = x.exponent};
     // The interval [lo − bound, 0] or [0, lo + bound], given by its middle. Below the power, the middle must stay
@@ -43,8 +43,8 @@ Certified on_side(const Certified& x, int side) {
     return {.hi = 1, .lo = middle, .bound = std::fabs(end) / 2 * (1 + 0x1p-50) + 0x1p-1074, .exponent = x.exponent};
 }
 
-/// Fills in a miss or a tightly enclosed hit; false where this precision does not settle it. `place(x, Length)` decides
-/// the binade of a length, because its ulp depends on it; false where this precision does not tell.
+/// Fills in a miss or a tightly enclosed hit; false if this precision does not settle it. `place(x, Length)` decides
+/// the binade of a length, which its ulp depends on; false if this precision does not decide it.
 template <class E, class Place>
 bool settle(const Enclosed<E>& e, Convention convention, Truth& truth, const Place& place) {
     truth.on_surface = e.on_surface;

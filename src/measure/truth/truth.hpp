@@ -20,16 +20,17 @@ struct Truth {
     enum class Decision : std::uint8_t { miss, hit, unresolved };
 
     Decision decision = Decision::miss;
-    /// Index of the primitive that is hit first; the lowest of those that cannot be told apart. −1 for a miss.
+    /// Index of the primitive that is hit first; if several cannot be told apart, the lowest of their indices. −1 for a
+    /// miss.
     int object = -1;
     /// Bits of precision that the proof took; 106 for the double-double stage.
     int bits = 0;
-    /// Some primitive is only touched: the two conventions may differ on this ray.
+    /// The ray only touches some primitive, so the two conventions on touching may differ on this ray.
     bool touches = false;
-    /// The ray begins on some sphere: conventions on t = 0 may differ on this ray.
+    /// The ray begins on the surface of some primitive, so conventions on t = 0 may differ on this ray.
     bool on_surface = false;
-    /// The ray parameter, in lengths of the direction as stored. Its binade is proved, as is that of the distance: the
-    /// bound never straddles a power of two.
+    /// The ray parameter, in lengths of the direction as stored. Its binade is proved, and so is that of the distance:
+    /// the bound never straddles a power of two.
     Certified t;
     /// Same length as a distance, t·|d|: the answer that is expected of a form for unit directions.
     Certified distance;
@@ -51,17 +52,19 @@ struct TruthLimit {
     intersect::process::StopToken stop = {};
 };
 
-/// Finds the truth of a ray. Only t in `range` counts, and the ray begins at its tmin: what a convention says of a
-/// ray's origin applies to that point (see `convention_in`). A range that holds no t meets nothing. `ray` and
-/// `primitives` may be in any exact storage: double (which holds every format up to binary64) or Real (own inputs). A
-/// ray with a number that is not finite, or with a direction of zero, meets nothing. Nothing meets a primitive with
-/// such a number, a sphere without a positive radius, a box with lo > hi, or a primitive under a singular matrix.
+/// Finds the truth of a ray. Only t in `range` counts, and the ray begins at its tmin: a convention about the origin of
+/// a ray applies to that point (see `convention_in`). A range that holds no t meets nothing.
+///
+/// `ray` and `primitives` may be in any exact storage: double (which holds every format up to binary64) or Real (own
+/// inputs). A ray with a number that is not finite, or with a direction of zero, meets nothing. Nothing meets a
+/// primitive with such a number, a sphere without a positive radius, a box with lo > hi, or a primitive under a
+/// singular matrix.
 Truth find_truth(const Ray<double>& ray, std::span<const Primitive<double>> primitives, TruthLimit limit = {},
                  intersect::Convention convention = {}, const Range<double>& range = {});
 Truth find_truth(const Ray<Real>& ray, std::span<const Primitive<Real>> primitives, TruthLimit limit = {},
                  intersect::Convention convention = {}, const Range<double>& range = {});
 
-/// Merges the truth about primitive `i` into `best`, the truth about the primitives before it.
+/// Merges `of_one`, the truth about primitive `i`, into `best`, the truth about the primitives before it.
 void join(const Truth& of_one, int i, Truth& best);
 
 bool is_proper(const Ray<double>& ray);
@@ -84,9 +87,9 @@ inline Length length_of(intersect::Direction unit_of) {
     return unit_of == intersect::Direction::unit ? Length::distance : Length::parameter;
 }
 
-/// t* (or the distance) correctly rounded to a format, ties decided exactly: where the certified bound straddles a
-/// rounding boundary, the sign of a polynomial at the boundary tells the side. For a hit only, found by that convention
-/// in that range.
+/// t* (or the distance) correctly rounded to a format, ties decided exactly: if the certified bound straddles a
+/// rounding boundary, the sign of a polynomial at the boundary decides the side. The truth must be a hit, found by the
+/// same convention and in the same range.
 double round_truth(const Truth& truth, const Ray<double>& ray, const Primitive<double>& primitive,
                    const FloatFormat& format, Length length = Length::parameter,
                    const intersect::Convention& convention = {}, const Range<double>& range = {});

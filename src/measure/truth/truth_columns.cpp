@@ -33,7 +33,7 @@ Truth find_by_itself(const ProblemColumns<S>& p, const ColumnTerms& terms, std::
                       {p.tmin.empty() ? 0 : at(p.tmin), p.tmax.empty() ? HUGE_VAL : at(p.tmax), p.open});
 }
 
-/// Appends begin + i for each i that is not settled. Most are settled, so eight are looked at together.
+/// Appends begin + i for each i that is not settled. Most are settled, so eight are checked together.
 void add_open(const std::uint8_t* settled, std::size_t begin, std::size_t count, std::vector<std::size_t>& open) {
     constexpr std::uint64_t all = 0x0101010101010101;
     for (std::size_t first = 0; first < count; first += 8) {
@@ -87,7 +87,7 @@ public:
     }
 
 private:
-    /// Settles problems from `begin` on, in their columns; what stays open goes into `open_`.
+    /// Settles problems from `begin` on, in their columns; those that stay open go into `open_`.
     void settle_in_place(const stages::ShapeStage<S>& stage, std::size_t begin, std::size_t count) {
         std::uint8_t settled[settled_together];
         auto* const hit = reinterpret_cast<std::uint8_t*>(out_.decision.data());
@@ -149,7 +149,7 @@ private:
     TruthColumns& out_;
     stages::Stages stages_;
     InPlace<S> in_place_;
-    stages::ShapeStage<double> ties_;  ///< none where ties are not looked for
+    stages::ShapeStage<double> ties_;  ///< empty if ties are not looked for
     std::vector<std::size_t> open_;
 };
 

@@ -1,4 +1,4 @@
-// The truth of many rays at once, as columns: what packs can prove is proved in packs, the rest ray by ray.
+// The truth of many rays at once, as columns: packs prove the truth of most rays, and the others are proved ray by ray.
 #pragma once
 
 #include <array>
@@ -23,20 +23,20 @@ struct ProblemColumns {
     std::size_t size = 0;
     std::array<std::span<const S>, 6> ray;  ///< o.x o.y o.z d.x d.y d.z
     Shape shape{};                          ///< the shape of every primitive
-    /// Numbers as in `Primitive::numbers`, empty beyond those of the shape; then the numbers of the matrix, where
-    /// `matrix` says so.
+    /// Numbers as in `Primitive::numbers`, empty beyond those of the shape; then the numbers of the matrix, if `matrix`
+    /// is placed.
     std::array<std::span<const S>, most_stored> primitive;
     std::span<const S> tmin = {}, tmax = {};  ///< the ranges of the rays; empty: from 0, without end
     OpenEnds open = {};
     stages::UnderMatrix matrix = {};
-    /// Second words: the exact numbers minus those above, to 2^-104 of these; all empty where the numbers above are
+    /// Second words: the exact numbers minus those above, to 2^-104 of these. All are empty if the numbers above are
     /// exact.
     std::array<std::span<const S>, 6> ray_low = {};
     std::array<std::span<const S>, most_stored> primitive_low = {};
 };
 
-/// True where the truth by a convention may differ from that of the closed primitive, which the ray touches or starts
-/// on.
+/// True if the truth by a convention may differ from that of the closed primitive, because the ray touches it or starts
+/// on it.
 [[nodiscard]] constexpr bool matters(const intersect::Convention& convention, bool touches, bool on_surface) {
     return (convention.touching == intersect::Touching::miss && touches) ||
            (convention.at_origin == intersect::AtOrigin::miss && on_surface);
@@ -71,12 +71,12 @@ struct StageCounts {
     [[nodiscard]] std::uint64_t rays() const { return binary64 + double_double + ball + interval; }
 };
 
-/// Truth of each ray. |t* − (hi + lo)| ≤ bound, and no power of two lies between the ends: the binade of t* is proved.
-/// A miss and an unresolved ray have zeros there.
+/// Truth of each ray. |t* − (hi + lo)| ≤ bound, and no power of two lies between the ends, so the binade of t* is
+/// proved. A miss and an unresolved ray have zeros there.
 struct TruthColumns {
     std::vector<Truth::Decision> decision;
     std::vector<double> hi, lo, bound;
-    /// Rays that no pack could settle, in rising order, with their complete truth. Where |t*| is neither 0 nor within
+    /// Rays that no pack could settle, in rising order, with their complete truth. If |t*| is neither 0 nor within
     /// [2^-900, 2^900], the columns hold NaN and the value is only here.
     std::vector<std::pair<std::size_t, Truth>> alone;
     StageCounts stages;
@@ -84,7 +84,7 @@ struct TruthColumns {
     [[nodiscard]] std::size_t size() const { return decision.size(); }
 };
 
-/// Finds the truth into `out`, whose memory is reused. `stages` is counted from 0.
+/// Finds the truth of each ray and writes it to `out`, whose memory is reused. `stages` is counted from 0.
 void find_truth_columns(const ProblemColumns<float>& problems, const ColumnTerms& terms, TruthColumns& out);
 void find_truth_columns(const ProblemColumns<double>& problems, const ColumnTerms& terms, TruthColumns& out);
 
@@ -99,17 +99,17 @@ public:
     std::vector<Truth::Decision> decision;
     std::vector<std::int32_t> object;  ///< −1 for a miss
     Lengths t, distance;
-    /// Rays whose truth does not fit into doubles, in rising order: a touched primitive, an origin on a surface, a
-    /// length of 0 or out of range, or nothing proved. Their `t.hi` is NaN.
+    /// Rays whose truth does not fit into doubles, in rising order: the ray touches a primitive or begins on a surface,
+    /// a length is 0 or out of range, or nothing is proved. Their `t.hi` is NaN.
     std::vector<std::pair<std::size_t, Truth>> whole;
 
     void resize(std::size_t rays);
     [[nodiscard]] std::size_t size() const { return decision.size(); }
-    /// Truth of ray i, rebuilt from the columns; read the columns where they are enough. Its `bits` are at least 106.
+    /// Truth of ray i, rebuilt from the columns. Read the columns if they are enough. Its `bits` are at least 106.
     [[nodiscard]] Truth operator[](std::size_t i) const;
-    /// Truth of ray i where it is one of `whole`; else null.
+    /// Truth of ray i if it is one of `whole`; null otherwise.
     [[nodiscard]] const Truth* find_whole(std::size_t i) const;
-    /// Stores a truth in the columns; false where they do not hold all of it.
+    /// Stores a truth in the columns; false if they cannot hold all of it.
     bool put(std::size_t i, const Truth& truth);
 };
 
@@ -125,7 +125,7 @@ struct RaysAndPrimitives {
 /// Finds the truth of every ray among its primitives, in parallel: the same decisions, hi and lo as `find_truth`.
 /// Returns how many pairs of a ray and a primitive each stage settled.
 StageCounts find_truths(const RaysAndPrimitives<double>& problems, TruthLimit limit, RayTruths& out);
-/// Uses two words a number; what those do not enclose goes to the later stages.
+/// Uses two words for each number. Rays that these do not enclose go to the later stages.
 StageCounts find_truths(const RaysAndPrimitives<Real>& problems, TruthLimit limit, RayTruths& out);
 
 }  // namespace lostbits::measure::truth

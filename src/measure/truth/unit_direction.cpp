@@ -12,7 +12,7 @@
 namespace lostbits::measure::truth {
 namespace {
 
-/// One component at one precision; nothing where the enclosure straddles a rounding boundary.
+/// One component at one precision; empty if the enclosure straddles a rounding boundary.
 template <class E>
 std::optional<double> component(double part, const E& length, const FloatFormat& format) {
     if (part == 0) return part;
@@ -34,7 +34,8 @@ double settle(double part, const Vec<double>& d, const FloatFormat& format) {
         last = certify(Interval(part) / length);
     }
     if (!last) return missing;
-    // A component exactly half way (3/5 of a power of two, say, in a tiny format): to even, as the midpoint rounds.
+    // A component may be exactly halfway (3/5 of a power of two, say, in a tiny format). The midpoint is then rounded
+    // to even.
     last->bound = 0;
     return round_certified(*last, format).value_or(missing);
 }

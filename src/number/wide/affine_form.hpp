@@ -17,20 +17,20 @@ namespace lostbits::number::wide {
 /// All real x = x₀ + Σ sᵢ ηᵢ + r with |r| ≤ `rest`, where the same ηᵢ stand in every number of a problem: affine
 /// arithmetic (Stolfi and de Figueiredo, Self-Validated Numerical Methods and Applications, 1997, chapter 3). Each ηᵢ
 /// lies between −1 and 1, or they form vectors of length at most 1 (`Vectors`). x₀ has two words with a running bound,
-/// so that numbers which cancel to 100 bits are told from 0. The sᵢ are doubles, and their rounding errors are in
-/// `rest`.
+/// so that numbers that cancel to 100 bits are distinguished from 0. The sᵢ are doubles, and their rounding errors are
+/// in `rest`.
 ///
 /// Products of deviations are of second order and go to `rest`. With |x − x₀| ≤ D:
 ///     x y:    terms x₀ sᵢ(y) + y₀ sᵢ(x),   |x₀| r_y + |y₀| r_x + D_x D_y
 ///     1/y:    terms −sᵢ/y₀²,               r/y₀² + D²/(y₀² (|y₀| − D)),     where |y₀| > D
 ///     √x:     terms sᵢ/(2 √x₀),            r/(2 √x₀) + D²/(2 x₀ √x₀),       where x₀ > D
 ///     x²:     terms 2 x₀ sᵢ,               2 |x₀| r + D²/2, about x₀² + D²/2
-/// A rest of infinity means that nothing is known.
+/// A `rest` of infinity means that nothing is known.
 template <std::size_t N>
 class AffineForm {
 public:
     using Centre = Running<TwoWords<double>>;
-    /// For each vector the index behind its last component, in ascending order, up to N. Empty: each ηᵢ by itself.
+    /// Index behind the last component of each vector, in ascending order, up to N. Empty: each ηᵢ stands alone.
     using Vectors = std::span<const std::size_t>;
     /// An ηᵢ for each input.
     using Way = std::array<double, N>;
@@ -40,9 +40,9 @@ public:
         /// Decides x < 0, or x ≤ 0 if `or_equal`.
         virtual Tri is_below(const AffineForm& x, bool or_equal) = 0;
     };
-    /// Asked by comparisons of this thread; null: they stay unknown.
+    /// Answers comparisons of this thread; null: they stay unknown.
     static inline thread_local Open* open = nullptr;
-    /// Set while only signs of sums and products are wanted: quotients and roots are unknown then, and cost nothing.
+    /// Set while only signs of sums and products are needed. Quotients and roots are then unknown, and cost nothing.
     static inline thread_local bool signs_only = false;
 
     AffineForm() = default;
@@ -54,8 +54,8 @@ public:
     }
     explicit AffineForm(int x) : centre_(x) {}
     explicit AffineForm(double x) : centre_(TwoWords<double>(x)) {}
-    /// Input number i: x + step ηᵢ, and a bound `off` on the error of x itself. `vectors` outlives every number that is
-    /// made of it.
+    /// Input number i: x + step ηᵢ, with a bound `off` on the error of x itself. `vectors` must outlive every number
+    /// that is computed from it.
     AffineForm(double x, std::size_t i, double step, double off, Vectors vectors) : AffineForm(x) {
         rest_ = off;
         std::fill_n(terms_.begin(), i, 0);
@@ -151,7 +151,7 @@ public:
         }
         return way;
     }
-    /// 1 if this is the same function of the inputs as x, −1 if it is that of −x, otherwise 0.
+    /// 1 if this is the same function of the inputs as x, −1 if it is the same as −x, otherwise 0.
     [[nodiscard]] int is_multiple_of(const AffineForm& x) const {
         if (rest_ != x.rest_ || used_ != x.used_ || !std::isfinite(rest_)) return 0;
         const auto is = [&](double k) {
@@ -184,7 +184,7 @@ public:
 private:
     /// Compensates the roundings of a bound: fewer than 2^10 of them, 2^-53 each.
     static constexpr double up = 1 + 0x1p-42;
-    static constexpr double tiny = 0x1p-500;  ///< more than the square root of what squares lose to underflow
+    static constexpr double tiny = 0x1p-500;  ///< above the square root of the loss of a square to underflow
 
     static AffineForm unknown() {
         AffineForm x(0);
@@ -224,7 +224,7 @@ private:
     struct Ends {
         double middle, size;
     };
-    /// x lies within `size` of `middle`. An exact 0 has no size.
+    /// A number within `size` of `middle`. An exact 0 has size 0.
     [[nodiscard]] Ends ends() const { return {centre_.first(), (deviation() + off()) * up}; }
 
     /// This number times k, with another centre. The product of a term is rounded, by at most 2^-53 of itself.

@@ -43,7 +43,7 @@ enum class ColumnOperation : std::uint8_t {
     // on several words: the operations of a whole step
     order_of_first_words,  ///< x, y, least: less yes, no, at most yes, no
     near_root_of_quartic,  ///< coefficients of x⁴, x², x, 1, begin, bound
-    /// Gives no number. If its mask is unset in every lane, no number recorded after it is needed.
+    /// Produces no number. If its mask is unset in every lane, no number recorded after it is needed.
     gate,
 };
 inline constexpr std::size_t column_operations = static_cast<std::size_t>(ColumnOperation::gate) + 1;
@@ -72,7 +72,7 @@ inline constexpr std::size_t bounded_operands(ColumnOperation operation) {
     }
 }
 
-/// Numbers of columns that an operation on words or masks takes and gives.
+/// Numbers of columns that an operation on words or masks reads and writes.
 inline constexpr std::size_t word_columns(ColumnOperation operation) {
     using enum ColumnOperation;
     switch (operation) {
@@ -100,8 +100,9 @@ inline constexpr unsigned known_exact(unsigned exact, std::size_t operands) {
 /// A column of a program. Those below 0 are constants: `constant_at`.
 using ColumnIndex = std::int16_t;
 
-/// One step of a program: the columns that it takes and gives. For bounded numbers, bit k of `exact` says that operand
-/// k is one word without a bound, so only one column of it is read; otherwise all its words and its bound are read.
+/// One step of a program: the columns that it reads and writes. For bounded numbers, bit k of `exact` means that
+/// operand k is one word without a bound, so that only one column of it is read. Otherwise all its words and its bound
+/// are read.
 struct ColumnInstruction {
     static constexpr std::size_t most_in = 18, most_out = 4;
 

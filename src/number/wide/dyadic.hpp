@@ -36,8 +36,9 @@ struct Scaled {
     }
 };
 
-/// ±Σ limb[i]·2^(32(first + i)). A finite double lies between 2^-1074 and 2^1024, so a sum of products of four of them,
-/// or of four sums of two, has its bits between 2^-4296 and 2^4110: 264 limbs, and one at either end for the alignment.
+/// ±Σ limb[i]·2^(32(first + i)). A finite double lies between 2^-1074 and 2^1024, so a sum of products of four doubles,
+/// or of four sums of two doubles, has its bits between 2^-4296 and 2^4110: 264 limbs, and one at either end for the
+/// alignment.
 template <class For>
 class Dyadic {
 public:

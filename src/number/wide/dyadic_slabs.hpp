@@ -8,8 +8,8 @@
 
 namespace lostbits::number::wide {
 
-/// The decision and t of doubles of any size. `in` are origin, direction, first and second planes, and the end; `out`
-/// becomes 1 or −1 for a hit or a miss, tmin and tmax.
+/// The decision and t for doubles of any size. `in` holds origin, direction, first and second planes, and the end.
+/// `out` receives 1 for a hit or −1 for a miss, then tmin and tmax.
 template <class For>
 [[gnu::noinline]] static void meet_slabs(const std::array<double, 13>& in, std::array<double, 3>& out) {
     using D = Dyadic<For>;

@@ -7,8 +7,8 @@
 
 namespace lostbits::number::wide {
 
-/// The decision and t of doubles of any size, by h = f·d, c = f·f − r², a = d·d and D = h² − ac with f = o − c. `in`
-/// are origin, direction, centre and radius; `out` becomes 1 or −1 for a hit or a miss, and t or −1.
+/// The decision and t for doubles of any size, by h = f·d, c = f·f − r², a = d·d and D = h² − ac with f = o − c. `in`
+/// holds origin, direction, centre and radius. `out` receives 1 for a hit or −1 for a miss, then t or −1.
 template <class For>
 [[gnu::noinline]] static void meet_sphere(const std::array<double, 10>& in, std::array<double, 2>& out) {
     using D = Dyadic<For>;

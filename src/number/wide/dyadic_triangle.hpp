@@ -19,8 +19,8 @@ Dyadic<For> triple_product(const std::array<Dyadic<For>, 3>& x, const std::array
     return sum;
 }
 
-/// The decision and t of doubles of any size, by the formula of `Triangle::span`. `in` are origin, direction and the
-/// vertices; `out` becomes 1 or −1 for a hit or a miss, and t or −1.
+/// The decision and t for doubles of any size, by the formula of `Triangle::span`. `in` holds origin, direction and the
+/// vertices. `out` receives 1 for a hit or −1 for a miss, then t or −1.
 template <class For>
 [[gnu::noinline]] static void meet_triangle(const std::array<double, 15>& in, std::array<double, 2>& out) {
     using D = Dyadic<For>;

@@ -18,7 +18,7 @@ public:
     void add(const P& word) {
         if (any_of(!(abs(word) <= P(0)))) words_[used_++] = word;
     }
-    /// Exactly while the product does not underflow.
+    /// Adds both words. Those of a product are exact unless the product underflows.
     void add(const TwoWords<P>& words) {
         add(words.hi);
         add(words.lo);

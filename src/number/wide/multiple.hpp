@@ -1,4 +1,4 @@
-// Multiple: integer multiples of a unit, held in two words, whose sums and products are exact, so that zeros are
+// Multiple: an integer multiple of a unit, held in two words. Sums and products of multiples are exact, so a zero is
 // proved.
 #pragma once
 
@@ -21,8 +21,8 @@ template <class P>
 struct Grid {
     P unit, size;
 
-    /// Fits numbers whose bits span at most `bits` (1 to 50), from the highest bit of the largest to the lowest bit of
-    /// any. If they span more, if one is not finite, or if all are 0, the size is infinite or there is no unit.
+    /// Fits numbers whose bits span at most `bits` (1 to 50), from the highest bit of the largest number to the lowest
+    /// bit of any. If they span more, if one is not finite, or if all are 0, the size is infinite or there is no unit.
     template <class... Ps>
     static Grid of(int bits, const Ps&... numbers) {
         using lostbits::abs, lostbits::max, lostbits::select;

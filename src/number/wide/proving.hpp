@@ -18,9 +18,9 @@ P outward_of() {
     else return P(513) / P(512);
 }
 
-/// T's own operations, to the bit and recorded as T records them, and e, a number of P: T without recording. It stands
-/// for all real x with |x − w| ≤ e (1 + 2^-10), where 2^20 u ≤ 1. If e is infinite or NaN, nothing is known, and no
-/// comparison with it is decided.
+/// T's own operations, to the bit and recorded as T records them, with a bound e, a number of P: T without recording.
+/// It encloses all real x with |x − w| ≤ e (1 + 2^-10), where 2^20 u ≤ 1. If e is infinite or NaN, nothing is known,
+/// and no comparison with it is decided.
 ///
 /// For x and y in a and b, with w the rounded result and η the least subnormal number:
 ///
@@ -30,12 +30,12 @@ P outward_of() {
 ///     w = √a       |√x − w|    ≤ e_a/√a + u|w|
 ///
 /// Nothing is known about a quotient if |b| ≤ e_b, nor about a root if a ≤ e_a. Each product and quotient in these
-/// bounds can lose an η too: L, at least 4η, is added for each. Each step of the bounds loses a factor of at most 1 +
-/// 2u. The only subtraction is |b| − e_b, with e_b rounded up. No formula here has 400 such steps one after the other:
-/// (1 + 2u)^400 < 1 + 2^-10. If a word overflows, u|w| is infinite or NaN.
+/// bounds can lose an η too, so L, which is at least 4η, is added for each. Each step of the bounds loses a factor of
+/// at most 1 + 2u. The only subtraction is |b| − e_b, with e_b rounded up. No formula here has 400 such steps one after
+/// the other: (1 + 2u)^400 < 1 + 2^-10. If a word overflows, u|w| is infinite or NaN.
 ///
-/// A comparison uses d, the rounded difference, which has the sign of the difference, and e = (e_a + e_b)(1 + 2^-9),
-/// which covers the 2^-10 and the rounding u|d| of d itself.
+/// A comparison uses d, the rounded difference, which has the sign of the exact difference. Its bound is
+/// e = (e_a + e_b)(1 + 2^-9), which covers the factor 1 + 2^-10 and the rounding u|d| of d itself.
 template <class T>
 class Proving {
 public:

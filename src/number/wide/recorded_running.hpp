@@ -112,8 +112,9 @@ inline Order<Tris<ColumnMask>> order_of_first_words(const ColumnWord& x, const C
 template <class W>
 concept ColumnWords = std::same_as<W, ColumnWord> || std::same_as<W, TwoWords<ColumnWord>>;
 
-/// Each operation is one instruction, whose kernel is that of `Running` over packs, so its words and bounds have the
-/// same bits. If a number is known to have no second word and no bound when it is recorded, that holds for every ray.
+/// Running numbers over recorded words. Each operation is one instruction, whose kernel is that of `Running` over
+/// packs, so its words and bounds have the same bits. If a number is known to have no second word and no bound when it
+/// is recorded, that holds for every ray.
 template <ColumnWords W>
 class Running<W> {
 public:

@@ -19,7 +19,8 @@ template <std::floating_point F>
 [[gnu::always_inline]] inline bool is_known_zero(const F& x) {
     return __builtin_constant_p(x) & (x >= 0) & (x <= 0);
 }
-/// It has no branch. A branch would stay in the code of a whole shape until the compiler knows its condition.
+/// The test has no branch, because a branch would stay in the code of a whole shape until the compiler knows its
+/// condition.
 template <class P>
 requires requires(const P& x) { x.words(); }
 [[gnu::always_inline]] inline bool is_known_zero(const P& x) {
@@ -29,8 +30,8 @@ requires requires(const P& x) { x.words(); }
     return __builtin_constant_p(all) & (static_cast<std::uint64_t>(all) << 1 == 0);
 }
 
-/// True if a step ends here because no lane is left: the rest of it is needed only where the mask is set. (A recorded
-/// step goes on, and its program skips the rest.)
+/// True if the mask is set in no lane, so that a step can end here. (A recorded step goes on, and its program skips the
+/// rest.)
 template <class M>
 bool is_unset(const M& mask) {
     return !any_of(mask);
@@ -47,8 +48,8 @@ struct Words {
     static W sum(const W& a, const W& b) { return a + b; }
     static W product(const W& a, const W& b) { return a * b; }
 };
-/// A sum with one word is normalised after one step: if the first words cancel, the remainder is a multiple of half an
-/// ulp of the larger, which no second word exceeds.
+/// A sum of numbers of one word is normalised after one step: if the first words cancel, the remainder is a multiple of
+/// half an ulp of the larger one, and no second word exceeds that.
 template <class P>
 struct Words<TwoWords<P>> {
     using Word = P;

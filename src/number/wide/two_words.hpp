@@ -9,7 +9,7 @@
 
 namespace lostbits::number::wide {
 
-/// 2^k in P, k ≤ 0 and normal, exactly: a constant of floats, doubles and packs of them.
+/// 2^k in P, k ≤ 0 and normal, exactly. It is a constant for floats, doubles and packs of them.
 template <class P>
 P power_of_two(int k) {
     if constexpr (std::floating_point<P> || requires { typename P::Lanes; }) {
@@ -21,8 +21,8 @@ P power_of_two(int k) {
     }
 }
 
-/// hi + lo with |lo| ≤ ulp(hi)/2. The error of every operation is less than `word_error` of its result while nothing
-/// underflows or overflows (the bounds are listed at `Ball`). This holds for sums of any signs too.
+/// hi + lo with |lo| ≤ ulp(hi)/2. Unless something underflows or overflows, the error of every operation is less than
+/// `word_error` of its result (the bounds are listed at `Ball`). This holds for sums of any signs too.
 template <class P>
 struct TwoWords {
     P hi, lo;
@@ -55,7 +55,8 @@ struct TwoWords {
     }
     /// Rounds twice, for the product and for the sum.
     friend TwoWords fma(const TwoWords& a, const TwoWords& b, const TwoWords& c) { return a * b + c; }
-    /// Moves a by 2 `word_error` of itself, the distance of a neighbour if operations are accurate to `word_error`.
+    /// Moves a by 2 `word_error` of itself, which is the distance of a neighbour if operations are accurate to
+    /// `word_error`.
     friend TwoWords next_up(const TwoWords& a) {
         return a + TwoWords(max(abs(a.hi) * power_of_two<P>(-101), next_up(P(0))));
     }

@@ -1,4 +1,4 @@
-// The doubles in which formulas over a pack of floats compute inside.
+// Doubles for formulas over a pack of floats that compute in double inside.
 #pragma once
 
 #include "number/pack.hpp"

@@ -34,14 +34,14 @@ concept InRegisters = requires {
     T::lanes;
 };
 
-/// Converts x exactly to W: `OneWord<T>`, or two of them.
+/// Converts x exactly to W, which is `OneWord<T>` or two of them.
 template <class W, class T>
 W widen(const T& x) {
     if constexpr (std::same_as<W, OneWord<T>>) return Wider<T>::widen(x);
     else return W(Wider<T>::widen(x));
 }
 
-/// Converts x to T: rounded once from `OneWord<T>`, and once more from two of them.
+/// Converts x to T, rounded once from `OneWord<T>`, and once more from two of them.
 template <class T, class W>
 T narrow(const W& x) {
     if constexpr (std::same_as<W, OneWord<T>>) return Wider<T>::narrow(x);
@@ -110,8 +110,8 @@ mask_t<T> goes_deeper() {
     else return widens<T>() ? T(0) < T(1) : T(1) < T(0);
 }
 
-/// Calls `f(in, out)` for each lane with `ask` > 0. `in` holds the lane's numbers as doubles. `out` holds the lane of
-/// `out` before the call; what `f` leaves there is that lane of the result.
+/// Calls `f(in, out)` for each lane with `ask` > 0. `in` holds the lane's numbers as doubles. `out` holds that lane of
+/// `out` before the call, and the lane of the result after it.
 template <class T, std::size_t ins, std::size_t outs, class F>
 std::array<T, outs> masked_lanes(const T& ask, const std::array<T, ins>& in, std::array<T, outs> out, const F& f) {
     if constexpr (InRegisters<T>) {

@@ -67,17 +67,18 @@ std::string line_of(const Explanation& x, const OperationRow& row) {
     };
     std::string line = left_of(mark, row) + number(row.computed) + " " + number(row.exact);
     if (row.whole && !decides)
-        line += fmt::format(" {:>9} {:<16} {:>6} {:>9} {:>10}", row.off, row.cancelled, row.local, row.own, row.share);
+        line +=
+            fmt::format(" {:>10} {:<16} {:>6} {:>14} {:>15}", row.off, row.cancelled, row.local, row.own, row.share);
     while (line.back() == ' ') line.pop_back();
     return line + (row.turned ? "  rounding chose the other side" : row.on_purpose ? "  on purpose" : "") + "\n";
 }
 
 std::string table(const Explanation& x, const OperationView& words, bool all) {
     const int width = digits_of(x.format.parameters) + 6;
-    std::string text =
-        padded("  operation", widest_expression) +
-        fmt::format(" {:>{}} {:>{}} {:>9} {:<16} {:>6} {:>9} {:>10}\n", "computed", width, "without rounding", width,
-                    "off, ulp", "bits cancelled", "local", "own, ulp", fmt::format("of {}, ulp", words.subject()));
+    std::string text = padded("  operation", widest_expression) +
+                       fmt::format(" {:>{}} {:>{}} {:>10} {:<16} {:>6} {:>14} {:>15}\n", "computed", width,
+                                   "without rounding", width, "error, ulp", "bits cancelled", "local", "own error, ulp",
+                                   fmt::format("share of {}, ulp", words.subject()));
     const OperationTable found = operation_table(x, words, all);
     if (found.first > 0)
         text += fmt::format("  ({} of earlier samples: --verbose)\n", scene::toml::counted(found.first, "operation"));

@@ -15,8 +15,8 @@ constexpr int column_head = 22;  // the name of the form, if it has one line
 constexpr int name_line = 16;    // every further line of it
 constexpr int note_line = 14;
 
-/// The name of a form in one line if it fits, perhaps in smaller letters. Otherwise a composed name, `FORM^BOX@SPACE`,
-/// gets a line for each part, because two such names shortened in the middle look alike.
+/// The name of a form in one line if it fits, perhaps in smaller letters. Otherwise a composed name,
+/// `FORM^BOX@TRANSFORM`, gets a line for each part, because two such names shortened in the middle look alike.
 std::vector<TextBitmap> name_lines(std::string_view name, int width) {
     std::vector<TextBitmap> lines;
     if (image_backend().render_text(name, style::smallest_size, true).width > width) {

@@ -1,5 +1,5 @@
-// What examples/pipes/cuda_sphere.cu needs of CUDA, one thread after the other on the processor: its host program and
-// the CUDA side of sphere.cl are tried without a card. It says nothing of how a card computes.
+// CUDA on the processor, one thread after the other, as far as examples/pipes/cuda_sphere.cu needs it. Its host program
+// and the CUDA side of sphere.cl are tested without a card. It says nothing about how a card computes.
 #pragma once
 
 #include <cmath>
@@ -54,7 +54,7 @@ inline cudaError_t cudaMemcpy(void* to, const void* from, std::size_t bytes, cud
     return cudaSuccess;
 }
 
-/// Of a kernel with the arguments of `intersect` in sphere.cl.
+/// Runs a kernel with the arguments of `intersect` in sphere.cl.
 inline cudaError_t cudaLaunchKernel(const void* kernel, dim3 blocks, dim3 threads, void** arguments, std::size_t, int) {
     using Kernel = void (*)(const float*, const float*, unsigned, unsigned, float*, unsigned char*);
     gridDim = blocks;

@@ -1,4 +1,4 @@
-// What lies in one file with a reader, or in one class, and needs half of the program: nothing of it is called here.
+// Functions that share a file or a class with a reader, and need half of the program. None of them is called here.
 #include <stdexcept>
 
 #include "intersect/bounding_box/behind.hpp"

@@ -126,8 +126,8 @@ bool is_along_an_axis(const Vec<double>& d) { return (d.x == 0) + (d.y == 0) + (
 
 bool is_any(const Vec<double>&) { return true; }
 
-/// Of adversarial rays at a box in the directions that count, those that truly meet a triangle in it, and how many each
-/// box test loses.
+/// Counts adversarial rays at a box, in the directions that `counts` accepts, that truly meet a triangle in it, and how
+/// many of them each box test loses.
 Culls culls_in(const std::vector<std::string_view>& distributions, const std::vector<const char*>& boxes, int rays,
                bool (*counts)(const Vec<double>&)) {
     Culls found;

@@ -146,7 +146,8 @@ std::array<S, 6> draw_ray(Random& random, const Primitive<S>& primitive, std::si
         ray[axis + 3] = target - ray[axis];
         if (random.one_in(6)) ray[axis + 3] = static_cast<S>(random.sign() * (random.one_in(4) ? 1e-30 : 0.0));
     }
-    // What a form takes for a direction of length one is one, half the time; ends are told at the length drawn.
+    // Half the time, the direction gets length one, which some forms take for granted; but not for shapes with ends,
+    // which are meant for the length that was drawn.
     const double size = std::hypot(double(ray[3]), double(ray[4]), double(ray[5]));
     if (!takes_tmax(primitive.shape) && size > 0 && random.one_in(2))
         for (std::size_t axis = 3; axis < 6; ++axis) ray[axis] = static_cast<S>(static_cast<double>(ray[axis]) / size);
@@ -154,7 +155,7 @@ std::array<S, 6> draw_ray(Random& random, const Primitive<S>& primitive, std::si
     return ray;
 }
 
-/// Where a ray ends: before, in or behind what `draw_ray` aims at (t = 1), nowhere, or any number.
+/// End of a ray: before, in or behind the target of `draw_ray` (t = 1), nowhere, or any number.
 template <class S>
 S draw_end(Random& random) {
     if (random.one_in(8)) return draw_any<S>(random);
@@ -211,9 +212,10 @@ std::vector<Scene<S>> draw_scenes(Shape shape, std::size_t count) {
     return all;
 }
 
-/// Of a thousand answers of any form of a shape, how many at least are hits at a finite t, misses, and no numbers; and
-/// hits of one ray against many primitives. A tenth less than was measured of the form that has the fewest: few hits of
-/// forms that take directions of length one, no NaN of those whose min and max let none through.
+/// Least counts in a thousand answers of any form of a shape: hits at a finite t, misses, and answers that are not a
+/// number; and hits of one ray against many primitives. Each is a tenth less than was measured for the form that has
+/// the fewest: forms that take directions of length one have few hits, and forms whose min and max let no NaN through
+/// have none.
 struct Shares {
     Shape shape;
     std::size_t hits, misses, not_a_number, hits_of_many;

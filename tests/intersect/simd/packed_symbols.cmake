@@ -1,6 +1,6 @@
-# What an object for wider registers defines for others must be named for its width: a function under an ordinary name
-# would be instructions that older machines do not have, and the linker may keep it for everybody. Nor may such an
-# object run anything at start-up. Run by ctest:
+# A symbol that an object for wider registers defines for others must be named for its width. A function under an
+# ordinary name would be instructions that older machines do not have, and the linker may keep it for everybody. Nor may
+# such an object run anything at start-up. Run by ctest:
 #   cmake -DNM=nm -DISA=w256 "-DOBJECTS=a.o;b.o" -P packed_symbols.cmake
 if(NOT OBJECTS)
     message(FATAL_ERROR "no objects to look at")

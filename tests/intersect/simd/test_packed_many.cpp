@@ -45,7 +45,7 @@ Drawn<S> draw(Random& random, Shape shape, std::size_t k, std::size_t n) {
     return d;
 }
 
-/// What the table's own row says of each primitive by itself.
+/// Answers of the table's own row for each primitive by itself.
 template <class S>
 struct Expected {
     std::vector<S> t;

@@ -165,8 +165,8 @@ TEST_CASE("rays through edges and vertices, and rays that start on a triangle, a
                     different += compare(t, right[i].t) != 0;
                 }
                 CHECK(different == 0);
-                // Those that touch are asked alone where that is no hit, and those that begin there; and needles, whose
-                // exponents spread too far.
+                // Rays are decided alone if they touch and that is not a hit, or if they begin on the triangle; and
+                // needles, whose exponents spread too far.
                 const bool is_closed = convention == Convention();
                 if (name != "a needle")
                     CHECK(found.alone.size() <= (is_closed ? rays.size() / 20 : ties + rays.size() / 20));

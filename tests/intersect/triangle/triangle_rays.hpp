@@ -21,7 +21,7 @@ using RationalVec = std::array<Rational, 3>;
 inline RationalVec exactly(const Vec<double>& v) { return {Rational(v.x), Rational(v.y), Rational(v.z)}; }
 inline RationalVec minus(const RationalVec& a, const RationalVec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
-/// What is true of the line, and of the ray from its origin on.
+/// True answer for the line, and for the ray from its origin on.
 struct TriangleAnswer {
     bool crosses = false;  ///< the plane; all that follows only then
     bool front = false;    ///< from the side from which a, b, c run counter-clockwise

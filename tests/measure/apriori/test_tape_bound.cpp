@@ -26,7 +26,7 @@ namespace {
 constexpr FloatFormat four_bits{4, -6, 4};
 constexpr FloatFormat three_bits{3, -3, 4};
 
-/// Of one point: with rounding and without; nothing where an operation is undefined.
+/// Value of a node at one point, with rounding and without. `exact` is empty if an operation is undefined.
 struct Value {
     double computed = 0;
     std::optional<Real> exact = Real(0);
@@ -197,7 +197,7 @@ TEST_CASE("bounds of single operations agree with those worked out by hand", "[a
     const double u = 0x1p-24;
     CHECK(bound_of(TapeOp::mul, binary32, {{1, 1.25}, {1, 1.5}}).error == u);
     CHECK(bound_of(TapeOp::mul, binary32, {{1, 1.25}, {1, 2}}).error == 2 * u);
-    // What underflows, in float and in double, which cannot hold half of its own least number.
+    // Products that underflow, in float and in double, which cannot hold half of its own smallest number.
     CHECK(bound_of(TapeOp::mul, binary32, {{0x1p-80, 0x1p-79}, {0x1p-80, 0x1p-70}}).error == 0x1p-150);
     CHECK(bound_of(TapeOp::mul, binary64, {{0x1p-600, 0x1p-599}, {0x1p-600, 0x1p-599}}).error == 0x1p-1074);
     CHECK(bound_of(TapeOp::add, binary32, {{0, 0x1p-127}, {-0x1p-127, 0x1p-127}}).error == 0);

@@ -20,7 +20,7 @@ using measure::metric::MetricSet;
 
 namespace {
 
-/// What the library calls a setting, of the rays that the tests draw.
+/// The library's setting for the rays that the tests draw.
 lostbits::measure::attribution::Setting given(const Setting& s) { return {s.primitives, &s.march}; }
 
 }  // namespace

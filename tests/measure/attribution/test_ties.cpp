@@ -75,7 +75,8 @@ void demand_one_culprit(const Tape& tape, bool is_solver, Random& random, Seen& 
         const Attribution b = measure::attribution::attribute(s.tape);
         REQUIRE(b.subject == s.at(a.subject));
         REQUIRE(b.culprit == s.at(a.culprit));
-        // Of a solver's thousands of operations adjoints are long sums, in another order off by their last place.
+        // Adjoints over the thousands of operations of a solver are long sums, which differ in the last place in
+        // another order.
         if (!is_solver) REQUIRE(b.equals == s.at(a.equals));
     }
     seen.ties += !a.equals.empty();

@@ -163,7 +163,8 @@ TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points f
         CHECK(back.rays.ox == group.rays.ox);
         CHECK(back.rays.oz == group.rays.oz);
         for (std::size_t s = 0; s < 4; ++s) CHECK(back.primitives[s].numbers == group.primitives[s].numbers);
-        // What is hit, and from farther away also the point: the origin moved along the ray alone.
+        // The primitive that is hit stays the same. From farther away the point does too, since the origin moves along
+        // the ray.
         const auto there = stretched(ideal, way, 4);
         REQUIRE(there);
         const measure::truth::Band band = there->rays.band({});
@@ -273,7 +274,7 @@ TEST_CASE("obstacles: format, problem and formula are told apart") {
     const auto map = measure::evaluate::evaluate_rows({.scene = &thin, .rows = {lossy}, .metrics = {inherent}}, {});
     CHECK(loses.inherent_kept == 24 - map.front().metrics[0].quantile(0.99));
     CHECK(loses.exact.kept_bits == 53);
-    // Seen from 4100 radii, the quadratic formula decides wrongly what exact arithmetic decides rightly.
+    // Seen from 4100 radii, the quadratic formula decides wrongly what exact arithmetic decides correctly.
     const Scene oblique = scene_of_choice("rtg-fig-7-3-4100-oblique", {32, 32});
     const TestedForm schoolbook = test::row("sphere.schoolbook", "f32");
     request = requirement_of(4, {schoolbook});

@@ -57,7 +57,7 @@ TEST_CASE("every claim about all cases states what it rests on") {
         // The largest value of a sample is a lower bound of the largest there is.
         const bool by_largest = claim.metric.ends_with("_max") || claim.metric == "worst";
         if (by_largest && claim.verdict == Claim::Verdict::holds) CHECK(claim.evidence != Claim::Evidence::none);
-        // Of a promise of a bound, samples say nothing.
+        // Samples cannot show that a bound holds.
         if (word == "sound") CHECK_FALSE(sample);
         CHECK(universal_word(claim.note) != "sound");
         const auto* const sweep = claim.on<scene::claim::SweepSubject>();
@@ -77,7 +77,7 @@ TEST_CASE("every verdict follows from a criterion, unless the sentence only desc
     int with = 0, qualified = 0, sourced = 0, describing = 0;
     for (const Claim& claim : all_claims()) {
         INFO(claim.where.text() << ": " << claim.id << ": " << claim.statement);
-        // What no criterion says cannot be contradicted, nor be true on a condition.
+        // A sentence without a criterion cannot be contradicted, nor be true on a condition.
         if (claim.verdict != Claim::Verdict::holds) CHECK(claim.criterion);
         with += claim.criterion.has_value();
         describing += !claim.criterion && claim.is_sourced();

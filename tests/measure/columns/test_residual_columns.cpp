@@ -108,7 +108,7 @@ TEST_CASE("columns of residuals have the bits of the metric", "[measure][columns
         for (const char* name : {"f32", "f64"}) {
             for (const Shape shape : {Shape::sphere, Shape::box}) {
                 INFO(name << ", " << name_of(shape));
-                // What is left are points exactly on a sphere.
+                // Points exactly on a sphere are left.
                 CHECK(compare(Scene(name, shape, Range::near, 40'000, random)) < 0.05);
                 CHECK(compare(Scene(name, shape, Range::near, 40'001, random)) < 0.05);
                 CHECK(compare(Scene(name, shape, Range::far, 10'001, random)) < 0.5);

@@ -336,7 +336,7 @@ TEST_CASE("a primitive without a box is a candidate for every ray", "[culling]")
     BoxTree::make(PrimitiveList<double>({flat, ground, ball, huge}), bounds, &binary64)->candidates(away, found);
     CHECK(found == std::vector<std::uint32_t>{1, 3});
     CHECK_FALSE(BoxTree::make(PrimitiveList<double>({ground}), bounds, nullptr));
-    // What bounds rays enters for forms that square lengths alone.
+    // Bounds on rays matter only to forms that square lengths.
     const measure::culling::RayBounds none{HUGE_VAL, 0, HUGE_VAL};
     BoxTree::make(PrimitiveList<double>({flat, ball}), none, nullptr)->candidates(away, found);
     CHECK(found.empty());

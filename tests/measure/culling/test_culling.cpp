@@ -89,7 +89,7 @@ const std::string pinhole = "kind = \"pinhole\"\nfov_deg = ";
 }  // namespace
 
 TEST_CASE("an index of many spheres changes no answer: near", "[measure][culling]") {
-    // What is computed bit by bit takes a minute with 821 spheres: in the short tests there are 92.
+    // Arithmetic bit by bit takes a minute with 821 spheres, so the short tests have 92.
     CHECK(compare(flake_scene(test::is_long() ? 3 : 2, "[2.1, 1.3, 1.7]", pinhole + "60"), {"bf16"}).hits > 1000);
     const auto scene = flake_scene(3, "[2.1, 1.3, 1.7]", pinhole + "60");
     if (test::is_long()) compare(scene, {"p20", "fp16"});

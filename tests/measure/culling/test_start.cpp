@@ -182,7 +182,7 @@ TEST_CASE("a ray that starts in a primitive under a matrix is never said to star
             if (broken_limit(primitive) || !primitive.placed->is_proper()) continue;
             const Vec<double> p = draw_point(rng, *drawn);
             const Affine<double> map = primitive.placed->map();
-            // Of an inverse anywhere near will do.
+            // For an inverse, any origin near the primitive will do.
             const Vec<double> origin = is_inverse ? scaled_by(rng.vec(-2, 2), e) : map.point(scaled_by(p, e));
             (is_usual ? usual : wide).take({origin, rng.vec(-1, 1)}, primitive);
         }

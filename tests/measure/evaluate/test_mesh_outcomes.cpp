@@ -21,7 +21,7 @@ namespace {
 
 using intersect::AtOrigin;
 
-/// Of every ray of a scene the triangles that it truly meets, by the words on its origin and without an index.
+/// Triangles that every ray of a scene truly meets, for both values of `at_origin`, found without an index.
 class Meetings {
 public:
     using Met = std::map<std::size_t, Truth>;

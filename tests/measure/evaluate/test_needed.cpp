@@ -66,7 +66,7 @@ TEST_CASE("bits needed agree with a map of all 52 widths", "[needed]") {
     // Far, near, from a huge ground (own horizon), inputs rounded by each format, and several spheres.
     for (const char* name : {"rtg-fig-7-3-100-oblique", "near-benign", "rtg-fig-7-4.r1e6", "world-offset-own"}) {
         const scene::file::Scene scene = load(name, 20, 14);
-        // Of both conventions on touching, and one that is given unit directions.
+        // Forms with both conventions on touching, and one that takes unit directions.
         for (const char* which : {"sphere.schoolbook", "sphere.unified", "sphere.factored_c", "sphere.unit_half_b"}) {
             const auto maps = map_of(scene, test::form_named(which), every_width());
             for (const int bits : {1, 12, 20, 52}) {

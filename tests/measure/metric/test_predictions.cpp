@@ -128,7 +128,7 @@ TEST_CASE("three runs of a sum promise the bits of Student's factor, and their m
         const double bits = off <= 0.5 ? 24 : 24 - std::log2(2 * off);
         CHECK(sum.metric("cestac_error") == Approx(sum.metric("cestac_bits") - bits).margin(1e-6));
         CHECK(sum.metric("cestac_digit") == 0);
-        // Of all three up it promises 24 bits, and has less.
+        // If all three runs go up, it promises 24 bits and has fewer.
         if (ups == 3) CHECK(sum.metric("cestac_error") > 0);
     }
     for (const int count : seen) CHECK(count > 0);

@@ -172,7 +172,7 @@ TEST_CASE("a distribution counts more than 2^32 equal samples, merged with itsel
     bits(read);
     CHECK(bits.is_at_end());
     check_quantiles(read);
-    // Of two shards, and sample by sample where a count is just below 2^32.
+    // Two shards are added, and then single samples to a count just below 2^32.
     Distribution just_below, more;
     just_below.add(1.5);
     for (int k = 0; k < 31; ++k) just_below.add(just_below);

@@ -225,7 +225,7 @@ TEST_CASE("offsets: rays leave a flat primitive on either side, and excluding it
                 CHECK(m.by("offset.exclude", side).bad == 0);
                 CHECK(m.by("offset.none", side)[Fault::lost_exit] == 0);
                 CHECK(m.by("offset.epsilon", side).bad == 0);
-                // What lies on the other side needs to go as far as it is off, and half a last place.
+                // A point on the other side must move as far as it is off, and half a last place.
                 const bool is_off = (t < 3) == (side == Side::inside) && t != 3;
                 CHECK((m.by("offset.none", side)[Fault::self_hit] > 0) == is_off);
                 CHECK(m.on(side).safe == (is_off ? Approx(0x1p-20).epsilon(1e-6) : Approx(0)));

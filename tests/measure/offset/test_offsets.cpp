@@ -86,7 +86,7 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not, also 
                             CHECK(is_truly_safe(work, points, k, side, e));
                             CHECK_FALSE(is_truly_safe(work, points, k, side, below));
                         }
-                        // What is quiet is safe, and a place that is safe from 0 on needs nothing.
+                        // A quiet offset is safe, and a point that is safe from 0 on needs no offset.
                         if (s.quiet == 0) CHECK(s.safe == 0);
                         CHECK(s.rays >= 17);
                     }
@@ -147,7 +147,7 @@ TEST_CASE("the strategies reported as cheapest are safe, and those left out are 
         INFO(request.strategies[k]->name);
         CHECK(right == safe.contains(request.strategies[k]));
     }
-    // Where nothing has to go into the primitive, it is enough not to ask it.
+    // If no ray goes into the primitive, it is enough to leave the primitive out.
     const auto out = safe_strategies(summary, request.strategies, Shape::sphere, std::array{Side::outside});
     CHECK(out.front().strategy->name == "offset.exclude");
     CHECK(out.front().operations == 0);

@@ -88,7 +88,7 @@ TEST_CASE("the set meets the requirement, and without any of its operations fail
             CHECK_FALSE(there.meets(request.requirement));
         }
         if (scene.id != "box-slabs") continue;
-        // Of three operations, and none of the sets of two would do: all were tried.
+        // Three operations are needed: all sets of two were tried, and none of them is enough.
         REQUIRE(set.size() == 3);
         CHECK(found.none_of == 2);
         std::vector<Tape> pairs;

@@ -53,7 +53,7 @@ void check_store(Native native, const measure::speed::RayPool& pool) {
             CHECK(store.slice() == (slice == 0 ? store.rays() : slice));
             std::size_t calls = 0;
             for (std::size_t seen = 0; seen < store.rays(); seen += store.slice(), ++calls) store.run(native);
-            // What is left over at the end of the slices is never touched.
+            // Rays left over after the last whole slice are never run.
             const double whole =
                 static_cast<double>(store.rays() / store.slice() * store.slice()) / static_cast<double>(store.rays());
             CHECK(store.found() <= rate + 1e-3);

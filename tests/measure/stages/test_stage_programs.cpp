@@ -118,7 +118,7 @@ Counts compare(const StageTerms& terms, bool one_primitive, const ShapeStage<S>&
         const Finding<double> alone = settle_inputs<Of, W>(terms, [&](std::size_t k) { return columns.at(k, i); });
         counts.settled += alone.settled ? 1 : 0;
         bool same = columns.settled[i] == static_cast<std::uint8_t>(alone.settled);
-        // Where nothing is settled nobody reads whether it hits.
+        // Nothing reads the hit of a ray that is not settled.
         if (alone.settled) {
             same = same && columns.hit[i] == static_cast<std::uint8_t>(alone.hit);
             const auto length = [&](const Enclosure<double>& x, const std::array<std::vector<double>, 3>& found) {

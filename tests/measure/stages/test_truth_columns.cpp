@@ -87,7 +87,7 @@ std::size_t count_different(std::span<const Problem> problems, const TruthColumn
         const auto& t = length_of(alone, length);
         const double hi = std::ldexp(t.hi, static_cast<int>(t.exponent)),
                      lo = std::ldexp(t.lo, static_cast<int>(t.exponent));
-        // Where one ray alone needed wider intervals its words are theirs.
+        // The words are the same if the ray alone needed no wider intervals.
         if (tight && alone.bits == 106) different += found.hi[i] != hi || found.lo[i] != lo;
         else
             different +=

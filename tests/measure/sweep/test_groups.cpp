@@ -46,7 +46,7 @@ void check_same(const WorstRay& a, const WorstRay& b) {
         CHECK(std::ranges::equal(a.given->primitives[s].used(), b.given->primitives[s].used()));
 }
 
-/// What a summary of all views says against the sum of one summary a view.
+/// Compares a summary of all views with the sum of one summary for each view.
 void check_same(const FormSummary& together, const FormSummary& summed) {
     CHECK(together.rays == summed.rays);
     CHECK(together.true_hits == summed.true_hits);

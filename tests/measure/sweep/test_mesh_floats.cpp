@@ -96,7 +96,7 @@ TEST_CASE("every float of a sweep through a mesh vertex is counted as its triang
     CHECK(at_vertex == 6);
     const auto tallies = check_counts(file);
     CHECK(tallies.front().count(Outcome::crack) > 0);
-    // Six closed triangles each meet the vertex, and of them alone one that decides rightly hits twice.
+    // Six closed triangles each meet the vertex, and of them alone one that decides correctly hits twice.
     const sweep::FloatTally& filtered = tallies.back();
     CHECK(filtered.wrong() == 1);
     CHECK(filtered.count(Outcome::double_hit) == 1);

@@ -56,7 +56,8 @@ TEST_CASE("a product that is only added is fused, and one that is used elsewhere
     CHECK(operations_of(sum)[TapeOp::fma] == 1);
     CHECK(operations_of(sum)[TapeOp::mul] == 0);
     CHECK(operations_of(sum)[TapeOp::add] == 0);
-    // Of two products the left one is fused and the right one its addend, of three the third too.
+    // In a sum of two products, the left one is fused and the right one is its addend. In a sum of three, the third is
+    // fused too.
     const auto two = [](auto a, auto b, auto c, auto d) { return a * b + c * d; };
     CHECK(operations_of(two)[TapeOp::fma] == 1);
     CHECK(operations_of(two)[TapeOp::mul] == 1);
@@ -116,7 +117,7 @@ int differing(const Intersector& form, const Format& format, EvaluatePlain<F> as
 
 }  // namespace
 
-// Where a formula computes an unnamed product in an earlier statement, the compiler fuses that one first, and a tape no
+// If a formula computes an unnamed product in an earlier statement, the compiler fuses that one first, and a tape no
 // longer shows which came first.
 TEST_CASE("a contracted form has the bits of code that the compiler contracts", "[tape][contraction]") {
     const auto isas = intersect::simd::available_isas();

@@ -68,7 +68,7 @@ std::vector<N> deciding(Shape shape, const NumbersOf<N>& x) {
     return signs;
 }
 
-/// What is 0 where t is an answer, of a box for each axis along which the ray moves.
+/// Residuals that are 0 if t is an answer; for a box, one for each axis along which the ray moves.
 template <class N>
 std::vector<N> residuals(Shape shape, const NumbersOf<N>& x, const N& t) {
     if (shape != Shape::box) return {residual(shape, x, t, 0)};

@@ -52,7 +52,7 @@ public:
     [[nodiscard]] bool on_surface() const { return c_.sign() == 0; }
     [[nodiscard]] bool is_inside() const { return c_.sign() < 0; }
     [[nodiscard]] bool is_tangent_line() const { return discriminant_.sign() == 0; }
-    /// Of a hit: whether the range ends where the line enters.
+    /// True if the range ends where the line enters, for a hit.
     [[nodiscard]] bool ends_at_entry(const Range<double>& range) const {
         return !far_ && !std::isinf(range.tmax) && side(Dyadic(range.tmax)) == 0;
     }

@@ -12,7 +12,7 @@ struct RaySample {
 
 struct RayDistribution {
     const char* name;
-    /// What the distribution promises; checked exactly, so that a generator that misses its aim is a failure too.
+    /// Promise of the distribution. It is checked exactly, so that a generator that misses its aim fails too.
     enum class Promise { none, tangent_line, on_surface, inside } promise;
     RaySample (*make)(Seeded&, const FloatFormat& storage);
     /// Rays per storage format: fewer where exponents are wide and exact arithmetic is dear.

@@ -45,8 +45,7 @@ Vec<T> lifted(const Vec<double>& v) {
     return {T(v.x), T(v.y), T(v.z)};
 }
 
-/// What a form has of a ray by its contract: a form that knows the near root alone has no answer where that lies
-/// behind.
+/// True if the contract of a form covers a ray: a form that knows only the near root has no answer if that lies behind.
 bool is_asked(const intersect::Info& info, double h) { return info.roots != intersect::Roots::near_only || h <= 0; }
 
 }  // namespace

@@ -92,8 +92,8 @@ bool meets(Shape shape, bool closed, const Range<double>& r) {
     return r.tmin < 8 && r.tmax > 2;
 }
 
-/// What is left of a range that begins at the far end, or ends at the near one, is as wide as the padding: a false hit
-/// of theirs.
+/// Forms that pad a box. A range that begins at the far end, or ends at the near one, keeps the width of the padding,
+/// which makes a false hit.
 const std::set<std::string_view> pads_an_end{"box.max_mult", "box.pbrt_padded", "box.bvh_robust", "box.embree_padded"};
 /// A ray that ends where it enters is no hit by its words.
 constexpr std::string_view open_at_the_end = "box.tinybvh";
@@ -115,8 +115,8 @@ TEST_CASE("forms with both roots decide as the truth in every range, and forms w
             // A strict tmin < tmax has no room for a single t, which an open box holds all the same.
             if (open_box && range.tmin == range.tmax) return;
             if (form.info->name == open_at_the_end && range.tmax == 2) return;
-            // Where only the far root is in the range, a form that does not tell it has nothing to offer. The nearest
-            // point of a box is not asked for again: it is what the range begins with.
+            // If only the far root is in the range, a form that does not return it has nothing to offer. A box has no
+            // such case: its nearest point is the beginning of the range.
             const bool far_alone = !inside_returns_zero(form.shape) && form.shape != Shape::triangle && hit &&
                                    (range.is_before(2) || range.is_after(2));
             const bool loses =

@@ -30,9 +30,9 @@ double forward_error(double t, const Certified& truth) {
     return std::fabs(measure::truth::scaled_difference(exactly(t), truth, 0));
 }
 
-/// What (forward error)/(condition x backward error) may be: `backward_error` stops looking within 2^(1/16) = 1.044 of
-/// the largest change that it can prove, and what it leaves to second order is a part in 64 (below). The largest that
-/// was seen of 200 rays a distribution is 1.031.
+/// Largest allowed (forward error)/(condition x backward error): `backward_error` stops looking within 2^(1/16) = 1.044
+/// of the largest change that it can prove, and the second order that it leaves out is at most 1/64 (below). The
+/// largest value seen, in 200 rays of each distribution, is 1.031.
 const double most_allowed = std::exp2(1.0 / 16) * (1 + 0x1p-6);
 
 struct Tally {
@@ -127,7 +127,7 @@ TEST_CASE("the forward error is at most condition number times backward error fo
                 for (std::size_t i = 0; i < group.rays.size() && tried < rays_per_distribution; ++i, ++tried)
                     try_ray(both, group.rays[i], group.primitives[group.paired ? i : 0], at_edges, rng);
             both.finite.check(rays_per_distribution / 4, distribution.shape == Shape::torus);
-            // Where it meets an edge there is no derivative.
+            // At an edge there is no derivative.
             if (!at_edges) both.first_order.check(rays_per_distribution / 4, distribution.shape == Shape::torus);
         }
 }

@@ -43,7 +43,7 @@ struct Tally {
     void add(const Tally& other) { tight += other.tight, all += other.all; }
 };
 
-/// What the rays of a distribution showed. Catch counts on one thread, so it is told afterwards.
+/// Findings about the rays of a distribution. Catch counts on one thread, so they are checked afterwards.
 struct Found {
     Tally margins, errors;
     int rays = 0;
@@ -65,8 +65,8 @@ struct Seen {
     bool holds = true, is_tight = false;
 };
 
-/// What is said of every change by a part of each number, against changes at random and those on the ways to where
-/// one of the functions is 0; and whether one that is a fifth larger is seen to matter.
+/// Tests the margin `said`: no change by that part of each number changes the result, neither a random one nor one
+/// towards a zero of one of the functions. `is_tight` if a change that is a fifth larger does.
 template <class N, class Functions, class Same, class Turned>
 Seen look(const Problem<N>& problem, double said, std::uint64_t bits, const Functions& functions, const Same& same,
           const Turned& turned) {
@@ -248,7 +248,7 @@ TEST_CASE("no change within the margin changes a decision for any shape", "[marg
 
 namespace {
 
-/// What an attack on the margins of a shape showed.
+/// Findings of an attack on the margins of a shape.
 struct Attacked {
     int problems = 0, missing = 0, small = 0;
     std::vector<std::string> contradictions;
@@ -414,7 +414,7 @@ TEST_CASE("margins and backward errors agree with those worked out by hand", "[m
     CHECK(error < 0.003 / 8.003);
     CHECK(error > 0.95 * 0.003 / 8.003);
     CHECK(std::isnan(backward_error(ray, front, 0)));
-    // Where componentwise the ray along an axis keeps its zeros, normwise it turns.
+    // Componentwise, the ray along an axis keeps its zeros; normwise, it turns.
     const Box<double> box{{1, -1, 3}, {2, 1, 5}};
     CHECK(decision_margin({{0, 0, 0}, {0, 0, 1}}, box) == 0.5);
     CHECK(decision_margin({{0, 0, 0}, {0, 0, 1}}, box, Turned::root, Perturbed::normwise) < 0.25);

@@ -104,7 +104,8 @@ TEST_CASE("a primitive under a matrix equals the primitive with moved numbers fo
             const double x = part(), y = part(), z = part();
             const Vec<double> at(x, y, z);
             const Primitive<double> primitive = primitive_around<double>(row.shape, at, 1.5);
-            // What has its own directions, as the planes of a box or radii by axis, does not turn with its numbers.
+            // Shapes with directions of their own, such as the planes of a box or radii by axis, do not turn with their
+            // numbers.
             bool turns = row.shape != Shape::box;
             Primitive<double> moved = primitive, placed = primitive;
             for_each_key(row.shape, [&](const Key& key, std::size_t k) {

@@ -1,5 +1,5 @@
-// What errors of the inputs can move t by, against problems that have such errors, in 2048 bits: at primitives of their
-// own, and at one under a matrix whose numbers are far apart.
+// How far errors of the inputs can move t, compared with problems that have such errors, in 2048 bits: at primitives of
+// their own, and at one under a matrix whose numbers are far apart.
 #include <array>
 #include <cmath>
 #include <optional>
@@ -151,7 +151,7 @@ struct Tally {
 
 const int rays_per_distribution = test::draws(1000);
 
-/// Of hard rays, in numbers of a format or of the one that they are stored in.
+/// Checks hard rays, with errors of a given format or of the one in which they are stored.
 void check_distributions(const std::vector<test::HardDistribution>& distributions, Tally& all,
                          const std::optional<FloatFormat>& format = {}) {
     for (const test::HardDistribution& distribution : distributions) {

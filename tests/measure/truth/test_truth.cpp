@@ -26,7 +26,7 @@ namespace {
 
 using Side = std::function<int(const Dyadic&)>;
 
-/// What exact numbers say of the first t, and of the distance: of a hit the sign of each less a number.
+/// Exact result for the first t and the distance: for a hit, the sign of each minus a number.
 struct Exact {
     bool hit = false;
     Side t = {}, distance = {};
@@ -49,7 +49,7 @@ Exact exactly(const BoxSample& s, const Range<double>& range, Touching touching)
             [squared](const Dyadic& m) { return m.sign() < 0 ? 1 : squared.compare((m * m).fraction()); }};
 }
 
-/// What the generator of a distribution promises, so that one which misses its aim is a failure too.
+/// True if a ray keeps the promise of its distribution, so that a generator that misses its aim fails too.
 bool keeps(RayDistribution::Promise promise, const RaySample& s) {
     const ExactHit exact(s.ray, s.sphere);
     switch (promise) {
@@ -89,15 +89,15 @@ int rays_of(const RayDistribution& f, const FloatFormat& storage) {
 int rays_of(const BoxDistribution& f, const FloatFormat&) { return f.rays; }
 std::string paste(const RaySample& s) { return test::paste(s.ray, s.sphere); }
 
-/// What is wrong with a length that is proved, or nothing.
+/// Describes the fault of a proved length; empty if it has none.
 std::string trouble_with(const Certified& x, const Side& side) {
     if (side(lower_end(x)) < 0 || side(upper_end(x)) > 0) return "is not within its bound";
     if (x.bound > certified_tightness * std::fabs(x.hi)) return "is not tight";
     return is_in_binade(x, side) ? "" : "is not in the binade that its ulp is taken of";
 }
 
-/// What is wrong with the truth, or nothing; in `escalated` whether it took more than double-double, but to tell on
-/// which side of a power of two a length lies, which is a question of its own.
+/// Describes the fault of the truth; empty if it has none. `escalated` says whether the truth took more than
+/// double-double numbers. It ignores the question on which side of a power of two a length lies, which is separate.
 std::string disagreement(const Ray<double>& ray, const Primitive<double>& primitive, const Exact& want,
                          const Range<double>& range, Touching touching, bool& escalated) {
     const Truth truth = measure::truth::find_truth(ray, primitive, {}, touching, range);
@@ -137,7 +137,7 @@ std::string contradiction(const Ray<double>& ray, const Primitive<double>& primi
     return "";
 }
 
-/// What was found of the rays of a distribution.
+/// Findings about the rays of a distribution.
 struct Found {
     int rays = 0, hits = 0, escalated = 0;
     std::string report;

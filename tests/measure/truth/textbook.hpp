@@ -41,7 +41,7 @@ struct Quadratic {
     }
 };
 
-/// Of a plane through three points: where the line meets it, on which sides of the edges, and t = n/det.
+/// Line and the plane through three points: where they meet, on which sides of the edges, and t = n/det.
 template <class N>
 struct Crossing {
     N u, v, w, det, n;

@@ -250,7 +250,7 @@ TEST_CASE("diff: the largest differences and their places are shown, up to the r
         CHECK(c.columns[1].count == 0);
         CHECK(c.columns[1].absolute.at.empty());
     }
-    // What is tolerated is measured all the same.
+    // A tolerated difference is measured all the same.
     const output::diff::Comparison c = compare(table(a), table(b), within({"x=60"}));
     CHECK(c.same());
     CHECK(c.columns[0].absolute.value == 60);

@@ -86,7 +86,7 @@ void for_texts(int count, const Check& check) {
     }
 }
 
-/// Of XML 1.0, and neither a control nor what turns text around or ends a line.
+/// True for a character of XML 1.0 that is not a control, does not turn text around and does not end a line.
 bool is_showable(char32_t c) {
     const bool of_xml =
         c == '\t' || c == '\n' || (c >= 0x20 && c < 0xD800) || (c >= 0xE000 && c < 0xFFFE) || c >= 0x10000;
@@ -97,7 +97,7 @@ bool is_showable(char32_t c) {
 
 constexpr int many = 20000;
 
-/// What GitHub's runner does with `%25` and the like.
+/// Reads escape codes such as `%25` back, as GitHub's runner does.
 std::string unescaped(std::string text, const std::vector<std::pair<std::string, std::string>>& codes) {
     for (const auto& [code, meaning] : codes) {
         for (std::size_t at = 0; (at = text.find(code, at)) != std::string::npos; at += meaning.size())
@@ -211,7 +211,7 @@ TEST_CASE("text in Markdown stays in its cell and is not markup", "[escape]") {
         REQUIRE(code.find(fence, fence.size()) == code.size() - fence.size());
         REQUIRE(markdown_path(text).find_first_of("() <>[]\\\"'|\r\n\t") == std::string::npos);
     });
-    // What people write is left as it is.
+    // Ordinary text is left as it is.
     for (const char* text : {"disc < 0 lets *every* NaN through", "`l² <= r²`, t* and 2^24", "f·f - r² > 1e-3"})
         CHECK(markdown_text(text) == text);
     CHECK(markdown_text("(|f| - r)") == "(\\|f\\| - r)");
@@ -295,7 +295,7 @@ TEST_CASE("a compiler reads back every string literal, with and without trigraph
                                 .c_str()) == 0);
         REQUIRE(read_file(out) == expected);
     }
-    // What people type can be copied from a comment.
+    // Ordinary text can be copied from a comment.
     for (const char* text : {"lostbits mend 'a b\\c.toml' -i sphere.half_b", "a?\?/b", "x \\ y", "|f|² − r²"})
         CHECK(line_comment(text) == text);
     CHECK(line_comment("x\\") == "x\\.");

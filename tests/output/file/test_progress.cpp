@@ -16,7 +16,7 @@ using namespace lostbits::output::file;
 
 namespace {
 
-/// What `work` writes to the descriptor it is given.
+/// Text that `work` writes to the descriptor that it is given.
 template <class Work>
 std::string written(Work work) {
     int ends[2];

@@ -24,7 +24,8 @@ inline Vector seen_through(const Matrix& m, const Vector& c) {
     return out;
 }
 
-/// What a deuteranope and a protanope see: Machado, Oliveira and Fernandes 2009, severity 1, on linear light.
+/// Colours as a deuteranope and a protanope see them: Machado, Oliveira and Fernandes 2009, severity 1, on linear
+/// light.
 inline Vector deuteranope(const Vector& c) {
     return seen_through(
         {{{0.367322, 0.860646, -0.227968}, {0.280085, 0.672501, 0.047413}, {-0.01182, 0.04294, 0.968881}}}, c);

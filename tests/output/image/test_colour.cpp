@@ -200,7 +200,7 @@ void check_apart(const std::string& what, const std::vector<Rgb8>& classes) {
     }
 }
 
-/// Of those that a legend lists.
+/// Colours of the categories that a legend lists.
 std::vector<Rgb8> colours_of(const std::vector<pixel::Category>& categories) {
     std::vector<Rgb8> colours;
     for (const pixel::Category& category : categories)

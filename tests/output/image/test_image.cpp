@@ -135,7 +135,7 @@ TEST_CASE("exponents are raised within the line, and names of forms and files ar
             INFO(number);
             CHECK(drawn(number).width < flat_width(number));
         }
-        // What is no 2 or 10, or a part of a name, has no exponent.
+        // Bases other than 2 and 10, and parts of names, have no exponent.
         for (const char* name : {"a^2", "12^2", "a/2^3", "rays-2^10", "2^10.csv", "2^3rd", "r^2 - l^2", "^10"}) {
             INFO(name);
             CHECK(drawn(name).width == flat_width(name));

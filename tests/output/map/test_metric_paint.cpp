@@ -45,7 +45,7 @@ struct Pixels {
 };
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-/// Of a picture of these pixels.
+/// Legend for a picture of these pixels.
 std::vector<image::LegendEntry> legend_of(const MetricPaint& paint, std::initializer_list<Pixels> all) {
     const pixel::Look look = paint.look(true);
     pixel::CategoryCounts counts(look.categories.size());
@@ -75,7 +75,7 @@ TEST_CASE("the colour of lost bits is a share of the significand in every format
     CHECK(single.map(6) == single.at(0.5));  // a quarter of the significand is half of the ramp
     CHECK(single.map(1) != single.map(0));
     CHECK(wide.map(23) != wide.map(53));  // not as bad as it gets: 30 are kept
-    // What is kept is no loss: evenly spaced.
+    // Bits that are kept are not a loss, so their scale is even.
     CHECK(metric_scale(*find_metric("correct_bits"), binary32).map(12) == single.at(0.5));
     CHECK_FALSE(MetricPaint(lost, binary32).shares_with(*find_metric("correct_bits")));
 }
@@ -99,7 +99,7 @@ TEST_CASE("captions begin with decisions and count the hits behind a quantile", 
           "p99 12.0 of 24 lost, 12 kept\nof 400 agreed hits");
     CHECK(glance(summary_of(22.75, {{Outcome::agree_hit, 400}, {Outcome::agree_miss, 600}}), binary64) ==
           "p99 22.8 of 53 lost, 30 kept\nof 400 agreed hits");
-    // Of all pixels, whatever kind of wrong; the most frequent first.
+    // Shares are of all pixels, for every kind of wrong decision, with the most frequent first.
     CHECK(glance(summary_of(18, {{Outcome::agree_hit, 200},
                                  {Outcome::false_miss, 50},
                                  {Outcome::false_hit, 20},
@@ -162,7 +162,7 @@ TEST_CASE("every metric is a number with a scale or a category with a name, and 
             const image::Rgb8 drawn = paint.colour(Outcome::agree_hit, static_cast<double>(c));
             CHECK(std::ranges::count(legend, drawn, &image::LegendEntry::colour) == 1);
         }
-        // Of a row whose only ray is a hit without a value.
+        // A row whose only ray is a hit without a value.
         FormSummary s({m});
         s.rays = s.true_hits = s.outcomes[0] = 1;
         CHECK(legend_of(paint, {{Outcome::agree_hit, none, 1}}).size() <= 1);

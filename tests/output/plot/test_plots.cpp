@@ -21,7 +21,7 @@ constexpr double inf = std::numeric_limits<double>::infinity();
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 constexpr image::Rgb8 first_colour{0, 114, 178}, second_colour{213, 94, 0};
 
-/// What is inside the frame: the longest run of the frame's colour in a row is its upper edge, in a column its left.
+/// The inside of the frame: the longest run of the frame's colour in a row is its upper edge, in a column its left.
 PlotFrame frame_of(const image::PngImage& image) {
     PlotFrame out;
     int best = 0;
@@ -197,7 +197,7 @@ TEST_CASE("a shaded range is behind the lines on its part of the axis, and the l
     CHECK(in_legend(png, shade_fill) > 100);
     CHECK(in_legend(bare, shade_fill) == 0);
     CHECK(drawn(png) > 400);
-    // What is said below the plot takes room there.
+    // Notes below the plot take room from it.
     spec.notes = {"A gap in a line."};
     CHECK(frame_of(plotted(folder, spec)).height < frame.height);
 }
@@ -296,7 +296,7 @@ TEST_CASE("degenerate series are drawn as far as possible", "[line_plot]") {
     const auto frame = frame_of(up);
     const int x = static_cast<int>(frame.across(0.5));
     CHECK(pixel_at(up, x, frame.y + 4) == first_colour);
-    // What a log axis cannot show is a gap and a footnote, which costs the frame height.
+    // A value that a log axis cannot show becomes a gap and a footnote, which makes the frame lower.
     const auto gap = draw({"zero", {1, 2, 3}, {1, 0, 1}, {}, {}}, Scale::linear, Scale::log2);
     CHECK(drawn(gap) < 100);
     const auto whole = draw({"none", {1, 2, 3}, {1, 1, 1}, {}, {}}, Scale::linear, Scale::log2);

@@ -25,7 +25,7 @@ using lostbits::test::TextFile;
 
 namespace {
 
-/// What the schoolbook form does here follows by hand: tests/measure/sweep/test_cases.cpp has the numbers.
+/// Results of the schoolbook form here follow by hand: tests/measure/sweep/test_cases.cpp has the numbers.
 const std::string cases_text = R"(schema = "lostbits-sweep/1"
 title = "A test"
 source = "-"

@@ -1,4 +1,4 @@
-// What the tests of files of meshes share: a mesh as each of the files that are read.
+// A mesh as text or bytes in each format that is read, for the tests of files of meshes.
 #pragma once
 
 #include <cmath>

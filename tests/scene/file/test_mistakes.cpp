@@ -38,7 +38,7 @@ struct Sample {
         }
     }
 
-    /// What is wrong with it where another line stands in the place of one.
+    /// Message of the error if another line replaces one.
     [[nodiscard]] std::string error_with(std::size_t place, const std::string& line) const {
         const Scratch folder;
         std::string all;

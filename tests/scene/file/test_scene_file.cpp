@@ -105,7 +105,7 @@ TEST_CASE("a scene is found by path, id or id and variant") {
     CHECK_FALSE(find_scene("far-2.5", data.path()).variant);
     CHECK(find_scene("far-2.5.big", data.path()).path == far);
     CHECK(find_scene("far-2.5.big", data.path()).variant == "big");
-    // What is there by that name is told by its reader, as no scene of that name could be.
+    // A path that exists is left to its reader, which reports the fault, since no scene can have that name.
     fs::create_directory(data.path() / "folder.toml");
     const fs::path before = fs::current_path();
     fs::current_path(data.path());
@@ -219,7 +219,7 @@ TEST_CASE("primitives of all shapes are numbered in the order of the file") {
     const Scene changed = loaded(text, set("sphere[1].radius=7"));
     CHECK(shapes_of(changed) == written);
     CHECK(changed.listed[3].sphere().radius == 7);
-    // What is written anew stands where the old ones stood; what was not there at all, behind all.
+    // Primitives that are written again stay at their place; those of a new kind come last.
     CHECK(shapes_of(loaded(text, set("sphere=[{centre=[0,0,0],radius=3}]"))) ==
           std::vector{Shape::box, Shape::sphere, Shape::triangle, Shape::box});
     CHECK(shapes_of(loaded(text, set("plane=[{through=[0,0,0],normal=[0,0,1]}]"))).back() == Shape::plane);

@@ -62,14 +62,14 @@ function operationTable(row, ray) {
             make(
                 "table.operations", make("caption", `The ray of pixel ${ray.x}, ${ray.y}`),
                 header(
-                    "operation", "computed from", "computed", "without rounding", "off, ulp", "bits cancelled",
-                    "local bits", "own, ulp", `of ${ray.subject}, ulp`),
+                    "operation", "computed from", "computed", "without rounding", "error, ulp", "bits cancelled",
+                    "local bits", "own error, ulp", `share of ${ray.subject}, ulp`),
                 make("tbody", ...ray.rows.map(operationRow)))),
         ...ray.sums.map((sentence) => make("p.sentence", sentence)),
         make(
             "p.hint",
-            "own: the operation's rounding error, in ulps of its own result. " +
-                `of ${ray.subject}: how much of the error of ${ray.subject} comes from that rounding. ` +
+            "own error: the operation's rounding error, in ulps of its own result. " +
+                `share of ${ray.subject}: how much of the error of ${ray.subject} comes from that rounding. ` +
                 "local: bits that the operation alone would lose on exact operands. " +
                 `Only inexact operations that lead to the answer are shown.${earlier}`)
     ];

@@ -62,7 +62,7 @@ public:
             fail(std::string(what) + " is " + toml::quoted_excerpt(text) + ", which is not " +
                  (std::is_unsigned_v<T>   ? "a whole number of at least 0"
                   : std::is_integral_v<T> ? "a whole number"
-                                          : "a number"));
+                                          : "a number; write a decimal with a point, such as 0.5 or 1e-3"));
         return x;
     }
     /// Reads the next word as a coordinate of a vertex that the scene can hold.
