@@ -29,11 +29,11 @@ install(CODE [[
         file(WRITE "${header}" "${text}")
     endforeach()
 ]])
-foreach(library core scene measure)
+foreach(library core external scene measure)
     set_target_properties(lostbits_${library} PROPERTIES EXPORT_NAME ${library})
     add_library(lostbits::${library} ALIAS lostbits_${library})
 endforeach()
-install(TARGETS lostbits_core lostbits_scene lostbits_measure EXPORT lostbits-targets ARCHIVE DESTINATION
+install(TARGETS lostbits_core lostbits_external lostbits_scene lostbits_measure EXPORT lostbits-targets ARCHIVE DESTINATION
     ${CMAKE_INSTALL_LIBDIR})
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/lostbits)
