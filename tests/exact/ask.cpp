@@ -155,35 +155,36 @@ void ask_interface(std::string_view shape, std::span<const Problem> problems, st
 
 }  // namespace
 
-double tightness_of(Way way) { return way == Way::floats_for_ulps ? 0x1p-33 : 0x1p-72; }
+double tightness_of(TruthRoute route) { return route == TruthRoute::floats_for_ulps ? 0x1p-33 : 0x1p-72; }
 
-void ask(std::string_view shape, Way way, std::span<const Problem> problems, std::vector<Answer>& answers) {
+void ask(std::string_view shape, TruthRoute route, std::span<const Problem> problems, std::vector<Answer>& answers) {
     const Shape named = shape_named(shape).value();
     answers.assign(problems.size(), {});
-    switch (way) {
-        case Way::floats_for_ulps:
+    switch (route) {
+        case TruthRoute::floats_for_ulps:
             return ask_columns<float>(named, truth::Tightness::ulps_of_binary32, problems, answers);
-        case Way::floats: return ask_columns<float>(named, truth::Tightness::certified, problems, answers);
-        case Way::doubles: return ask_columns<double>(named, truth::Tightness::certified, problems, answers);
-        case Way::one_by_one:
+        case TruthRoute::floats: return ask_columns<float>(named, truth::Tightness::certified, problems, answers);
+        case TruthRoute::doubles: return ask_columns<double>(named, truth::Tightness::certified, problems, answers);
+        case TruthRoute::one_by_one:
             for (std::size_t i = 0; i < problems.size(); ++i) {
                 const Given one(named, problems[i]);
                 answers[i] = answer_of(truth::find_truth(one.ray, one.primitive, {}, {}, one.range), one);
             }
             return;
-        case Way::interface: return ask_interface(shape, problems, answers);
+        case TruthRoute::interface: return ask_interface(shape, problems, answers);
     }
 }
 
-void decide(std::string_view shape, Way way, bool with_rim, std::span<const Problem> problems,
+void decide(std::string_view shape, TruthRoute route, bool with_rim, std::span<const Problem> problems,
             std::vector<std::uint8_t>& hits) {
     const Shape named = shape_named(shape).value();
-    const truth::ColumnTerms terms{
-        .convention = with_rim ? intersect::Touching::hit : intersect::Touching::miss,
-        .tightness = way == Way::floats_for_ulps ? truth::Tightness::ulps_of_binary32 : truth::Tightness::certified,
-        .limit = {}};
-    way == Way::doubles ? decide_columns<double>(named, terms, problems, hits)
-                        : decide_columns<float>(named, terms, problems, hits);
+    const truth::ColumnTerms terms{.convention = with_rim ? intersect::Touching::hit : intersect::Touching::miss,
+                                   .tightness = route == TruthRoute::floats_for_ulps
+                                                    ? truth::Tightness::ulps_of_binary32
+                                                    : truth::Tightness::certified,
+                                   .limit = {}};
+    route == TruthRoute::doubles ? decide_columns<double>(named, terms, problems, hits)
+                                 : decide_columns<float>(named, terms, problems, hits);
 }
 
 std::vector<std::pair<std::string_view, std::size_t>> shapes_there_are() {

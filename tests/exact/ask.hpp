@@ -10,7 +10,7 @@
 namespace lostbits::exact {
 
 /// By what the truth is found.
-enum class Way {
+enum class TruthRoute {
     floats_for_ulps,  ///< columns of floats, each t to 2^-33 of itself
     floats,           ///< columns of floats
     doubles,          ///< columns of doubles
@@ -18,15 +18,15 @@ enum class Way {
     interface         ///< through liblostbits.so
 };
 
-/// Relative error bound of t computed that way.
-double tightness_of(Way way);
+/// Relative error bound of t computed by that route.
+double tightness_of(TruthRoute route);
 
 /// All problems of a batch have their ends open alike, and matrices of one kind; through the interface, not inverses.
-void ask(std::string_view shape, Way way, std::span<const Problem> problems, std::vector<Answer>& answers);
+void ask(std::string_view shape, TruthRoute route, std::span<const Problem> problems, std::vector<Answer>& answers);
 
 /// Which of the problems are hits, 0 or 1: of rays that go on without end, by columns, with nothing asked beside. The
 /// open primitive, without its rim, is asked where `with_rim` is false.
-void decide(std::string_view shape, Way way, bool with_rim, std::span<const Problem> problems,
+void decide(std::string_view shape, TruthRoute route, bool with_rim, std::span<const Problem> problems,
             std::vector<std::uint8_t>& hits);
 
 /// The shapes that lostbits has, and how many numbers a primitive of each.

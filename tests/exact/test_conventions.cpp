@@ -200,7 +200,7 @@ struct AtEnds {
                 const std::vector<std::uint8_t>& right = with_rim ? closed[ends] : open[ends];
                 for (const auto isa : intersect::simd::available_isas()) {
                     intersect::simd::set_isa(isa);
-                    decide(shape.name, Way::doubles, with_rim, problems[ends], hits);
+                    decide(shape.name, TruthRoute::doubles, with_rim, problems[ends], hits);
                     CHECK(std::ranges::equal(hits, right));
                 }
                 for (std::size_t i = 0; i < right.size(); ++i) hold(shape, problems[ends][i], with_rim, right[i] != 0);
@@ -328,7 +328,7 @@ TEST_CASE("exact: packs decide as single rays with every instruction set", "[exa
                     alone.push_back(Given(shape, p).truth(with_rim ? Touching::hit : Touching::miss).is_hit());
                 for (const auto isa : intersect::simd::available_isas()) {
                     intersect::simd::set_isa(isa);
-                    decide(shape.name, Way::floats_for_ulps, with_rim, problems, hits);
+                    decide(shape.name, TruthRoute::floats_for_ulps, with_rim, problems, hits);
                     INFO(shape.name << ", " << intersect::simd::name_of(isa) << (made ? ", made" : ", random"));
                     CHECK(std::ranges::equal(hits, alone));
                 }

@@ -44,7 +44,7 @@ struct Tally {
     }
 };
 
-void check_wholly(Way way, const std::vector<Problem>& problems) {
+void check_wholly(TruthRoute way, const std::vector<Problem>& problems) {
     std::vector<Answer> answers;
     ask(triangle.name, way, problems, answers);
     const Findings found = check(triangle, problems, answers, tightness_of(way), 10);
@@ -53,14 +53,14 @@ void check_wholly(Way way, const std::vector<Problem>& problems) {
     REQUIRE(found.differ == 0);
 }
 
-Tally ask_rays(std::initializer_list<Way> ways, std::size_t rays, std::uint64_t seed) {
+Tally ask_rays(std::initializer_list<TruthRoute> ways, std::size_t rays, std::uint64_t seed) {
     Tally tally;
     Chance chance(seed);
     std::vector<Problem> problems(batch);
     std::vector<std::uint8_t> hit;
     for (std::size_t round = 0; tally.asked < rays; ++round)
-        for (const Way way : ways) {
-            draw_at_edges(way != Way::doubles, chance, problems);
+        for (const TruthRoute way : ways) {
+            draw_at_edges(way != TruthRoute::doubles, chance, problems);
             decide(triangle.name, way, true, problems, hit);
             tally.add(problems, hit);
             if (round % each_wholly == 0) check_wholly(way, problems);
@@ -83,8 +83,8 @@ void hold(const Tally& tally) {
 }  // namespace
 
 TEST_CASE("exact: rays at edges and vertices of triangles are decided exactly", "[exact][edges]") {
-    hold(ask_rays({Way::floats_for_ulps, Way::floats}, rays_or(200'000), 21));
-    hold(ask_rays({Way::doubles}, are_rays_asked() ? rays_or(0) / 100 : 20'000, 22));
+    hold(ask_rays({TruthRoute::floats_for_ulps, TruthRoute::floats}, rays_or(200'000), 21));
+    hold(ask_rays({TruthRoute::doubles}, are_rays_asked() ? rays_or(0) / 100 : 20'000, 22));
 }
 
 /// A rim that belongs to the triangle or not is all that the two questions differ in.
@@ -92,8 +92,8 @@ TEST_CASE("exact: rays at edges distinguish a triangle from one without its rim"
     Chance chance(23);
     std::vector<Problem> problems(20 * batch);
     std::vector<std::uint8_t> hit;
-    for (const Way way : {Way::floats_for_ulps, Way::floats, Way::doubles}) {
-        draw_at_edges(way != Way::doubles, chance, problems);
+    for (const TruthRoute way : {TruthRoute::floats_for_ulps, TruthRoute::floats, TruthRoute::doubles}) {
+        draw_at_edges(way != TruthRoute::doubles, chance, problems);
         decide(triangle.name, way, false, problems, hit);
         Tally open, closed;
         open.add(problems, hit, false), closed.add(problems, hit);

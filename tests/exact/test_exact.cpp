@@ -25,7 +25,7 @@ constexpr std::size_t each_exactly = 1000;
 struct Tally {
     std::size_t asked = 0, hits = 0, exactly = 0;
 
-    void ask_some(const Shaped& shape, Way way, std::vector<Problem>& problems) {
+    void ask_some(const Shaped& shape, TruthRoute way, std::vector<Problem>& problems) {
         static std::vector<Answer> answers;
         ask(shape.name, way, problems, answers);
         const Findings found = check(shape, problems, answers, tightness_of(way), each_exactly);
@@ -38,15 +38,16 @@ struct Tally {
 
 /// The ways by turns, and every combination of open ends.
 template <class Draw>
-Tally ask_all(const Shaped& shape, std::size_t rays, std::uint64_t seed, std::initializer_list<Way> ways, Draw draw) {
+Tally ask_all(const Shaped& shape, std::size_t rays, std::uint64_t seed, std::initializer_list<TruthRoute> ways,
+              Draw draw) {
     Tally tally;
     Chance chance(seed);
     std::vector<Problem> problems(batch);
     std::size_t round = 0;
     while (tally.asked < rays)
-        for (const Way way : ways) {
+        for (const TruthRoute way : ways) {
             const Ends ends{.open_tmin = round % 2 == 1, .open_tmax = round / 2 % 2 == 1};
-            draw(shape, way == Way::floats || way == Way::floats_for_ulps, ends, chance, problems);
+            draw(shape, way == TruthRoute::floats || way == TruthRoute::floats_for_ulps, ends, chance, problems);
             tally.ask_some(shape, way, problems);
             ++round;
         }
@@ -68,11 +69,11 @@ auto placed(const Draw& draw, const Place& place, bool inverses = true) {
 template <class Random, class Made, class Through>
 void hold(const Shaped& shape, std::size_t rays, const Random& draw_random, const Made& draw_made,
           const Through& draw_through) {
-    const auto ways = {Way::floats_for_ulps, Way::floats, Way::doubles};
+    const auto ways = {TruthRoute::floats_for_ulps, TruthRoute::floats, TruthRoute::doubles};
     const Tally random = ask_all(shape, rays, 1, ways, draw_random);
     const Tally made = ask_all(shape, rays / 10, 2, ways, draw_made);
-    const Tally one = ask_all(shape, rays / 100, 3, {Way::one_by_one}, draw_made);
-    const Tally through = ask_all(shape, rays / 100, 4, {Way::interface}, draw_through);
+    const Tally one = ask_all(shape, rays / 100, 3, {TruthRoute::one_by_one}, draw_made);
+    const Tally through = ask_all(shape, rays / 100, 4, {TruthRoute::interface}, draw_through);
     for (const auto& [name, tally] : {std::pair("random", random), std::pair("made", made), std::pair("alone", one),
                                       std::pair("interface", through)}) {
         std::ostringstream counts;
@@ -138,7 +139,7 @@ TEST_CASE("exact: nothing is hit under a singular matrix", "[exact]") {
             place_as_made(false, {.is_inverse = is_inverse}, chance, problems);
             for (Problem& p : problems)
                 for (std::size_t c = 0; c < 3; ++c) p.matrix[8 + c] = p.matrix[c] + p.matrix[4 + c];
-            ask(shape.name, Way::one_by_one, problems, answers);
+            ask(shape.name, TruthRoute::one_by_one, problems, answers);
             INFO(shape.name);
             CHECK(std::ranges::count(answers, true, &Answer::hit) == 0);
             CHECK(check(shape, problems, answers, 0x1p-72, 1).differ == 0);
@@ -151,7 +152,7 @@ TEST_CASE("exact: an open range end at infinity excludes no hit of a ray along t
         {.ray = {-3, -3, 1, 1, 1, 0}, .primitive = {1, 1, 1, 1, 0, 1, 1, 0}, .tmin = 1.5, .open_tmax = true},
         {.ray = {0, -2, -2, 0, 2, 1}, .primitive = {0, 2, 0, 0, 0, 0, 1, 0}, .tmin = 0.25, .open_tmax = true}};
     std::vector<Answer> answers;
-    for (const Way way : {Way::doubles, Way::one_by_one, Way::interface}) {
+    for (const TruthRoute way : {TruthRoute::doubles, TruthRoute::one_by_one, TruthRoute::interface}) {
         ask("cone", way, problems, answers);
         CHECK(std::ranges::count(answers, true, &Answer::hit) == 2);
         CHECK(check(shapes[7], problems, answers, 0x1p-72, 1).differ == 0);
@@ -164,7 +165,7 @@ TEST_CASE("exact: a ray that nearly passes through the apex of a cone enters it 
     const std::vector<Problem> problems{
         {.ray = {-1, -1, 2, 0, 0x1p-1074, -1}, .primitive = {-1, -1, -1, -1, -1, 0, 1, 0}, .tmin = 1.5, .tmax = 3}};
     std::vector<Answer> answers;
-    for (const Way way : {Way::doubles, Way::one_by_one}) {
+    for (const TruthRoute way : {TruthRoute::doubles, TruthRoute::one_by_one}) {
         ask("cone", way, problems, answers);
         CHECK(answers.front().hit);
         CHECK(answers.front().low > 0);
@@ -193,7 +194,7 @@ TEST_CASE("exact: entries of a box are distinguished where their products underf
         }
     }
     std::vector<Answer> answers;
-    for (const Way way : {Way::doubles, Way::one_by_one}) {
+    for (const TruthRoute way : {TruthRoute::doubles, TruthRoute::one_by_one}) {
         ask("box", way, problems, answers);
         CHECK(std::ranges::count(answers, true, &Answer::hit) == 20'000);
         CHECK(check(shapes[1], problems, answers, tightness_of(way), 1).differ == 0);
@@ -208,7 +209,7 @@ TEST_CASE("exact: a slightly wrong answer is detected, quickly and exactly", "[e
             // A torus takes as long as thirty other primitives.
             std::vector<Problem> problems(shape.name == "torus" ? 500 : 2000);
             (made ? draw_made : draw_random)(shape, false, {}, chance, problems);
-            ask(shape.name, Way::doubles, problems, answers);
+            ask(shape.name, TruthRoute::doubles, problems, answers);
             const auto differ = [&](const auto& spoil, std::size_t exactly) {
                 std::vector<Answer> spoilt = answers;
                 for (Answer& a : spoilt) spoil(a);

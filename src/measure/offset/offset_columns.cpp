@@ -26,7 +26,7 @@ double needed(const S& s, Side side, std::size_t) {
 }
 
 template <Distribution StrategySummary::*d, int percent>
-double taken(const S& s, Side side, std::size_t k) {
+double offset_percentile(const S& s, Side side, std::size_t k) {
     return (of(s, side, k).*d).quantile(percent / 100.0);
 }
 
@@ -68,15 +68,15 @@ constexpr OffsetColumn table[] = {
      false, share<Fault::wrong_side>},
     {"not_finite_fraction", "", "share of rays whose new origin is not finite", false, share<Fault::not_finite>},
     {"offset_p50", "world units", "median over the points of the largest distance from p to a new origin", false,
-     taken<&E::size, 50>},
+     offset_percentile<&E::size, 50>},
     {"offset_max", "world units", "maximum over the points of the largest distance from p to a new origin", false,
-     taken<&E::size, 100>},
+     offset_percentile<&E::size, 100>},
     {"oversize_points", "", "points whose smallest safe offset is finite and not 0", true,
      [](const S& s, Side side, std::size_t k) { return number(of(s, side, k).oversize.count()); }},
     {"oversize_p50", "", "of these, how many times larger the offset is than the smallest safe one: median", false,
-     taken<&E::oversize, 50>},
-    {"oversize_p99", "", "the same: 99th percentile", false, taken<&E::oversize, 99>},
-    {"oversize_max", "", "the same: largest", false, taken<&E::oversize, 100>},
+     offset_percentile<&E::oversize, 50>},
+    {"oversize_p99", "", "the same: 99th percentile", false, offset_percentile<&E::oversize, 99>},
+    {"oversize_max", "", "the same: largest", false, offset_percentile<&E::oversize, 100>},
     {"too_small_fraction", "", "share of these points whose offset is less than the smallest safe one", false,
      [](const S& s, Side side, std::size_t k) {
          return fraction(of(s, side, k).too_small, of(s, side, k).oversize.count());

@@ -167,25 +167,25 @@ public:
         return tried_ * std::min(most, 1.0);
     }
 
-    /// True if a problem within ε is found that meets something else. It is looked for on the ways on which the signs
-    /// change that the last `holds` could not prove: from the problem itself, then from problems ε away, where what is
-    /// 0 to first order at the problem itself is seen to grow.
+    /// Looks for a problem within ε that meets something else, under deviations that change the signs that the last
+    /// `holds` could not prove: from the problem itself, then from problems ε away, where what is 0 to first order at
+    /// the problem itself is seen to grow.
     std::optional<Change> turns(double epsilon) {
         if (!met_) return std::nullopt;
         asked_exactly_ = 0;
         for (std::uint64_t start = 0; start < most_starts; ++start) {
             Change from;
             if (start > 0) {
-                from = {random_way(start), epsilon / 2};
+                from = {random_deviations(start), epsilon / 2};
                 static_cast<void>(holds(epsilon, from));
             }
             for (int step = 0; step < most_steps; ++step) {
-                std::vector<Near::Way> ways = ways_to_blamed();
-                if (ways.empty()) break;
-                for (const Near::Way& way : ways)
-                    if (is_other({way, epsilon})) return Change{way, epsilon};
+                std::vector<Near::Deviations> found = deviations_to_culprits();
+                if (found.empty()) break;
+                for (const Near::Deviations& deviations : found)
+                    if (is_other({deviations, epsilon})) return Change{deviations, epsilon};
                 if (asked_exactly_ >= most_asked) return std::nullopt;
-                from = {ways.front(), epsilon / 2};
+                from = {found.front(), epsilon / 2};
                 static_cast<void>(holds(epsilon, from));
             }
         }
@@ -228,33 +228,34 @@ private:
         });
         return {!met.hit.is_unknown(), met.is_same(*met_, turned_)};
     }
-    /// The ways on which the blamed signs change: each by itself, then all together.
-    [[nodiscard]] std::vector<Near::Way> ways_to_blamed() const {
-        std::vector<Near::Way> ways;
-        Near::Way together{};
+    /// Deviations under which the signs of `blamed_` change: each by itself, then all together.
+    [[nodiscard]] std::vector<Near::Deviations> deviations_to_culprits() const {
+        std::vector<Near::Deviations> found;
+        Near::Deviations together{};
         for (const auto& [x, sign] : blamed_) {
             const double middle = x.hi(), about_0 = x.deviation() / 4;
             for (const int wanted : {-1, 1}) {
                 if (sign * wanted < 0 || middle * wanted > about_0) continue;
-                Near::Way way = x.steepest();
-                for (std::size_t i = 0; i < way.size(); ++i) way[i] *= wanted, together[i] += way[i];
-                ways.push_back(way);
+                Near::Deviations deviations = x.steepest();
+                for (std::size_t i = 0; i < deviations.size(); ++i)
+                    deviations[i] *= wanted, together[i] += deviations[i];
+                found.push_back(deviations);
             }
         }
-        if (ways.size() > 1) {
-            for (double& x : together) x /= static_cast<double>(ways.size());
-            ways.push_back(together);
+        if (found.size() > 1) {
+            for (double& x : together) x /= static_cast<double>(found.size());
+            found.push_back(together);
         }
-        return ways;
+        return found;
     }
-    [[nodiscard]] Near::Way random_way(std::uint64_t seed) const {
-        Near::Way way{};
+    [[nodiscard]] Near::Deviations random_deviations(std::uint64_t seed) const {
+        Near::Deviations deviations{};
         std::uint64_t bits = seed * 0x9e3779b97f4a7c15U;
         for (std::size_t i = 0; i < asked_.count(); ++i) {
             bits ^= bits >> 29, bits *= 0xbf58476d1ce4e5b9U;
-            way[i] = ((bits >> 40 & 1) != 0 ? 1 : -1) * asked_.share();
+            deviations[i] = ((bits >> 40 & 1) != 0 ? 1 : -1) * asked_.share();
         }
-        return way;
+        return deviations;
     }
 
     const MarginQuestion& asked_;

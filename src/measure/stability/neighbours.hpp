@@ -18,10 +18,10 @@ using namespace truth;
 constexpr std::size_t most_inputs = 6 + most_stored;
 using Near = number::wide::AffineForm<most_inputs>;
 
-/// A change of the inputs, number i by `by` times way i times its size (or that of its vector). Where vectors change,
-/// the way of each has at most length 1.
+/// A change of the inputs, number i by `by` times deviation i times its size (or that of its vector). Where vectors
+/// change, the deviations of each have at most length 1.
 struct Change {
-    Near::Way way{};
+    Near::Deviations deviations{};
     double by = 0;
 };
 
@@ -83,7 +83,7 @@ public:
     [[nodiscard]] All within(double epsilon, const Change& from = {}) const {
         std::array<double, most_inputs> steps{}, middle = numbers_;
         for (std::size_t i = 0; i < end_; ++i)
-            steps[i] = epsilon * sizes_[i] * (1 + 0x1p-40), middle[i] += from.by * sizes_[i] * from.way[i];
+            steps[i] = epsilon * sizes_[i] * (1 + 0x1p-40), middle[i] += from.by * sizes_[i] * from.deviations[i];
         const Near::Vectors vectors = is_normwise_ ? Near::Vectors(vectors_).first(vectors_used_) : Near::Vectors();
         const auto number = [&](std::size_t k) { return Near(middle[k], k, steps[k], lost_[k], vectors); };
         All all{{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}},
@@ -102,7 +102,7 @@ public:
         Amounts by{};
         for (std::size_t i = 0; i < end_; ++i) {
             const int unit = of_[i] == Of::length ? length_ : of_[i] == Of::direction ? direction_ : 0;
-            by[i] = std::ldexp(change.by * sizes_[i] * change.way[i] * (1 - 0x1p-40), unit);
+            by[i] = std::ldexp(change.by * sizes_[i] * change.deviations[i] * (1 - 0x1p-40), unit);
         }
         return by;
     }

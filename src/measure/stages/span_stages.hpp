@@ -117,16 +117,17 @@ struct InSpace {
 /// proved. `proper` is decided before the numbers are scaled, since zero times a number with an error bound is not an
 /// exact zero.
 template <class S, class E>
-struct Entrance {
+struct ObjectSpaceMap {
     UnderMatrix matrix;
     Affine<E> map;
     std::array<Vec<E>, 3> adjugate;
     std::array<E, numbers_of<S>> primitive;
     mask_t<typename E::P> proper;
 
-    static Entrance of(const std::array<E, numbers_of<S>>& numbers, const Affine<E>& map, const UnderMatrix& matrix) {
+    static ObjectSpaceMap of(const std::array<E, numbers_of<S>>& numbers, const Affine<E>& map,
+                             const UnderMatrix& matrix) {
         using P = typename E::P;
-        Entrance all{matrix, map, map.adjugate(), numbers, is_proper<S>(numbers)};
+        ObjectSpaceMap all{matrix, map, map.adjugate(), numbers, is_proper<S>(numbers)};
         if (matrix.orientation == 0) all.proper = P(0) < P(0);
         if (matrix.is_inverse) return all;
         const E scale = E(matrix.orientation) * map.determinant();
@@ -145,7 +146,7 @@ struct Entrance {
 /// Keeps a length that is known closely enough or is `exact`, and clears `hit` in all other lanes. The length is 0 in
 /// lanes in which `at_origin` is set.
 template <class E, class P = typename E::P>
-Enclosure<P> taken(const E& length, const mask_t<P>& at_origin, const mask_t<P>& exact, mask_t<P>& hit) {
+Enclosure<P> kept_length(const E& length, const mask_t<P>& at_origin, const mask_t<P>& exact, mask_t<P>& hit) {
     const P zero(0);
     const Enclosure<P> x = enclosure_of(length);
     hit = hit && (exact || is_close(length));
@@ -168,8 +169,8 @@ Finding<P> settle_shape(const InSpace<S<E>, E>& in, const RequestedResults& aske
     const Enclosure<P> nothing{{P(0), P(0)}, P(0)};
     Finding<P> found{missed, hit, nothing, nothing};
     if (is_unset(hit)) return found;
-    if (asked.t) found.t = taken(met.t, met.at_origin, met.at_origin, hit);
-    if (asked.distance) found.distance = taken(met.t * sqrt(in.d2), met.at_origin, met.at_origin, hit);
+    if (asked.t) found.t = kept_length(met.t, met.at_origin, met.at_origin, hit);
+    if (asked.distance) found.distance = kept_length(met.t * sqrt(in.d2), met.at_origin, met.at_origin, hit);
     found.settled = hit || missed;
     found.hit = hit;
     return found;

@@ -28,8 +28,8 @@ auto settle_inputs(const StageTerms& terms, const Word& word) {
     for (std::size_t k = 0; k < numbers_of<Shape>; ++k) in.primitive[k] = of_primitive(k);
     if (terms.matrix.placed) {
         const auto map = Affine<E>::of([&](std::size_t k) { return of_primitive(most_numbers + k); });
-        const auto entrance = Entrance<Shape, E>::of(in.primitive, map, terms.matrix);
-        in = {entrance.ray(in.ray), entrance.primitive, in.d2, entrance.proper};
+        const auto object_map = ObjectSpaceMap<Shape, E>::of(in.primitive, map, terms.matrix);
+        in = {object_map.ray(in.ray), object_map.primitive, in.d2, object_map.proper};
     } else {
         in.proper = is_proper<Shape>(in.primitive);
     }

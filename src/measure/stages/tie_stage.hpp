@@ -89,10 +89,10 @@ TieFinding<P> settle_tie(const std::array<P, 6>& ray, const std::array<P, count>
     if (!any_of(hit)) return tie;
     const Known n = span.at.n.running(), m = select(hit, span.at.m.running(), Known(1));
     const Exactly<P> t(n / m, n, m);
-    if (asked.t) tie.found.t = taken(t.length, at_origin, at_origin || t.is_exact, hit);
+    if (asked.t) tie.found.t = kept_length(t.length, at_origin, at_origin || t.is_exact, hit);
     if (asked.distance) {
         const Exactly<P> distance = t.times_root(span.d2.running());
-        tie.found.distance = taken(distance.length, at_origin, at_origin || distance.is_exact, hit);
+        tie.found.distance = kept_length(distance.length, at_origin, at_origin || distance.is_exact, hit);
     }
     tie.found.settled = hit || missed;
     tie.found.hit = hit;

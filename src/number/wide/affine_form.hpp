@@ -33,7 +33,7 @@ public:
     /// Index behind the last component of each vector, in ascending order, up to N. Empty: each ηᵢ stands alone.
     using Vectors = std::span<const std::size_t>;
     /// An ηᵢ for each input.
-    using Way = std::array<double, N>;
+    using Deviations = std::array<double, N>;
     /// Answers comparisons that the enclosures leave open. To cover all cases, a formula is run once for each answer.
     struct Open {
         virtual ~Open() = default;
@@ -139,17 +139,17 @@ public:
     [[nodiscard]] double lowest() const { return ends().middle - ends().size * up; }
     [[nodiscard]] double highest() const { return ends().middle + ends().size * up; }
     /// The ηᵢ in whose direction x grows fastest, to first order.
-    [[nodiscard]] Way steepest() const {
-        Way way{};
+    [[nodiscard]] Deviations steepest() const {
+        Deviations by{};
         if (vectors_.empty())
-            for (std::size_t i = 0; i < used_; ++i) way[i] = terms_[i] > 0 ? 1 : terms_[i] < 0 ? -1 : 0;
+            for (std::size_t i = 0; i < used_; ++i) by[i] = terms_[i] > 0 ? 1 : terms_[i] < 0 ? -1 : 0;
         std::size_t i = 0;
         for (const std::size_t end : vectors_) {
             double squares = 0;
             for (std::size_t k = i; k < std::min(end, used_); ++k) squares += terms_[k] * terms_[k];
-            for (; i < std::min(end, used_); ++i) way[i] = squares > 0 ? terms_[i] / std::sqrt(squares) : 0;
+            for (; i < std::min(end, used_); ++i) by[i] = squares > 0 ? terms_[i] / std::sqrt(squares) : 0;
         }
-        return way;
+        return by;
     }
     /// 1 if this is the same function of the inputs as x, −1 if it is the same as −x, otherwise 0.
     [[nodiscard]] int is_multiple_of(const AffineForm& x) const {
