@@ -42,7 +42,7 @@ struct ExplainOptions {
     RangeOptions ranges;
     std::string form, format = "f32";
     std::vector<std::string> beside;
-    bool json = false, fpcore = false, latex = false, c = false;
+    bool json = false, fpcore = false, c = false;
 };
 
 /// The one form or format that the option names. Throws InputError if it names several, by commas or a pattern.
@@ -167,17 +167,16 @@ Exit run(const ExplainOptions& o, const Common& common) {
     if (!form.exists_in(format))
         throw InputError(fmt::format("-i {}: this form does not exist in {}, only in {}; try -f {}", o.form, o.format,
                                      selection::formats_of(form), form.native32 ? "f32" : "f64"));
-    if (!form.is_template() && (o.json || o.fpcore || o.latex || o.c))
+    if (!form.is_template() && (o.json || o.fpcore || o.c))
         throw InputError(fmt::format(
             "-i {}: its operations are not known, since it is compiled elsewhere; write it as a form over any number "
             "type to see them (docs/your-own-form.md). Without {} explain judges its answer",
             o.form,
             o.json     ? "--json"
             : o.fpcore ? "--fpcore"
-            : o.latex  ? "--latex"
                        : "--c"));
     if (o.ranges.asked) {
-        if (o.fpcore || o.latex || o.c)
+        if (o.fpcore || o.c)
             throw InputError("--ranges: the bound is printed as text or as --json only; leave out the other options");
         return explain_ranges(o.words, o.ranges, {&form, format}, o.json, common);
     }
@@ -194,7 +193,6 @@ Exit run(const ExplainOptions& o, const Common& common) {
     for (const std::string& why : x.silent) fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(why));
     if (o.json) fmt::print("{}", output::attribution::explain_json(x, march));
     else if (o.fpcore) fmt::print("{}", output::attribution::explain_fpcore(x));
-    else if (o.latex) fmt::print("{}", output::attribution::explain_latex(x));
     else if (o.c) fmt::print("{}", output::attribution::explain_c(x));
     else {
         fmt::print("{}", asked.note);
@@ -263,7 +261,6 @@ void add_explain(const shell::Command& program, const Common& common) {
     auto as = command.add_group("as", "Instead of the table");
     as.add("--json", o->json, "Everything, as JSON");
     as.add("--fpcore", o->fpcore, "FPCore 2.0 of t, for Herbie and FPBench");
-    as.add("--latex", o->latex, "The operations as a LaTeX align*");
     as.add(
         "--c", o->c,
         "A C program that reproduces t to the bit; a form with a fused multiply-add or a step to the next number: in "

@@ -13,7 +13,7 @@ struct Language {
     std::string_view line_comment;
     bool is_c = false;
 };
-inline constexpr Language c_code{"//", true}, fpcore_code{";"}, latex_code{"%"}, toml_code{"#"};
+inline constexpr Language c_code{"//", true}, fpcore_code{";"}, toml_code{"#"};
 
 /// Lines of C as its compilers join them: behind a backslash, also one that is written as a trigraph, and also where
 /// blanks stand behind it.

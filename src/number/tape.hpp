@@ -1,5 +1,5 @@
 // A tape: every operation of one run of a formula in the order of execution, with its operands and its result in the
-// format. Recorded writes it; later steps (exact values, adjoints, C, FPCore, LaTeX) walk it.
+// format. Recorded writes it; later steps (exact values, adjoints, C, FPCore) walk it.
 #pragma once
 
 #include <algorithm>

@@ -199,20 +199,6 @@ TEST_CASE("explain: FPCore says how to get a neighbour and another precision") {
     CHECK(has(inside.out, "(! :precision binary64 (* b b))"));
 }
 
-TEST_CASE("explain: LaTeX closes every environment that it opens") {
-    for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
-        const auto r = must("explain " + setting_of(form.shape) + " -i " + std::string(form.info->name) + " --latex");
-        int depth = 0;
-        for (const char c : r.out) {
-            depth += (c == '{') - (c == '}');
-            REQUIRE(depth >= 0);
-        }
-        CHECK(depth == 0);
-        CHECK(count_in(r.out, "\\begin{") == count_in(r.out, "\\end{"));
-        CHECK(count_in(r.out, "\\left|") == count_in(r.out, "\\right|"));
-    }
-}
-
 TEST_CASE("explain: a C program of many bits is refused where a constant is not a double") {
     const Scratch scratch;
     // radius·radius = 1e-300 < 2^-960

@@ -165,8 +165,7 @@ TEST_CASE("a file name never becomes code in any exported language") {
         for (const auto& [text, language] : {std::pair(header, c_code),
                                              {shader, c_code},
                                              {must(explain + "--c", scratch.path()).out, c_code},
-                                             {must(explain + "--fpcore", scratch.path()).out, fpcore_code},
-                                             {must(explain + "--latex", scratch.path()).out, latex_code}}) {
+                                             {must(explain + "--fpcore", scratch.path()).out, fpcore_code}}) {
             INFO(text);
             CHECK_FALSE(has(code_only(text, language), "pwned"));
             CHECK_FALSE(has(code_only(text, language), "PWNED"));

@@ -93,7 +93,7 @@ TEST_CASE("formulas: a form is explained in any format, with the same text", "[e
         const Outcome o = must("explain rtg-fig-7-3-4100 --pixel 128,128 -i " + form + how + own);
         return o.out;
     };
-    for (const std::string how : {" -f f32", " -f fp16", " -f f32 --json", " -f f32 --fpcore", " -f f64 --latex"}) {
+    for (const std::string how : {" -f f32", " -f fp16", " -f f32 --json", " -f f32 --fpcore", " -f f64 --c"}) {
         const std::string ours = told("sphere.unified", how);
         CHECK(ours.size() > 200);
         CHECK(replaced(told("own.unified", how), "own.unified", "sphere.unified").size() > 200);

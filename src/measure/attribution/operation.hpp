@@ -49,7 +49,6 @@ struct OperationText {
     Binding binds;
     Pattern plain;                  ///< ASCII
     Pattern pretty = plain;         ///< with characters beyond ASCII
-    Pattern latex = plain;          ///< in math mode
     std::string_view generic = {};  ///< replaces `plain` if each round of a loop computes it from something else
     Pattern c;                      ///< over float or double
     /// `c_wide`: text over double for a format that C lacks; it rounds the exact result to the format where the rounded

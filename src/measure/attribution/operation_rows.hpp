@@ -74,7 +74,6 @@ struct Operation<TapeOp::mul> : IsNotASum {
     static constexpr OperationText text{.binds = 2,
                                         .plain = "$1:2*$2:3",
                                         .pretty = "$1:2·$2:3",
-                                        .latex = "$1:2 \\, $2:3",
                                         .c = "$1 * $2",
                                         .c_wide = "product($1, $2)",
                                         .fpcore = "(* $1 $2)"};
@@ -91,12 +90,8 @@ struct Operation<TapeOp::mul> : IsNotASum {
 
 template <>
 struct Operation<TapeOp::div> : IsNotASum {
-    static constexpr OperationText text{.binds = 2,
-                                        .plain = "$1:2/$2:3",
-                                        .latex = "\\frac{$1}{$2}",
-                                        .c = "$1 / $2",
-                                        .c_wide = "quotient($1, $2)",
-                                        .fpcore = "(/ $1 $2)"};
+    static constexpr OperationText text{
+        .binds = 2, .plain = "$1:2/$2:3", .c = "$1 / $2", .c_wide = "quotient($1, $2)", .fpcore = "(/ $1 $2)"};
     static auto exact(auto, const auto& a, const auto& b) { return a / b; }
     static double computed(double a, double b, const FloatFormat& f) { return rounding::div(a, b, f); }
     /// a/b = q + r/b with r = a − qb exact.
@@ -113,12 +108,8 @@ struct Operation<TapeOp::div> : IsNotASum {
 
 template <>
 struct Operation<TapeOp::sqrt> : IsNotASum {
-    static constexpr OperationText text{.binds = 4,
-                                        .plain = "sqrt($1)",
-                                        .latex = "\\sqrt{$1}",
-                                        .c = "sqrt$f($1)",
-                                        .c_wide = "root($1)",
-                                        .fpcore = "(sqrt $1)"};
+    static constexpr OperationText text{
+        .binds = 4, .plain = "sqrt($1)", .c = "sqrt$f($1)", .c_wide = "root($1)", .fpcore = "(sqrt $1)"};
     static auto exact(auto, const auto& a) { return sqrt(a); }
     static double computed(double a, const FloatFormat& f) { return rounding::sqrt(a, f); }
     /// √a = s + r/(2s) to within (r/2s)²/2s, r = a − s².
@@ -139,7 +130,6 @@ template <>
 struct Operation<TapeOp::fma> {
     static constexpr OperationText text{.binds = 4,
                                         .plain = "fma($1, $2, $3)",
-                                        .latex = "\\operatorname{fma}($1, $2, $3)",
                                         .c = "fma$f($1, $2, $3)",
                                         .c_lacks = "a fused multiply-add",
                                         .fpcore = "(fma $1 $2 $3)"};
@@ -153,11 +143,7 @@ struct Operation<TapeOp::fma> {
 template <>
 struct Operation<TapeOp::call> {
     /// C has no such function, so its text is the answer. In FPCore it would be another program (output/attribution).
-    static constexpr OperationText text{.binds = 4,
-                                        .plain = "exactly(ray, primitive)",
-                                        .latex = "\\operatorname{exactly}(\\text{ray}, \\text{primitive})",
-                                        .c = "$v",
-                                        .fpcore = ""};
+    static constexpr OperationText text{.binds = 4, .plain = "exactly(ray, primitive)", .c = "$v", .fpcore = ""};
 };
 
 template <>
@@ -171,8 +157,7 @@ struct Operation<TapeOp::neg> {
 
 template <>
 struct Operation<TapeOp::abs> {
-    static constexpr OperationText text{
-        .binds = 4, .plain = "abs($1)", .latex = "\\left|$1\\right|", .c = "fabs$f($1)", .fpcore = "(fabs $1)"};
+    static constexpr OperationText text{.binds = 4, .plain = "abs($1)", .c = "fabs$f($1)", .fpcore = "(fabs $1)"};
     static auto exact(auto, const auto& a) { return abs(a); }
     static double computed(double a, const FloatFormat&) { return std::fabs(a); }
     static Quotients quotients(const Step& a) { return {a.of_size()}; }
@@ -180,11 +165,8 @@ struct Operation<TapeOp::abs> {
 
 template <>
 struct Operation<TapeOp::copysign> {
-    static constexpr OperationText text{.binds = 4,
-                                        .plain = "copysign($1, $2)",
-                                        .latex = "\\operatorname{copysign}($1, $2)",
-                                        .c = "copysign$f($1, $2)",
-                                        .fpcore = "(copysign $1 $2)"};
+    static constexpr OperationText text{
+        .binds = 4, .plain = "copysign($1, $2)", .c = "copysign$f($1, $2)", .fpcore = "(copysign $1 $2)"};
     static double computed(double a, double b, const FloatFormat&) { return std::copysign(a, b); }
     static Quotients quotients(const Step& a, const Step& b) {
         return {std::signbit(b.to) ? -a.of_size() : a.of_size()};
@@ -197,7 +179,6 @@ struct Operation<TapeOp::next_up> {
     /// number above any finite x. −∞ stays what it is, and the number above −η is +0 in place of −0.
     static constexpr OperationText text{.binds = 4,
                                         .plain = "next_up($1)",
-                                        .latex = "\\operatorname{next\\_up}($1)",
                                         .c = "nextafter$f($1, INFINITY)",
                                         .c_lacks = "a move to the next number",
                                         .fpcore = "(! :round toPositive (+ $1 $e))"};
@@ -208,7 +189,6 @@ template <>
 struct Operation<TapeOp::next_down> {
     static constexpr OperationText text{.binds = 4,
                                         .plain = "next_down($1)",
-                                        .latex = "\\operatorname{next\\_down}($1)",
                                         .c = "nextafter$f($1, -INFINITY)",
                                         .c_lacks = "a move to the next number",
                                         .fpcore = "(! :round toNegative (- $1 $e))"};
@@ -217,33 +197,23 @@ struct Operation<TapeOp::next_down> {
 
 template <>
 struct Operation<TapeOp::convert> {
-    static constexpr OperationText text{.binds = 4,
-                                        .plain = "convert($1)",
-                                        .latex = "\\operatorname{convert}($1)",
-                                        .c = "($t)$1",
-                                        .c_lacks = "a change of format",
-                                        .fpcore = "(cast $1)"};
+    static constexpr OperationText text{
+        .binds = 4, .plain = "convert($1)", .c = "($t)$1", .c_lacks = "a change of format", .fpcore = "(cast $1)"};
     static double computed(double a, const FloatFormat& f) { return rounding::to_format(a, 0, f); }
 };
 
 template <>
 struct Operation<TapeOp::min> {
-    static constexpr OperationText text{.binds = 4,
-                                        .plain = "min($1, $2)",
-                                        .latex = "\\operatorname{min}($1, $2)",
-                                        .c = "$1 < $2 ? $1 : $2",
-                                        .fpcore = "(if (< $1 $2) $1 $2)"};
+    static constexpr OperationText text{
+        .binds = 4, .plain = "min($1, $2)", .c = "$1 < $2 ? $1 : $2", .fpcore = "(if (< $1 $2) $1 $2)"};
     static constexpr std::array<std::size_t, 2> sides{0, 1};
     static bool takes_first(const auto& judge) { return judge.less(0, 1); }
 };
 
 template <>
 struct Operation<TapeOp::max> {
-    static constexpr OperationText text{.binds = 4,
-                                        .plain = "max($1, $2)",
-                                        .latex = "\\operatorname{max}($1, $2)",
-                                        .c = "$1 > $2 ? $1 : $2",
-                                        .fpcore = "(if (> $1 $2) $1 $2)"};
+    static constexpr OperationText text{
+        .binds = 4, .plain = "max($1, $2)", .c = "$1 > $2 ? $1 : $2", .fpcore = "(if (> $1 $2) $1 $2)"};
     static constexpr std::array<std::size_t, 2> sides{0, 1};
     static bool takes_first(const auto& judge) { return judge.less(1, 0); }
 };
@@ -252,7 +222,6 @@ template <>
 struct Operation<TapeOp::select> {
     static constexpr OperationText text{.binds = 4,
                                         .plain = "select($1, $2, $3)",
-                                        .latex = "\\begin{cases} $2 & $1 \\\\ $3 & \\text{otherwise} \\end{cases}",
                                         .generic = "a choice",
                                         .c = "$1 ? $2 : $3",
                                         .fpcore = "(if $1 $2 $3)"};
@@ -268,8 +237,7 @@ struct Operation<TapeOp::less> {
 
 template <>
 struct Operation<TapeOp::less_equal> {
-    static constexpr OperationText text{
-        .binds = 0, .plain = "$1:1 <= $2:1", .latex = "$1:1 \\le $2:1", .c = "$1 <= $2", .fpcore = "(<= $1 $2)"};
+    static constexpr OperationText text{.binds = 0, .plain = "$1:1 <= $2:1", .c = "$1 <= $2", .fpcore = "(<= $1 $2)"};
     static bool holds(const auto& judge) { return judge.less_equal(0, 1); }
 };
 
@@ -281,29 +249,25 @@ struct Operation<TapeOp::greater> {
 
 template <>
 struct Operation<TapeOp::greater_equal> {
-    static constexpr OperationText text{
-        .binds = 0, .plain = "$1:1 >= $2:1", .latex = "$1:1 \\ge $2:1", .c = "$1 >= $2", .fpcore = "(>= $1 $2)"};
+    static constexpr OperationText text{.binds = 0, .plain = "$1:1 >= $2:1", .c = "$1 >= $2", .fpcore = "(>= $1 $2)"};
     static bool holds(const auto& judge) { return judge.less_equal(1, 0); }
 };
 
 template <>
 struct Operation<TapeOp::both> {
-    static constexpr OperationText text{
-        .binds = 0, .plain = "$1:1 and $2:1", .latex = "$1:1 \\land $2:1", .c = "$1 && $2", .fpcore = "(and $1 $2)"};
+    static constexpr OperationText text{.binds = 0, .plain = "$1:1 and $2:1", .c = "$1 && $2", .fpcore = "(and $1 $2)"};
     static bool holds(const auto& judge) { return judge.holds(0) && judge.holds(1); }
 };
 
 template <>
 struct Operation<TapeOp::either> {
-    static constexpr OperationText text{
-        .binds = 0, .plain = "$1:1 or $2:1", .latex = "$1:1 \\lor $2:1", .c = "$1 || $2", .fpcore = "(or $1 $2)"};
+    static constexpr OperationText text{.binds = 0, .plain = "$1:1 or $2:1", .c = "$1 || $2", .fpcore = "(or $1 $2)"};
     static bool holds(const auto& judge) { return judge.holds(0) || judge.holds(1); }
 };
 
 template <>
 struct Operation<TapeOp::opposite> {
-    static constexpr OperationText text{
-        .binds = 0, .plain = "not $1:1", .latex = "\\lnot $1:1", .c = "!$1", .fpcore = "(not $1)"};
+    static constexpr OperationText text{.binds = 0, .plain = "not $1:1", .c = "!$1", .fpcore = "(not $1)"};
     static bool holds(const auto& judge) { return !judge.holds(0); }
 };
 

@@ -8,8 +8,7 @@
 namespace lostbits::measure::attribution {
 namespace {
 
-constexpr std::size_t short_enough = 40,
-                      short_in_latex = 120;  ///< longest expression that is written out within another, in characters
+constexpr std::size_t short_enough = 40;  ///< longest expression that is written out within another, in characters
 
 /// `o.x` without its component; empty where it has none.
 std::string vector_of(const std::string& name) {
@@ -20,39 +19,6 @@ std::string vector_of(const std::string& name) {
 std::string in_brackets(const std::string& text) {
     std::string all = "(";
     return all.append(text).append(")");
-}
-
-/// Escapes a label for math mode: every character is shown, and none is a command.
-std::string latex_letters(std::string_view text) {
-    std::string out;
-    for (const char c : text) {
-        if (static_cast<unsigned char>(c) < ' ' || c == 0x7F) out += ' ';
-        else if (c == '\\') out += "\\backslash{}";
-        else if (c == '~') out += "\\sim{}";
-        else if (c == '^') out += "\\hat{}";
-        else if (std::string_view("_{}$&#%").find(c) != std::string_view::npos) out.append("\\").push_back(c);
-        else out += c;
-    }
-    return out;
-}
-
-/// `centre.x`, `tmin2`, `hit_eps`, `A^-1_2` in math mode: \mathit{centre}_{x}, \mathit{tmin}_{2}, \mathit{hit\_eps},
-/// A^{-1}_{2}.
-std::string in_latex(const std::string& name) {
-    if (const auto hat = name.find('^'); hat != std::string::npos) {
-        const auto end = std::min(name.find('_', hat), name.size());
-        const std::string power =
-            in_latex(name.substr(0, hat)) + "^{" + latex_letters(name.substr(hat + 1, end - hat - 1)) + "}";
-        return end == name.size() ? power : power + "_{" + latex_letters(name.substr(end + 1)) + "}";
-    }
-    const auto digits = name.find_last_not_of("0123456789") + 1;
-    const std::string base = vector_of(name);
-    const std::string stem = base.empty() ? name.substr(0, digits) : base,
-                      index = base.empty() ? name.substr(digits) : name.substr(name.size() - 1);
-    if (stem.empty()) return name;
-    std::string escaped = latex_letters(stem);
-    if (stem.size() > 1 && stem[1] != '\'') escaped = "\\mathit{" + escaped + "}";
-    return index.empty() ? escaped : escaped + "_{" + index + "}";
 }
 
 /// True for a word with another meaning in a program that `explain` writes: in C, in FPCore, or among its own
@@ -147,12 +113,6 @@ void TapeText::name_all() {
     }
 }
 
-std::string TapeText::shown(NodeId i) const { return style_ == Style::latex ? in_latex(name(i)) : name(i); }
-
-std::string TapeText::vector_shown(const std::string& base) const {
-    return style_ == Style::latex ? "\\mathbf{" + latex_letters(base) + "}" : base;
-}
-
 std::string TapeText::identifier(NodeId i) const {
     std::string id = name(i);
     if (tape_[i].op == TapeOp::constant) return id;
@@ -179,7 +139,7 @@ bool TapeText::is_simple(NodeId i) const {
 
 std::string TapeText::vector_text(const Triple& v, bool alone) const {
     const TapeNode& n = tape_[v[0]];
-    if (n.op == TapeOp::input) return vector_shown(vector_of(name(v[0])));
+    if (n.op == TapeOp::input) return vector_of(name(v[0]));
     const auto found = vectors_.find(v);
     if (std::ranges::all_of(v, [&](NodeId i) { return is_simple(i); })) {
         const auto side = [&](std::size_t k) {
@@ -187,20 +147,19 @@ std::string TapeText::vector_text(const Triple& v, bool alone) const {
         };
         if (is_vector(side(0)) && is_vector(side(1))) {
             const std::string sign = n.op == TapeOp::add ? " + " : style_ == Style::pretty ? " − " : " - ";
-            const std::string text =
-                vector_shown(vector_of(name(side(0)[0]))) + sign + vector_shown(vector_of(name(side(1)[0])));
+            const std::string text = vector_of(name(side(0)[0])) + sign + vector_of(name(side(1)[0]));
             return alone ? text : in_brackets(text);
         }
     }
-    if (found != vectors_.end()) return vector_shown(found->second);
+    if (found != vectors_.end()) return found->second;
     const std::string base = vector_of(name(v[0]));  // named by the formula, or by the watch of a march
-    if (!base.empty() && vector_of(name(v[1])) == base && vector_of(name(v[2])) == base) return vector_shown(base);
-    return in_brackets(shown(v[0]) + ", " + shown(v[1]) + ", " + shown(v[2]));
+    if (!base.empty() && vector_of(name(v[1])) == base && vector_of(name(v[2])) == base) return base;
+    return in_brackets(name(v[0]) + ", " + name(v[1]) + ", " + name(v[2]));
 }
 
 std::string TapeText::operand(NodeId i, int binds) const {
     const TapeNode& n = tape_[i];
-    const std::string own = shown(i);
+    const std::string& own = name(i);
     if (n.op == TapeOp::input || !n.label.empty()) return own;
     if (n.op == TapeOp::constant) return n.operands[0] < 0 && binds > 1 ? in_brackets(own) : own;
     if (!vector_of(name(i)).empty() && !is_simple(i)) return own;
@@ -208,8 +167,7 @@ std::string TapeText::operand(NodeId i, int binds) const {
     const std::string text = expression(i);
     Dot dot;
     const bool function = style_ == Style::plain && dot_of(i, dot);
-    if (text.size() > (style_ == Style::latex ? short_in_latex : short_enough) && !dot_of(i, dot))
-        return style_ == Style::generic ? "(...)" : own;
+    if (text.size() > short_enough && !dot_of(i, dot)) return style_ == Style::generic ? "(...)" : own;
     return !function && text_of(n.op).binds.level < binds ? in_brackets(text) : text;
 }
 
@@ -218,7 +176,6 @@ std::string TapeText::written_out(NodeId i) const {
     const auto pattern = [this](const OperationText& text) {
         switch (style_) {
             case Style::pretty: return text.pretty.text;
-            case Style::latex: return text.latex.text;
             case Style::generic: return text.generic.empty() ? text.plain.text : text.generic;
             case Style::plain: break;
         }
@@ -234,11 +191,10 @@ const std::string& TapeText::expression(NodeId i) const {
 }
 
 std::string TapeText::composed(NodeId i) const {
-    if (is_given(tape_[i].op)) return shown(i);
+    if (is_given(tape_[i].op)) return name(i);
     Dot dot;
     if (!dot_of(i, dot)) return written_out(i);
     if (style_ == Style::pretty) return vector_text(dot.a, false) + "·" + vector_text(dot.b, false);
-    if (style_ == Style::latex) return vector_text(dot.a, false) + " \\cdot " + vector_text(dot.b, false);
     return "dot(" + vector_text(dot.a, true) + ", " + vector_text(dot.b, true) + ")";
 }
 
@@ -246,7 +202,7 @@ std::string TapeText::definition(NodeId i) const {
     const TapeNode& n = tape_[i];
     if (is_given(n.op)) return name(i);
     const bool own = !n.label.empty() || !vector_of(name(i)).empty();
-    return own ? shown(i) + " = " + expression(i) : expression(i);
+    return own ? name(i) + " = " + expression(i) : expression(i);
 }
 
 std::string TapeText::category(NodeId i) const {

@@ -16,16 +16,14 @@ namespace lostbits::measure::attribution {
 /// short, and is `s12` if it is not.
 class TapeText {
 public:
-    /// `plain` is ASCII: `dot(a, b) - r*r`. `pretty`: `a·b − r·r`. `latex`: math mode. `generic`: as plain, but the
-    /// same for every axis and every round of a loop.
-    enum class Style { plain, pretty, latex, generic };
+    /// `plain` is ASCII: `dot(a, b) - r*r`. `pretty`: `a·b − r·r`. `generic`: as plain, but the same for every
+    /// axis and every round of a loop.
+    enum class Style { plain, pretty, generic };
 
     TapeText(const Tape& tape, std::vector<std::string> inputs, Style style);
 
     /// Unique on the tape: `c`, `v1.x`, `s12`, an input's name, a constant's digits.
     [[nodiscard]] const std::string& name(NodeId i) const { return names_[static_cast<std::size_t>(i)]; }
-    /// The name as the style writes it.
-    [[nodiscard]] std::string shown(NodeId i) const;
     /// The name as a C identifier; for a constant, its digits.
     [[nodiscard]] std::string identifier(NodeId i) const;
     /// The right-hand side of its definition: `dot(o - centre, o - centre) - radius*radius`.
@@ -53,7 +51,6 @@ private:
     [[nodiscard]] std::string operand(NodeId i, int binds) const;
     [[nodiscard]] std::string composed(NodeId i) const;
     [[nodiscard]] std::string written_out(NodeId i) const;
-    [[nodiscard]] std::string vector_shown(const std::string& base) const;
 
     const Tape& tape_;
     std::vector<std::string> inputs_;

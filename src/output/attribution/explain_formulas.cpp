@@ -115,28 +115,4 @@ private:
 
 std::string explain_fpcore(const Explanation& x) { return Core(x).written(); }
 
-std::string explain_latex(const Explanation& x) {
-    const measure::attribution::TapeText text(x.tape, x.names, measure::attribution::TapeText::Style::latex);
-    std::string form;
-    for (const char c : x.form->info->name) form += c == '_' ? "\\_" : std::string(1, c);
-    std::string latex =
-        fmt::format("% {} in {}; needs amsmath. Boxed: the culprit. Under braces: cancelled bits.\n\\begin{{align*}}\n",
-                    x.form->info->name, x.format.name);
-    std::string lines;
-    for (NodeId i = 0; i < x.tape.size(); ++i) {
-        const measure::attribution::OperationError& e = x.attribution[i];
-        const bool culprit = i == culprit_operation(x);
-        if (!e.live || !is_operation(x.tape[i].op)) continue;
-        if (x.tape[i].label.empty() && !culprit && e.cancelled < 2) continue;
-        std::string right = text.expression(i);
-        if (e.cancelled > 1)
-            right = fmt::format("\\underbrace{{{}}}_{{\\text{{{} of {} bits cancel}}}}", right, e.cancelled,
-                                x.tape.format_of(i).precision);
-        if (culprit) right = fmt::format("\\boxed{{{}}}", right);
-        lines += fmt::format("{}  {} &= {}", lines.empty() ? "" : " \\\\\n", text.shown(i), right);
-    }
-    latex += lines.empty() ? "  & \\text{no operation leads to the answer}" : lines;
-    return latex + "\n\\end{align*}\n";
-}
-
 }  // namespace lostbits::output::attribution

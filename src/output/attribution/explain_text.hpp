@@ -89,9 +89,6 @@ std::string march_table(const intersect::table::Intersector& form, const Format&
 /// blame, a direction that was not normalised) are null.
 std::string explain_json(const measure::attribution::Explanation& x, const std::optional<MarchEnd>& march = {});
 
-/// The live operations as a LaTeX `align*`: cancellations under braces, the culprit in a box. Needs amsmath.
-std::string explain_latex(const measure::attribution::Explanation& x);
-
 /// A C99 program that does not need lostbits: the inputs in hexadecimal, the form with one operation per line, then the
 /// computed, the true and the recorded t. The first and the last have the same text if they have the same bits. It then
 /// exits with 0, otherwise with 1. Values are volatile, so that no compiler fuses or widens them.
