@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -14,7 +13,6 @@
 #include "commands.hpp"
 #include "number/error.hpp"
 #include "output/claim/claim_files.hpp"
-#include "output/claim/claim_history.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
@@ -35,7 +33,6 @@ struct CheckOptions {
     std::vector<std::string> files;
     std::vector<std::string> filters;
     std::string junit, csv, json, report, annotations = "none", shard;
-    std::string save, against, moves;
     std::string profile = "results";
     bool strict = false, measure = false;
     int seeds = 0;
@@ -178,52 +175,23 @@ void check_shard_options(const CheckOptions& o) {
         throw InputError("--shard " + o.shard +
                          ": needs a folder for the shards; add --report DIR, and join them by `lostbits merge DIR -o "
                          "REPORT`");
-    if (o.timing() || o.measure || !o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.save.empty() ||
-        !o.moves.empty() || o.annotations != "none")
-        throw InputError("--shard " + o.shard +
-                         ": cannot be combined with --junit, --export-csv, --export-json, --save, --moves, "
-                         "--annotations, --measure or --profile timing: a shard judges nothing; give the first five to "
-                         "`lostbits merge`");
-}
-
-/// Prints and writes how the measured values moved since a baseline. Returns the text for each claim, by its id.
-std::map<std::string, std::string> show_moves(const CheckOptions& o, const output::claim::ClaimBaseline& before,
-                                              const output::claim::ClaimBaseline& now) {
-    // Claims that are not selected have no new value.
-    output::claim::ClaimBaseline selected = before;
-    std::erase_if(selected.claims, [&o](const output::claim::MeasuredClaim& c) { return !o.selects(c.id); });
-    const auto moves = output::claim::moves_between(selected, now);
-    fmt::print("{}", output::claim::moves_text(selected, now, moves));
-    if (!o.moves.empty()) output::claim::write_moves(o.moves, selected, now, moves);
-    std::map<std::string, std::string> words;
-    for (const output::claim::ClaimMove& move : moves.moves) words[move.id()] = move.words();
-    return words;
-}
-
-bool replaces_its_baseline(const CheckOptions& o) {
-    return !o.save.empty() && !o.against.empty() && shell::place_of(o.save) == shell::place_of(o.against);
+    if (o.timing() || o.measure || !o.junit.empty() || !o.csv.empty() || !o.json.empty() || o.annotations != "none")
+        throw InputError(
+            "--shard " + o.shard +
+            ": cannot be combined with --junit, --export-csv, --export-json, "
+            "--annotations, --measure or --profile timing: a shard judges nothing; give the first three to "
+            "`lostbits merge`");
 }
 
 Exit run(const CheckOptions& o, const Common& common) {
     check_shard_options(o);
-    shell::require_different_files({{"--against", o.against},
-                                    {"--save", replaces_its_baseline(o) ? "" : o.save},
-                                    {"--junit", o.junit},
-                                    {"--export-csv", o.csv},
-                                    {"--export-json", o.json},
-                                    {"--moves", o.moves}},
+    shell::require_different_files({{"--junit", o.junit}, {"--export-csv", o.csv}, {"--export-json", o.json}},
                                    {"--report", o.report});
-    if (!o.moves.empty() && o.against.empty())
-        throw InputError("--moves " + o.moves +
-                         ": shows how values moved since a baseline; add --against BASELINE.json");
-    std::optional<output::claim::ClaimBaseline> before;
-    if (!o.against.empty() && !replaces_its_baseline(o)) scene::toml::note_read(o.against);
-    if (!o.against.empty()) before = output::claim::read_baseline(o.against);
-    if (o.timing() && (o.strict || !o.junit.empty() || !o.save.empty() || !o.against.empty() || !o.csv.empty() ||
-                       !o.json.empty() || !o.report.empty() || o.annotations != "none")) {
+    if (o.timing() && (o.strict || !o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.report.empty() ||
+                       o.annotations != "none")) {
         throw InputError(
-            "--profile timing cannot be combined with --strict, --junit, --export-csv, --export-json, --report, "
-            "--annotations, --save or --against: claims about time never fail a check, and no report shows them; leave "
+            "--profile timing cannot be combined with --strict, --junit, --export-csv, --export-json, --report or "
+            "--annotations: claims about time never fail a check, and no report shows them; leave "
             "those options out");
     }
     if (o.measure && (!o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.report.empty())) {
@@ -235,7 +203,7 @@ Exit run(const CheckOptions& o, const Common& common) {
     const auto claims = load(o, data);
     const selection::ThreadLimit limit(common.threads);
     // Checks before the work that the reports can be written; they are small and written at the end.
-    for (const std::string& path : {o.junit, o.csv, o.json, o.save, o.moves}) {
+    for (const std::string& path : {o.junit, o.csv, o.json}) {
         if (!path.empty()) output::file::AtomicFile probe(path);
     }
     // Only a shard records which files it read, so a whole run need not list the data folder.
@@ -258,10 +226,6 @@ Exit run(const CheckOptions& o, const Common& common) {
     if (!measured) return Exit::done;
     const auto& results = *measured;
     if (o.timing() && !o.measure) return report_times(claims, results);
-    const auto now = output::claim::baseline_of(claims, results, program_and_version, common.typed.text());
-    if (!o.save.empty()) output::claim::write_baseline(o.save, now);
-    std::map<std::string, std::string> moved;
-    if (before) moved = show_moves(o, *before, now);
     if (o.measure) {
         for (std::size_t i = 0; i < claims.size(); ++i)
             fmt::print("{} = {}{}\n", terminal_line(claims[i].id), output::file::decimal(results[i].measured),
@@ -277,7 +241,7 @@ Exit run(const CheckOptions& o, const Common& common) {
                   (o.strict || claims[i].severity == Claim::Severity::error);
     }
     if (o.seeds > 0 && !common.quiet) print_spreads(claims, results);
-    if (!o.junit.empty()) output::claim::write_junit(o.junit, claims, results, o.strict, moved);
+    if (!o.junit.empty()) output::claim::write_junit(o.junit, claims, results, o.strict);
     if (!o.csv.empty()) output::claim::write_claims_csv(o.csv, claims, results);
     if (!o.json.empty()) output::claim::write_claims_json(o.json, claims, results);
     if (!o.report.empty()) output::claim::write_claim_report(o.report, claims, results, request);
@@ -307,9 +271,6 @@ void add_check(const shell::Command& program, const Common& common) {
     command.add("--export-csv", o->csv, "Write CSV, one row per claim");
     command.add("--export-json", o->json, "Write JSON, one object per claim");
     command.add("--report", o->report, "Write README.md, claims.csv and pictures into this folder");
-    command.add("--save", o->save, "Write what every claim measures into a file, for a later --against");
-    command.add("--against", o->against, "Show how the measured values moved since a --save: a table, and JUnit");
-    command.add("--moves", o->moves, "With --against: also write its table as Markdown");
     add_shard(command, o->shard);
     command.add("--annotations", o->annotations, "github: also print workflow annotations",
                 shell::one_of({"none", "github"}));

@@ -159,7 +159,7 @@ Exit run_on_maps(const DiffOptions& w, const MapSides& sides, const CompareOptio
         if (!common.quiet) fmt::print("{}\n", picture.string());
     }
     if (found.pictures > 0 && !common.quiet)
-        fmt::print(stderr, "lostbits: {} {} not compared; --pictures compares {}\n", found.pictures,
+        fmt::print(stderr, "lostbits: {} {} not compared; --compare-pictures compares {}\n", found.pictures,
                    found.pictures == 1 ? "picture is" : "pictures are", found.pictures == 1 ? "it" : "them");
     return found.same() ? Exit::done : Exit::answer_is_no;
 }

@@ -122,7 +122,7 @@ MapDifference compare_maps(const MapSides& sides, const CompareOptions& options,
         found.others.push_back(compare_pair(pair, sides.a, sides.b, options));
     }
     if (found.tables == 0 && found.others.empty())
-        throw NothingSelected(fmt::format("{} and {} contain nothing but pictures; --pictures compares them",
+        throw NothingSelected(fmt::format("{} and {} contain nothing but pictures; --compare-pictures compares them",
                                           sides.a.string(), sides.b.string()));
     found.rows.sort();
     return found;

@@ -11,7 +11,7 @@ namespace {
 struct MergeOptions {
     std::vector<std::string> folders;
     std::string out;
-    std::string junit, csv, json, save, moves;  ///< for shards of `lostbits check` only
+    std::string junit, csv, json;  ///< for shards of `lostbits check` only
 };
 
 /// The words of the command whose shards are joined, with the folder of this run.
@@ -19,11 +19,8 @@ std::vector<std::string> words_of_run(const std::string& command, const MergeOpt
     std::vector<std::string> words = selection::words_in(command);
     const bool checks = words.size() > 1 && words[1] == "check";
     words.insert(words.end(), {checks ? "--report" : "-o", o.out});
-    for (const auto& [option, file] : {std::pair("--junit", o.junit),
-                                       {"--export-csv", o.csv},
-                                       {"--export-json", o.json},
-                                       {"--save", o.save},
-                                       {"--moves", o.moves}}) {
+    for (const auto& [option, file] :
+         {std::pair("--junit", o.junit), {"--export-csv", o.csv}, {"--export-json", o.json}}) {
         if (file.empty()) continue;
         if (!checks)
             throw InputError(std::string(option) + " " + file + ": is for claims, but these are shards of `" + command +
@@ -43,8 +40,6 @@ void add_merge(const shell::Command& program, const std::string& version, const 
     command.add("--junit", o->junit, "Of claims: write JUnit XML");
     command.add("--export-csv", o->csv, "Of claims: write CSV, one row per claim");
     command.add("--export-json", o->json, "Of claims: write JSON, one object per claim");
-    command.add("--save", o->save, "Of claims: write what each measures, for a later --against");
-    command.add("--moves", o->moves, "Of claims of a run --against: write how values moved as Markdown");
     command.runs([o, version, run_again] {
         const auto shards = std::make_shared<Shards>(o->folders, version);
         return run_again(words_of_run(shards->command(), *o), shards);

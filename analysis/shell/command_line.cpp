@@ -318,7 +318,9 @@ CommandLine::Parsed CommandLine::parse(const std::vector<std::string>& words) {
 
 std::vector<std::string> CommandLine::leftover() const { return app_->remaining(true); }
 
-std::filesystem::path place_of(const std::string& file) {
+/// The absolute path of a file, which need not exist. (weakly_canonical alone leaves a relative path as it is if none
+/// of its folders exists.)
+static std::filesystem::path place_of(const std::string& file) {
     return std::filesystem::weakly_canonical(std::filesystem::absolute(file));
 }
 

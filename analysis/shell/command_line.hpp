@@ -162,10 +162,6 @@ std::string describe_misread(const CommandLine& program, const Misread& error);
 /// stay.
 std::string with_words_on_one_line(const std::string& message, const std::vector<std::string>& words);
 
-/// The absolute path of a file, which need not exist. (weakly_canonical alone leaves a relative path as it is if none
-/// of its folders exists.)
-[[nodiscard]] std::filesystem::path place_of(const std::string& file);
-
 /// An option and the file that it names, empty if the option was not given.
 struct NamedFile {
     const char* option;

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array outputs{"--out", "--export-csv", "--export-json", "--junit", "--save", "--moves"};
+constexpr std::array outputs{"--out", "--export-csv", "--export-json", "--junit"};
 
 /// The tables of runs. The table of a run is the first of these that it wrote.
 constexpr std::array<std::string_view, 9> tables{"summary.csv", "samples.csv",    "cases.csv",

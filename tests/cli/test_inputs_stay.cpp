@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* one_ray = "ox,oy,oz,dx,dy,dz,hit,t\n0,0,-5,0,0,1,1,4\n";
 
-/// A folder with a scene, a claim about it, a ray and a baseline, none of which a run may change.
+/// A folder with a scene, a claim about it, a ray and a shader, none of which a run may change.
 class Inputs {
 public:
     Inputs() {
@@ -21,8 +21,6 @@ public:
         keep("claims.toml", one_claim);
         keep("rays.csv", one_ray);
         keep("form.glsl", "bool intersect(vec3 o, vec3 d, vec3 c, float r, out float t) { t = 1.0; return true; }\n");
-        must("check claims.toml --save base.json", scratch_.path());
-        keep("base.json", contents(scratch_.path() / "base.json"));
     }
     [[nodiscard]] fs::path operator/(const std::string& name) const { return scratch_.path() / name; }
 
@@ -53,23 +51,17 @@ const std::string taken = "is read by this run, and its results would overwrite 
 
 TEST_CASE("check never writes over one of its inputs") {
     const Inputs inputs;
-    for (const char* option : {"--junit", "--export-csv", "--export-json", "--save"}) {
+    for (const char* option : {"--junit", "--export-csv", "--export-json"}) {
         for (const char* file : {"claims.toml", "mine.toml", "./claims.toml"})
             inputs.refused(std::string("check claims.toml ") + option + " " + file, taken);
     }
-    inputs.refused("check claims.toml --against base.json --moves claims.toml", taken);
-    inputs.refused("check claims.toml --against base.json --export-json base.json", "name");
     // The same file by other names.
     fs::create_hard_link(inputs / "claims.toml", inputs / "hard.toml");
     fs::create_symlink("claims.toml", inputs / "soft.toml");
-    fs::create_hard_link(inputs / "base.json", inputs / "other.json");
     inputs.refused("check claims.toml --junit hard.toml", taken);
     inputs.refused("check claims.toml --junit soft.toml", taken);
     inputs.refused("check soft.toml --junit claims.toml", taken);
-    inputs.refused("check claims.toml --against base.json --junit other.json", taken);
     inputs.refused("check claims.toml --shader form.glsl:intersect --junit form.glsl", "form.glsl");
-    // A baseline may be compared with and replaced.
-    must("check claims.toml --against base.json --save base.json", inputs / "");
 }
 
 TEST_CASE("a folder of results that holds an input is not replaced") {

@@ -7,7 +7,6 @@
 
 #include "analysis/selection/ray_numbers.hpp"
 #include "fuzz/fuzz.hpp"
-#include "output/claim/claim_history.hpp"
 #include "output/file/read_csv.hpp"
 #include "scene/claim/claims_file.hpp"
 #include "scene/claim/report_file.hpp"
@@ -177,25 +176,6 @@ void fuzz_ray(std::string_view bytes) {
     answer_or_error([&] { static_cast<void>(numbers_of(lines[0], {"--ray", "a ray", 6, as.has_value()}, as)); });
     answer_or_error([&] { static_cast<void>(numbers_of(lines[1], {"--sphere", "a sphere", 4}, as)); });
     answer_or_error([&] { static_cast<void>(pixel_named(lines[2])); });
-}
-
-/// The file of `check --against`: what is read is written and read back as the same, and is compared with itself.
-void fuzz_baseline(std::string_view bytes) {
-    using namespace output::claim;
-    const std::filesystem::path path = file_of(bytes);
-    answer_or_error([&] {
-        const ClaimBaseline read = read_baseline(path);
-        const ClaimBaseline again = read_baseline(file_of(baseline_text(read)));
-        if (again.claims.size() != read.claims.size() || again.command != read.command)
-            throw std::logic_error("a baseline is read back as another one");
-        for (std::size_t i = 0; i < read.claims.size(); ++i) {
-            const ClaimBaseline before{.claims = {read.claims[i]}}, now{.claims = {again.claims[i]}};
-            if (moves_between(before, now).same != 1) throw std::logic_error("a claim is read back as another one");
-        }
-        ClaimBaseline other = read;
-        if (!other.claims.empty()) other.claims.back().measured += 1;
-        static_cast<void>(moves_text(read, other, moves_between(read, other)));
-    });
 }
 
 }  // namespace lostbits::fuzz

@@ -143,8 +143,7 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
 }
 
 void write_junit(const std::filesystem::path& path, const std::vector<Claim>& claims,
-                 const std::vector<ClaimResult>& results, bool strict,
-                 const std::map<std::string, std::string>& moved) {
+                 const std::vector<ClaimResult>& results, bool strict) {
     pugi::xml_document document;
     auto suite = document.append_child("testsuites").append_child("testsuite");
     suite.append_attribute("name") = "lostbits claims";
@@ -168,11 +167,6 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
         test.append_attribute("classname") = file::xml_text(c.subject_name()).c_str();
         test.append_attribute("time") = fmt::format("{:.6f}", results[i].seconds).c_str();
         seconds += results[i].seconds;
-        if (const auto words = moved.find(c.id); words != moved.end()) {
-            auto property = test.append_child("properties").append_child("property");
-            property.append_attribute("name") = "moved";
-            property.append_attribute("value") = file::xml_text(words->second).c_str();
-        }
         if (results[i].state == State::agrees) continue;
         if (results[i].state == State::skipped) {
             ++skips;

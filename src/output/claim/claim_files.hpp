@@ -3,7 +3,6 @@
 
 #include <array>
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -13,11 +12,9 @@ namespace lostbits::output::claim {
 
 /// A claim that no longer measures as stated is a `<failure>`, a broken one an `<error>`, and one that this machine
 /// cannot measure is `<skipped>`. The suite has properties that count the statements that hold, from a source and our
-/// own. A claim of severity `warn` is reported as passed, with its message in `<system-out>`, unless `strict`. `moved`
-/// maps the id of a claim to a further remark, which becomes the property `moved`.
+/// own. A claim of severity `warn` is reported as passed, with its message in `<system-out>`, unless `strict`.
 void write_junit(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims,
-                 const std::vector<measure::claim::ClaimResult>& results, bool strict,
-                 const std::map<std::string, std::string>& moved = {});
+                 const std::vector<measure::claim::ClaimResult>& results, bool strict);
 
 /// One row per claim: statement, verdict, expectation, measurement, state, and the witness in hexadecimal floats.
 void write_claims_csv(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims,

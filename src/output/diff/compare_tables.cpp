@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
 
 #include "output/diff/ledger.hpp"
 
@@ -76,30 +79,69 @@ std::vector<Pair> match_headers(const CsvTable& a, const CsvTable& b, Ledger& le
     return pairs;
 }
 
+/// Rows of two tables that are compared with each other, and rows of one table alone.
+struct RowPairs {
+    std::vector<std::pair<std::size_t, std::size_t>> pairs;
+    std::vector<std::size_t> only_a, only_b;
+    const CsvColumn* id = nullptr;  ///< the column of the first table by which they are paired
+};
+
+/// Pairs rows with the same `id` (claims) if both tables have such a column without repetitions, and otherwise rows
+/// with the same number.
+RowPairs pair_rows(const CsvTable& a, const CsvTable& b) {
+    const CsvColumn *const x = a.find("id"), *const y = b.find("id");
+    std::map<std::string_view, std::size_t> of_a, of_b;
+    if (x != nullptr && y != nullptr) {
+        for (std::size_t r = 0; r < a.rows(); ++r) of_a.emplace(x->cells[r], r);
+        for (std::size_t r = 0; r < b.rows(); ++r) of_b.emplace(y->cells[r], r);
+    }
+    RowPairs found;
+    if (x == nullptr || y == nullptr || of_a.size() < a.rows() || of_b.size() < b.rows()) {
+        for (std::size_t r = 0; r < std::min(a.rows(), b.rows()); ++r) found.pairs.emplace_back(r, r);
+        return found;
+    }
+    found.id = x;
+    for (std::size_t r = 0; r < a.rows(); ++r) {
+        const auto other = of_b.find(x->cells[r]);
+        if (other == of_b.end()) found.only_a.push_back(r);
+        else found.pairs.emplace_back(r, other->second);
+    }
+    for (std::size_t r = 0; r < b.rows(); ++r) {
+        if (!of_a.contains(y->cells[r])) found.only_b.push_back(r);
+    }
+    return found;
+}
+
 }  // namespace
 
 Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& options) {
     Ledger ledger{options, {}};
     const auto pairs = match_headers(a, b, ledger);
-    const std::size_t rows = std::min(a.rows(), b.rows());
+    const RowPairs rows = pair_rows(a, b);
+    const auto named = [&](std::size_t r) { return rows.id == nullptr ? "" : in_quotes(rows.id->cells[r]) + ": "; };
     for (const Pair& p : pairs) ledger.result.columns.emplace_back().name = p.a->name;
-    ledger.result.rows = rows;
-    for (std::size_t r = 0; r < rows; ++r) {
+    ledger.result.rows = rows.pairs.size();
+    for (const auto& [r, q] : rows.pairs) {
         const std::uint64_t before = ledger.result.count;
         for (std::size_t c = 0; c < pairs.size(); ++c) {
-            const std::string_view left = pairs[c].a->cells[r], right = pairs[c].b->cells[r];
+            const std::string_view left = pairs[c].a->cells[r], right = pairs[c].b->cells[q];
             if (left == right) continue;
             const PairVerdict v = judge_cells(left, right, pairs[c].tolerance, pairs[c].as_text);
             if (!book(ledger.result.columns[c], v, [&] { return fmt::format("line {}", a.lines[r]); })) continue;
             ledger.add(a.lines[r], [&] {
-                return fmt::format("{}: {} != {}{}", pairs[c].a->name, in_words(left), in_words(right), distances(v));
+                return fmt::format("{}{}: {} != {}{}", named(r), pairs[c].a->name, in_words(left), in_words(right),
+                                   distances(v));
             });
         }
         ledger.result.rows_differ += ledger.result.count > before;
     }
-    if (a.rows() != b.rows())
-        ledger.add(0,
-                   [&] { return fmt::format("rows: {} != {}; the first {} are compared", a.rows(), b.rows(), rows); });
+    for (const std::size_t r : rows.only_a) ledger.add(a.lines[r], [&] { return named(r) + "missing in the second"; });
+    for (const std::size_t r : rows.only_b)
+        ledger.add(0, [&] { return in_quotes(b.find("id")->cells[r]) + ": added in the second"; });
+    if (rows.id == nullptr && a.rows() != b.rows())
+        ledger.add(0, [&] {
+            return fmt::format("rows: {} != {}; the first {} are compared", a.rows(), b.rows(), rows.pairs.size());
+        });
     return ledger.result;
 }
 

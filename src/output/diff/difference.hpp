@@ -73,12 +73,13 @@ struct Comparison {
     [[nodiscard]] bool same() const { return count == 0; }
 };
 
-/// Compares cell by cell: columns by name, rows by position. Missing, added and moved columns are differences, and so
-/// is a different number of rows. Whatever both sides have is compared anyway.
-/// Numbers are compared by their exact values (`1e3` equals `1000`, `-0` differs from `0`, every digit counts). In a
-/// column whose name ends in `_hex` they are compared as text, unless a tolerance names it. NaN equals NaN, empty
-/// equals empty, an infinity equals the one of its sign, and text equals the same bytes. None of these equals anything
-/// else, whatever the tolerance. Differences of two numbers and tolerances are evaluated without rounding.
+/// Compares cell by cell: columns by name, and rows by their `id` if both tables have one for each row, otherwise by
+/// position. Missing, added and moved columns are differences, and so are missing and added rows. Whatever both sides
+/// have is compared anyway. Numbers are compared by their exact values (`1e3` equals `1000`, `-0` differs from `0`,
+/// every digit counts). In a column whose name ends in `_hex` they are compared as text, unless a tolerance names it.
+/// NaN equals NaN, empty equals empty, an infinity equals the one of its sign, and text equals the same bytes. None of
+/// these equals anything else, whatever the tolerance. Differences of two numbers and tolerances are evaluated without
+/// rounding.
 [[nodiscard]] Comparison compare(const file::CsvTable& a, const file::CsvTable& b, const CompareOptions& options);
 
 /// Compares sizes, channels by name, their types, and every sample. Samples are compared bit by bit unless a tolerance

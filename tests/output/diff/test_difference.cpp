@@ -220,6 +220,20 @@ TEST_CASE("diff: rows are matched by position, and different numbers of rows are
     CHECK(c.differences[0].line == 3);
 }
 
+TEST_CASE("diff: rows of claims are matched by their id, wherever they stand", "[difference]") {
+    const CsvTable before = table("id,measured\na,1\nb,2\nc,3\n");
+    CHECK(compare(before, table("id,measured\nc,3\na,1\nb,2\n"), {}).same());
+    const output::diff::Comparison c = compare(before, table("id,measured\nnew,7\nc,4\na,1\n"), {});
+    CHECK(c.count == 3);
+    CHECK(c.rows == 2);
+    CHECK(c.rows_differ == 1);
+    CHECK(says(c, "\"c\": measured: 3 != 4 (abs 1, rel 0.25)"));
+    CHECK(says(c, "\"b\": missing in the second"));
+    CHECK(says(c, "\"new\": added in the second"));
+    // An id that occurs twice names no row.
+    CHECK(says(compare(table("id,x\na,1\na,2\n"), table("id,x\na,1\n"), {}), "rows: 2 != 1; the first 1 are compared"));
+}
+
 TEST_CASE("diff: line numbers are those of the first file, and text is shown on one line", "[difference]") {
     const output::diff::Comparison c = compare(table("t,x\n\"a\nb\",1\nc,2\n"), table("t,x\n\"a\nB\",1\nc,\n"), {});
     REQUIRE(c.count == 2);
