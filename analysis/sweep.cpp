@@ -259,7 +259,7 @@ Exit run(SweepOptions o, const Common& common) {
 void add_sweep(const shell::Command& program, const Common& common) {
     auto command = program.add_command("sweep", "Errors along a parameter, and where they first cross a threshold");
     const auto o = std::make_shared<SweepOptions>();
-    command.add("SWEEP", o->sweeps, "Sweep files, or names in data/sweeps").required();
+    command.add("SWEEP", o->sweeps, "Sweep files or names in data/sweeps").required();
     selection::add_forms(command, o->forms);
     command.add_list("-f,--format", o->formats,
                      "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64; f32 for every float)");

@@ -243,7 +243,7 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
                                                                    found.misses_beside_first(summary_of_file));
             const bool has_all = found.first_are_all(summary_of_file);
             return measure::contract::on_rays_of(whose, has_all ? found.rays : found.first.size(), found.rays,
-                                                 "of its rays that hit or should", words);
+                                                 "of its rays that hit or should hit", words);
         });
     return result;
 }

@@ -78,7 +78,7 @@ void check_changes(const SweepChangeOptions& words, SweepKind kind, const std::s
          "has no picture, since it searches for rays; leave out --size, and try --set starts=N for more of them",
          "has no picture, since it searches for rays; leave out --size, and try --set rays=N for more of them",
          "has no picture, since its rays are in the file; leave out --size"},
-        {"--steps", words.steps, "has no steps but its cases; leave out --steps",
+        {"--steps", words.steps, "is a list of cases, and its only steps are its cases; leave out --steps",
          "has no steps; try --set starts=N or --set generations=N", "has no steps; try --set rays=N",
          "tries every float of its range; leave out --steps"},
         {"--set", first(words.set), "is a list of cases with their numbers; copy the file and change them there",
@@ -116,7 +116,7 @@ std::string interrupted_text(SweepKind kind, const std::string& name) {
     if (kind == SweepKind::every_float)
         return fmt::format("interrupted in the floats of {}: its progress is kept for --resume", name);
     return fmt::format(
-        "interrupted in the {} of {}: the results of this sweep are lost, those of finished ones are kept",
+        "interrupted in the {} of {}: the results of this sweep are lost, those of finished sweeps are kept",
         parts_of(kind), name);
 }
 

@@ -44,8 +44,9 @@ bool is_round(double factor) {
                                [factor](const KnownUnits& units) { return is_about(factor, units.factor); });
 }
 
-/// Counts of wrong answers by kind, if no known mistake explains them.
+/// Counts of wrong answers by kind, or what is wrong with a single one, if no known mistake explains them.
 std::string ways_of(const std::vector<Judged>& wrong) {
+    const bool is_single = wrong.size() == 1;
     std::size_t missed = 0, hit = 0, no_number = 0;
     for (const Judged& j : wrong) {
         missed += !j.hit;
@@ -53,15 +54,18 @@ std::string ways_of(const std::vector<Judged>& wrong) {
         no_number += j.hit && j.truly_hits && !std::isfinite(j.t);
     }
     std::string words;
-    const auto add = [&words](std::size_t n, const char* one, const char* more) {
-        if (n > 0) words += fmt::format("{}{} {}", words.empty() ? "" : ", ", n, n == 1 ? one : more);
+    const auto add = [&](std::size_t n, const char* alone, const char* one, const char* more) {
+        if (n == 0) return;
+        if (is_single) words = alone;
+        else words += fmt::format("{}{} {}", words.empty() ? "" : ", ", n, n == 1 ? one : more);
     };
-    add(hit, "hits what it should miss", "hit what they should miss");
-    add(missed, "misses what it should hit", "miss what they should hit");
-    add(no_number, "has a t that is not a finite number", "have a t that is not a finite number");
-    add(wrong.size() - hit - missed - no_number, "has a t that is off by more than 0.4%",
-        "have a t that is off by more than 0.4%");
-    return words;
+    add(hit, "it hits what it should miss", "hits what it should miss", "hit what they should miss");
+    add(missed, "it misses what it should hit", "misses what it should hit", "miss what they should hit");
+    add(no_number, "its t is not a finite number", "has a t that is not a finite number",
+        "have a t that is not a finite number");
+    add(wrong.size() - hit - missed - no_number, "its t is off by more than 0.4%",
+        "has a t that is off by more than 0.4%", "have a t that is off by more than 0.4%");
+    return fmt::format("{}; no known mistake explains {}", words, is_single ? "it" : "nine in ten of them");
 }
 
 /// Answers to analyse: those of rays that hit or should hit, or of fewer.
@@ -100,9 +104,10 @@ struct SuspectAnswers {
     }
 
     [[nodiscard]] bool is_mostly_wrong() const { return !wrong.empty() && 2 * wrong.size() >= all.size(); }
-    [[nodiscard]] std::string count(const char* which) const {
-        if (all.size() == 1) return fmt::format("wrong on the one ray that {}: ", which);
-        return fmt::format("wrong on {} of the {} rays that {}: ", wrong.size(), all.size(), which);
+    /// Number of wrong answers, among rays that hit `joined` should hit: "and" or "or".
+    [[nodiscard]] std::string count(const char* joined) const {
+        if (all.size() == 1) return fmt::format("wrong on the only ray that hits {} should hit: ", joined);
+        return fmt::format("wrong on {} of the {} rays that hit {} should hit: ", wrong.size(), all.size(), joined);
     }
     /// True if a reason explains nine in ten of the wrong answers. A reason that would change right answers too has to
     /// explain nine in ten of all answers and of the hits, and right misses count against it.
@@ -189,12 +194,12 @@ std::string suspicion(const std::vector<Judged>& rays, AnswerSource source, std:
         if (about_t && !(most_hit && both.is_mostly_wrong())) continue;
         const auto explained = [&reason](const SuspectAnswers& half) { return half.is_explained_by(reason); };
         if (!std::ranges::all_of(about_t ? halves_of_both : halves, explained)) continue;
-        return fmt::format("{}{}; {}", about_t ? both.count("hit and should") : asked.count("hit or should"),
-                           reason.words, source == AnswerSource::file ? reason.to_file : reason.to_library);
+        return fmt::format("{}{}; {}", about_t ? both.count("and") : asked.count("or"), reason.words,
+                           source == AnswerSource::file ? reason.to_file : reason.to_library);
     }
     if (const std::string units = most_hit && both.is_mostly_wrong() ? other_units(hits.halves()) : ""; !units.empty())
-        return both.count("hit and should") + units;
-    return asked.count("hit or should") + ways_of(asked.wrong) + "; no known mistake explains nine in ten of them";
+        return both.count("and") + units;
+    return asked.count("or") + ways_of(asked.wrong);
 }
 
 }  // namespace lostbits::measure::contract

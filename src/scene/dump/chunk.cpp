@@ -55,7 +55,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
                        "any numbers");
     }
     if (x[3] == 0 && x[4] == 0 && x[5] == 0)
-        return bad(slot::direction, "the direction is zero in all three components, so it is not a ray; leave it out");
+        return Fault{slot::direction, "the direction is 0,0,0, so this record is not a ray; leave the record out"};
     if (is_there(slot::tmax) && std::isnan(x[slot::tmax]))
         return bad(slot::tmax, "write where the ray ends, or inf (or nothing) for a ray without end");
     if (is_there(slot::tmin) && !(x[slot::tmin] >= 0 && x[slot::tmin] < HUGE_VAL))
