@@ -67,7 +67,8 @@ void check_changes(const SweepChangeOptions& words, SweepKind kind, const std::s
     const auto first = [](const std::vector<std::string>& given) { return given.empty() ? "" : given.front(); };
     const auto other = std::ranges::find_if(words.formats, [](const std::string& format) { return format != "f32"; });
     const bool draws_none = kind == SweepKind::cases && words.seeds == 0;  // cases never draw rays
-    /// An option with the message of each kind that does not take it; null if the kind takes it.
+    /// An option, its value (empty: it is not given), and for each kind of sweep the message that refuses the option;
+    /// null if the kind takes it.
     struct Row {
         const char* option;
         std::string given;

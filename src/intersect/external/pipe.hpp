@@ -13,8 +13,8 @@
 
 namespace lostbits::intersect::external {
 
-/// Header of a batch, little-endian. The numbers follow: 6 per ray; where each ray begins, for a form that says range;
-/// where each ray ends, if rays have ends; then for each primitive the numbers of its shape.
+/// Header of a batch, little-endian. The numbers of the batch follow in this order: 6 per ray; the beginning of each
+/// ray, if the form has the flag `range`; the end of each ray, if rays have ends; the numbers of each primitive.
 struct PipeRequest {
     char magic[4] = {'L', 'B', 'Q', '1'};
     std::uint32_t form = 0;  ///< index of the form in the program's header, from 0
@@ -32,7 +32,8 @@ struct PipeAnswer {
 };
 static_assert(sizeof(PipeAnswer) == 8);
 
-/// Bit in `error` from a process of this program: the form changes how the processor computes and does not restore it.
+/// Bit in `error` that only processes of this program set: the form changed the floating-point state of the processor
+/// and did not restore it.
 inline constexpr std::uint32_t changes_state = 1U << 31;
 
 /// Sent in place of a request, to a process of this program. From then on the columns of a batch and of its answer are
@@ -65,8 +66,9 @@ std::vector<ForeignForm> open_pipe(const std::string& command, const PipeTerms& 
 /// Text sent in place of a header: why the program cannot serve, line by line.
 std::string refusal_of(const Error& error);
 
-/// The serving side: answers requests on `input` with these forms until the input ends. False if the input was not a
-/// request; EnvironmentError if an answer cannot be written although somebody still asks.
+/// Serves a pipe: answers requests on `input` with these forms until the input ends. Returns false if something on the
+/// input is not a request. Throws EnvironmentError if an answer cannot be written while the other side still waits for
+/// it.
 bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output);
 
 }  // namespace lostbits::intersect::external

@@ -24,8 +24,8 @@ bool explains_most(const std::vector<Judged>& some, const Explains& explains) {
     return !some.empty() && 10 * count_unexplained(some, explains) <= some.size();
 }
 
-/// Text of a factor that is known to 2^-8 of itself, such as `1000` for 1000.02, with the names of the units if they
-/// are known.
+/// Text of a factor. Factors are known to a relative 2^-8, so 1000.02 is written as 1000. If the factor is the ratio of
+/// two known units, the text names them.
 std::string factor_text(double factor) {
     for (const KnownUnits& units : known_units) {
         if (is_about(factor, units.factor))
@@ -68,10 +68,10 @@ std::string ways_of(const std::vector<Judged>& wrong) {
     return fmt::format("{}; no known mistake explains {}", words, is_single ? "it" : "nine in ten of them");
 }
 
-/// Answers to analyse: those of rays that hit or should hit, or of fewer.
+/// Answers to analyse: of the rays that hit or should hit, or of a part of these rays.
 struct SuspectAnswers {
-    std::vector<Judged> all, wrong, right_misses;  ///< right misses are kept apart from `all`
-    std::uint64_t more_right_misses = 0;           ///< further right misses, of which only the number is known
+    std::vector<Judged> all, wrong, right_misses;  ///< `all` does not contain the right misses
+    std::uint64_t more_right_misses = 0;           ///< right misses of which only the number is known
 
     SuspectAnswers() = default;
     template <class Belongs>
@@ -143,10 +143,11 @@ double middle_of(std::vector<double> numbers) {
     return *middle;
 }
 
-/// Finds one factor by which nine in ten of the wrong answers and false hits are off. It is made from every second one
-/// and tested on the others; empty if there is none. Answers that are all equal have no units. A factor that is not
-/// round must explain true t that differ by more than a twentieth, and must explain them better than adding one number
-/// does. Near 1, and where all t are about the same, the two cannot be told apart.
+/// Finds a factor by which t is off in nine in ten of the wrong hits, false hits included. Returns a text about it;
+/// empty if there is none. The factor is the median of one half of the answers and must hold for both halves. It is not
+/// accepted if all answers have the same t. A factor that is not round is accepted only if the true t differ by more
+/// than a twentieth, and if adding a constant to the true t does not explain nine in ten as well. Near 1, and where all
+/// t are about the same, a factor and a constant cannot be told apart.
 std::string other_units(const std::array<SuspectAnswers, 2>& halves) {
     std::vector<double> factors, offsets;
     for (const Judged& j : halves[0].wrong) {

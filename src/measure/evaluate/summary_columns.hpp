@@ -1,5 +1,5 @@
-// Columns of a summary. A row of this table is a column of summary.csv, samples.csv and cases.csv, a quantity for
-// claims, and an entry of the page.
+// A table of the numbers of a summary. Each row of the table is a column of summary.csv, samples.csv and cases.csv, a
+// quantity that claims can name, and an entry of the page.
 #pragma once
 
 #include <functional>

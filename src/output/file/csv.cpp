@@ -29,8 +29,8 @@ bool is_number(std::string_view text) {
     return !text.empty() && text.front() != '-' && std::from_chars(text.data(), end, value, format).ptr == end;
 }
 
-/// True if a spreadsheet would evaluate the text and could do harm with it. Sums of plain numbers (`+2^127`) are
-/// harmless.
+/// True if a spreadsheet would evaluate the text as a formula that could do harm. Formulas of numbers alone (`+2^127`)
+/// could not.
 bool is_formula(std::string_view text) {
     if (text.size() < 2 || std::string_view("=+-@\t\r").find(text.front()) == std::string_view::npos) return false;
     return text.find_first_not_of("0123456789.^+-*/ ") != std::string_view::npos && !is_number(text);
