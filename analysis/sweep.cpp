@@ -144,7 +144,7 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
         };
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data, selection::read_changes(o), stop);
-        const char* const why = !sweep.is_drawn()        ? "has the rays of its scene and draws none at random"
+        const char* const why = !sweep.has_random_rays() ? "has the rays of its scene and draws none at random"
                                 : sweep.axes.size() != 1 ? "has two axes, but onsets need one axis"
                                                          : nullptr;
         if (why != nullptr && o.seeds.value_or(0) > 0)

@@ -85,7 +85,7 @@ Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<m
         {"label", axis.label},
         {"spacing", spacing_name(axis.spacing)},
         {"steps", array_of(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
-        {"is_drawn", request.sweep.is_drawn()},
+        {"is_drawn", request.sweep.has_random_rays()},
         {"too_far", std::move(far)},
         {"too_far_means", sweep::too_far_means},
         {"gap_means", sweep::gap_means()},
@@ -119,7 +119,7 @@ Json plane_json(const measure::sweep::SweepRequest& request, const std::vector<m
     Json json{{"id", request.sweep.id},
               {"title", request.sweep.title},
               {"kind", "plane"},
-              {"is_drawn", request.sweep.is_drawn()},
+              {"is_drawn", request.sweep.has_random_rays()},
               {"outlined_means", sweep::outlined_means},
               {"nowhere_outlined", sweep::nowhere_outlined},
               {"axes", Json::array({axis_json(axes[0], plane.x), axis_json(axes[1], plane.y)})}};

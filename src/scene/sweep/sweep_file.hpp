@@ -71,9 +71,9 @@ public:
     /// The path of the sweep's scene; empty if there is none.
     [[nodiscard]] std::filesystem::path scene_path() const { return scene_ ? scene_->path() : std::filesystem::path(); }
     /// True if the rays are random: rays of a ray distribution are, rays of a scene are not.
-    [[nodiscard]] bool is_drawn() const { return !scene_; }
-    /// The same sweep with other random rays: its seed is `further` larger.
-    [[nodiscard]] SweepFile drawn_again(int further) const;
+    [[nodiscard]] bool has_random_rays() const { return !scene_; }
+    /// The same sweep with other random rays: its seed is `offset` larger.
+    [[nodiscard]] SweepFile with_seed_offset(int offset) const;
 
     /// The rays of one step, one value per axis.
     [[nodiscard]] std::vector<rays::RayGroup> rays(const std::vector<double>& values) const;
@@ -95,7 +95,7 @@ private:
     bool is_placed_ = false;  ///< true if primitives are under matrices
     bool marches_ = false, has_mesh_ = false;
     intersect::process::StopToken stop_;  ///< for the scene, which each step reads again
-    std::uint64_t further_ = 0;           ///< added to the seed of the ray distribution
+    std::uint64_t seed_offset_ = 0;       ///< added to the seed of the ray distribution
 };
 
 /// True if a file declares that it is a sweep of any kind. Throws InputError if it cannot be read.
