@@ -20,7 +20,7 @@ struct ScaledPerpendicular {
         const Vec<T> across = in.f + (minus_b / a) * in.d;
         const T delta = named("delta", T(1) - square(across));
         const T c = named("c", square(in.f) - T(1));
-        return first_hit<T>(delta < T(0), unified_roots<T>(a, minus_b, c, sqrt(a * delta)));
+        return hit_unless<T>(delta < T(0), unified_roots<T>(a, minus_b, c, sqrt(a * delta)));
     }
 };
 
