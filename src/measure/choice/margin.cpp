@@ -173,7 +173,7 @@ std::optional<Found> look_at_rays(const ChoiceRequest& request, const evaluate::
 std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluate::TestedForm& row, int pixels) {
     Look look;
     if (request.scene) {
-        look = [&, thin = thinned(*request.scene, pixels)](Growth way, double factor) {
+        look = [&, thin = with_smaller_picture(*request.scene, pixels)](Growth way, double factor) {
             return look_at_scene(request, row, thin, way, factor);
         };
     } else {
@@ -195,7 +195,7 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
     if (primitives == 0 || primitives > offset::most_primitives || !offset::can_be_asked(*row.form))
         return std::nullopt;
     const auto affordable = static_cast<int>(std::clamp<std::size_t>(most_asked / primitives, 64, 65536));
-    const scene::file::Scene thin = thinned(scene, std::min(pixels, affordable));
+    const scene::file::Scene thin = with_smaller_picture(scene, std::min(pixels, affordable));
     const offset::OffsetStudy request{
         .scene = thin, .rows = {{row}}, .strategies = offset::all_strategies(), .limit = limit, .quiet = false};
     const offset::OffsetSummary summary = std::move(study::run_study(request).front());

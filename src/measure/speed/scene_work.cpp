@@ -73,7 +73,7 @@ struct SceneWork::Store {
     }
 };
 
-Scene thinned(const Scene& scene, int pixels) {
+Scene with_smaller_picture(const Scene& scene, int pixels) {
     Scene thin = scene;
     const double factor = std::min(1.0, std::sqrt(static_cast<double>(pixels) / static_cast<double>(scene.pixels())));
     const auto shrunk = [factor](int side) { return std::max(1, static_cast<int>(std::lround(side * factor))); };
@@ -83,7 +83,7 @@ Scene thinned(const Scene& scene, int pixels) {
 }
 
 SceneWork::SceneWork(const Scene& scene, truth::TruthLimit limit)
-    : scene_(thinned(scene, timed_pixels)), band_(scene_, 0, scene_.height, limit), rays_(band_.pixels()) {
+    : scene_(with_smaller_picture(scene, timed_pixels)), band_(scene_, 0, scene_.height, limit), rays_(band_.pixels()) {
     choose_primitives({}, scene_.primitive_count());
 }
 
