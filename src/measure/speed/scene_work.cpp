@@ -16,7 +16,7 @@ using scene::file::Scene;
 namespace {
 
 constexpr int timed_pixels = 2048;
-constexpr std::size_t most_primitives = 4;
+constexpr std::size_t max_timed_primitives = 4;
 constexpr std::size_t numbers_a_ray = 9;  // origin, direction; t, near, far
 
 /// Counts the rays of the band that truly hit each primitive first. Hits of equal primitives are counted together:
@@ -56,7 +56,7 @@ std::vector<std::size_t> primitives_to_time(const std::map<int, std::size_t>& hi
         chosen.resize(primitives);
         std::iota(chosen.begin(), chosen.end(), std::size_t{0});
     }
-    if (chosen.size() > most_primitives) chosen.resize(most_primitives);
+    if (chosen.size() > max_timed_primitives) chosen.resize(max_timed_primitives);
     return chosen;
 }
 
