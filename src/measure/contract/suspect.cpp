@@ -45,7 +45,7 @@ bool is_round(double factor) {
 }
 
 /// Counts of wrong answers by kind, or what is wrong with a single one, if no known mistake explains them.
-std::string ways_of(const std::vector<Judged>& wrong) {
+std::string error_counts_text(const std::vector<Judged>& wrong) {
     const bool is_single = wrong.size() == 1;
     std::size_t missed = 0, hit = 0, no_number = 0;
     for (const Judged& j : wrong) {
@@ -200,7 +200,7 @@ std::string suspicion(const std::vector<Judged>& rays, AnswerSource source, std:
     }
     if (const std::string units = most_hit && both.is_mostly_wrong() ? other_units(hits.halves()) : ""; !units.empty())
         return both.count("and") + units;
-    return asked.count("or") + ways_of(asked.wrong);
+    return asked.count("or") + error_counts_text(asked.wrong);
 }
 
 }  // namespace lostbits::measure::contract
