@@ -1,4 +1,4 @@
-// Escapes text that users wrote: one function per kind of output. Others are `csv_field` (csv.hpp), `html`
+// Escapes text that users wrote: one function per kind of output. Others are `quoted_field` (csv.hpp), `html`
 // (page/text.hpp), `shell_word` (intersect/process/child.hpp), the names in `\mathit`
 // (measure/attribution/tape_text.hpp) and nlohmann's JSON.
 #pragma once

@@ -67,7 +67,7 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
     table.add({"fault_explain", "string", "", "the command that explains that ray",
                [](const R& r) { return command(r, r.summary->fault()); }});
     if (by.empty()) return table;
-    by = file::csv_text(by);  // a column may have the name of a formula, or of a column of ours
+    by = file::without_formula(by);  // a column may have the name of a formula, or of a column of ours
     while (table.find(by) != nullptr) by = "file_" + by;
     return Table<R>{
         {by, "string", "", "value that the rays of this row have in that column; missing: all rays", &R::group}}
