@@ -60,18 +60,18 @@ struct OperationRow {
     NodeId node = no_node;
     /// True if the row shows errors. False for an operation of an earlier sample of a march, shown because another row
     /// names it: its row has only the values.
-    bool whole = true;
-    bool culprit = false;     ///< the culprit, if an operation is to blame
-    bool turned = false;      ///< rounding chose the other side
-    bool on_purpose = false;  ///< not a rounding: the form goes to the next number
-    bool aside = false;       ///< not on the way to the answer
+    bool has_errors = true;
+    bool culprit = false;         ///< the culprit, if an operation is to blame
+    bool branch_flipped = false;  ///< rounding chose the other side
+    bool on_purpose = false;      ///< not a rounding: the form goes to the next number
+    bool off_path = false;        ///< not on the way to the answer
     std::string name = {}, formula = {};
     double computed = 0, exact = 0;  ///< 1 or 0 for a decision
     int digits = 0;                  ///< digits that tell numbers of the operation's format apart; 0: a decision
     /// Texts, empty if there is nothing to show: the error in ulps of the value, the cancellation (`24 catastrophic`),
     /// the bits lost locally, the rounding in ulps of the value, and the part of the subject's error assigned to that
     /// rounding, in ulps of the subject.
-    std::string off = {}, cancelled = {}, local = {}, own = {}, share = {};
+    std::string error_ulps = {}, cancelled = {}, local = {}, rounding_ulps = {}, contribution_ulps = {};
 };
 
 /// Rows of the table, see `explain_text`. `first` is the node where the last samples begin, after the earlier ones.
