@@ -126,10 +126,10 @@ bool exchange_heads(Child& child, std::span<const std::byte> request, bool ours)
             ", but an answer begins with LBA1; it must answer every batch exactly once, and whatever it prints must "
             "go to standard error");
     }
-    const bool changed = ours && (answer.error & changes_state) != 0;
-    if (changed) answer.error &= ~changes_state;
-    if (answer.error == 0) return changed;
-    std::string text(std::min<std::size_t>(answer.error, 1000), ' ');
+    const bool changed = ours && (answer.error_bytes & changes_state) != 0;
+    if (changed) answer.error_bytes &= ~changes_state;
+    if (answer.error_bytes == 0) return changed;
+    std::string text(std::min<std::size_t>(answer.error_bytes, 1000), ' ');
     child.read(std::as_writable_bytes(std::span(text)));
     child.fail("refuses: " + shown_text(text, 400));
 }

@@ -24,16 +24,16 @@ struct PipeRequest {
 };
 static_assert(sizeof(PipeRequest) == 20);
 
-/// Header of an answer. Near and far of every ray follow, then a byte `hit` for each ray; or, if `error` is not 0, a
-/// text of that many bytes.
+/// Header of an answer. Near and far of every ray follow, then a byte `hit` for each ray; or, if `error_bytes` is not
+/// 0, a text of that many bytes.
 struct PipeAnswer {
     char magic[4] = {'L', 'B', 'A', '1'};
-    std::uint32_t error = 0;
+    std::uint32_t error_bytes = 0;
 };
 static_assert(sizeof(PipeAnswer) == 8);
 
-/// Bit in `error` that only processes of this program set: the form changed the floating-point state of the processor
-/// and did not restore it.
+/// Bit in `error_bytes` that only processes of this program set: the form changed the floating-point state of the
+/// processor and did not restore it.
 inline constexpr std::uint32_t changes_state = 1U << 31;
 
 /// Sent in place of a request, to a process of this program. From then on the columns of a batch and of its answer are
