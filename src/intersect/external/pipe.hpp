@@ -52,11 +52,11 @@ ColumnBytes column_bytes(const PipeRequest& request, const Contract& contract);
 std::array<std::size_t, BatchColumn::count + 1> places_of(const ColumnBytes& bytes);
 
 struct PipeTerms {
-    double seconds = 30;           ///< limit for one answer
-    unsigned processes = 1;        ///< at most; one per thread, and a single one for a form that says one_thread
-    process::StopToken stop = {};  ///< stop request of the caller: ends every wait for an answer
-    std::string who = {};          ///< begins messages; empty: the command
-    bool ours = false;  ///< the command is this program: its error texts are passed on unchanged, and it shares memory
+    double seconds = 30;              ///< limit for one answer
+    unsigned processes = 1;           ///< at most; one per thread, and a single one for a form that says one_thread
+    process::StopToken stop = {};     ///< stop request of the caller: ends every wait for an answer
+    std::string message_prefix = {};  ///< begins messages; empty: the command
+    bool is_lostbits = false;         ///< the command is this program: error texts pass unchanged, and memory is shared
 };
 
 /// Starts the command and reads its header. InputError for an invalid header or one that says `error=`;
