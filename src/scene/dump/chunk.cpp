@@ -134,7 +134,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
         case MissRule::Kind::never: return {};
         case MissRule::Kind::negative: hits_ = !(t < 0); return {};
         case MissRule::Kind::number: hits_ = t != terms_.miss.number; return {};
-        case MissRule::Kind::ask: break;
+        case MissRule::Kind::refuse_negative: break;
     }
     if (!(t < 0)) return {};
     return Fault{slot::t, fmt::format("{} is {}, and no column says if that is a hit; add a column hit, or write "

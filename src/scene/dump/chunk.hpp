@@ -15,12 +15,12 @@ namespace lostbits::scene::dump {
 /// The meaning of t if no column says that the ray hits. NaN, infinities and empty cells are always misses.
 struct MissRule {
     enum class Kind {
-        ask,       ///< a negative t is refused: it may be a hit or a miss
-        never,     ///< every finite t is a hit
-        negative,  ///< a t below 0 is a miss
-        number     ///< this number is a miss
+        refuse_negative,  ///< a negative t is refused: it may be a hit or a miss
+        never,            ///< every finite t is a hit
+        negative,         ///< a t below 0 is a miss
+        number            ///< this number is a miss
     };
-    Kind kind = Kind::ask;
+    Kind kind = Kind::refuse_negative;
     double number = 0;
 };
 
