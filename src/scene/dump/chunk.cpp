@@ -11,7 +11,7 @@
 
 namespace lostbits::scene::dump {
 
-ChunkWriter::ChunkWriter(const Layout& layout, const DumpTerms& terms, std::size_t records, Chunk& chunk)
+ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& terms, std::size_t records, Chunk& chunk)
     : layout_(layout), terms_(terms), chunk_(chunk), shape_(layout.primitive()), decides_(layout.has_answers()) {
     if (layout.has_matrix() && terms.under) shape_ = terms.under->shape;
     rays::RayBlock& rays = chunk.rays;

@@ -25,7 +25,7 @@ struct MissRule {
 };
 
 /// Settings for reading the records of a file.
-struct DumpTerms {
+struct ReadSettings {
     Format format;                        ///< the format of the answers; every number is rounded once to it
     MissRule miss = {};                   ///< used if there is no column `hit`
     std::optional<Shape> primitive = {};  ///< the shape of the primitives that are given once for all rays
@@ -57,7 +57,7 @@ struct Chunk {
 /// Takes the numbers of one record after another, and checks that each is a ray, a primitive and an answer.
 class ChunkWriter {
 public:
-    ChunkWriter(const Layout& layout, const DumpTerms& terms, std::size_t records, Chunk& chunk);
+    ChunkWriter(const Layout& layout, const ReadSettings& terms, std::size_t records, Chunk& chunk);
 
     /// Stores a number of this record, already rounded to the format; `held` is false if rounding changed it. A cell
     /// without a stored number is empty.
@@ -90,7 +90,7 @@ private:
     [[nodiscard]] std::string called(std::size_t slot) const;
 
     const Layout& layout_;
-    const DumpTerms& terms_;
+    const ReadSettings& terms_;
     Chunk& chunk_;
     double numbers_[slot::count] = {};
     std::uint64_t there_ = 0;
