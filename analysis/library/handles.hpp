@@ -257,14 +257,14 @@ private:
 };
 
 /// The rows (form and format) that a call chooses: first those of the caller's forms, then those of the table.
-struct Choosing {
+struct Selection {
     lostbits_choice choice;
     std::vector<std::string> forms;  ///< as given, for messages and for sets
     std::vector<measure::evaluate::TestedForm> rows;
     measure::metric::MetricSet made = {};
     std::vector<const measure::metric::Metric*> asked = {};
 
-    explicit Choosing(const lostbits_choice* given, bool may_be_empty = false);
+    explicit Selection(const lostbits_choice* given, bool may_be_empty = false);
     /// Keeps the rows that take the subject called `name`. Throws NothingSelected if none is left.
     void keep_those_for(const std::string& name, const selection::Meets& meets);
 };

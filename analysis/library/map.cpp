@@ -13,7 +13,7 @@ using measure::metric::Metric;
 
 namespace {
 
-std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Choosing& chosen, CallRun& running) {
+std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& chosen, CallRun& running) {
     const scene::file::Scene& scene = given.scene;
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     std::vector<const Metric*> asked{measure::metric::find_metric("lost_bits")};
@@ -61,7 +61,7 @@ extern "C" int lostbits_map(const lostbits_scene* scene, const lostbits_choice* 
     return guarded(error, [&] {
         require(scene, "scene");
         require(result, "result");
-        Choosing chosen(choice);
+        Selection chosen(choice);
         CallRun running(run);
         return hand_over(map_of(*scene, chosen, running), result);
     });
