@@ -63,7 +63,7 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
     add_columns(table, measure::evaluate::worst_columns(shapes));
     table.add({"worst_explain", "string", "", "the command that explains the worst ray and prints these numbers again",
                [](const R& r) { return command(r, &r.summary->worst); }});
-    add_columns(table, measure::evaluate::fault_columns());
+    add_columns(table, measure::evaluate::wrong_decision_columns());
     table.add({"fault_explain", "string", "", "the command that explains that ray",
                [](const R& r) { return command(r, r.summary->fault()); }});
     if (by.empty()) return table;
