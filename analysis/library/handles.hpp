@@ -124,8 +124,8 @@ struct lostbits_result {
 
 struct lostbits_scene {
     lostbits::scene::file::Scene scene;
-    std::string named;     ///< arguments of `lostbits explain` that name this scene; empty if none can
-    bool has_own = false;  ///< the primitives came as arrays, and replaced those that the scene was read with
+    std::string explain_arguments;  ///< arguments of `lostbits explain` that name this scene; empty if none can
+    bool has_own = false;           ///< the primitives came as arrays, and replaced those that the scene was read with
     /// The scene in the numbers of each format that was asked for. A call that changes the scene clears this.
     std::unique_ptr<lostbits::analysis::library::StoredScenes> stored =
         std::make_unique<lostbits::analysis::library::StoredScenes>();

@@ -40,8 +40,9 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& 
     const auto summaries = measure::evaluate::evaluate_rows(request, measure::evaluate::shown_to_each(rays));
     auto csv = table.writer();
     const auto name_of = [&](const measure::evaluate::WorstRay& ray) {
-        return given.named.empty() ? std::string()
-                                   : output::attribution::name_of_pixel(given.named, static_cast<int>(ray.x), ray.y);
+        return given.explain_arguments.empty()
+                   ? std::string()
+                   : output::attribution::name_of_pixel(given.explain_arguments, static_cast<int>(ray.x), ray.y);
     };
     for (std::size_t r = 0; r < request.rows.size(); ++r)
         summary.add_row(csv, {request.rows[r], &summaries[r], name_of});
