@@ -9,6 +9,7 @@ from rules import ROOT, read
 
 sys.path.insert(0, str(ROOT / "docs" / "paper"))
 import macros  # noqa: E402
+import small_formats  # noqa: E402
 
 PAPER = "docs/paper/paper.tex"
 
@@ -105,6 +106,23 @@ class Paper(unittest.TestCase):
         self.assertEqual(len(figures), 2)
         for figure in figures:
             self.assertIn(f"$(OUT)/{figure}:", read("docs/paper/Makefile"))
+
+
+class Theorems(unittest.TestCase):
+    """The theorems on slabs, for every ray in formats of few bits."""
+
+    def test_slabs_part_by_no_more_than_is_proved(self):
+        for p in range(4, 9):
+            gaps = list(small_formats.parted(p))
+            self.assertGreater(len(gaps), 0)
+            for tmax, tmin in gaps:
+                self.assertLessEqual(tmin * 2**(3 * p), tmax * (2**p + 2)**3)  # tmin <= tmax (1 + 2u)^3
+                self.assertLessEqual(tmin - tmax, 3)  # last places
+
+    def test_a_factor_of_six_u_is_enough_and_one_of_four_is_not(self):
+        for p in range(5, 9):
+            self.assertTrue(all(small_formats.padded(tmax, 3, p) >= tmin for tmax, tmin in small_formats.parted(p)))
+        self.assertFalse(all(small_formats.padded(tmax, 2, 7) >= tmin for tmax, tmin in small_formats.parted(7)))
 
 
 class Checks(unittest.TestCase):
