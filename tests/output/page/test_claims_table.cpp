@@ -53,8 +53,10 @@ TEST_CASE("a claim on the page quotes its source after it") {
     claim.subject = lostbits::scene::claim::TableSubject{.name = "arithmetic"};
     claim.source = "Fell";
     claim.quotation = "a < b";
+    ClaimResult result;
+    result.state = ClaimResult::State::agrees;
     const std::string page =
-        claims_table({.command = {}, .maps = {}, .sweeps = {}, .trades = {}, .claims = {claim}, .results = {{}}});
+        claims_table({.command = {}, .maps = {}, .sweeps = {}, .trades = {}, .claims = {claim}, .results = {result}});
     CHECK(page.find("Fell: <q>a &lt; b</q> &middot; ") != std::string::npos);
 }
 
