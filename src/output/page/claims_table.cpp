@@ -177,6 +177,13 @@ std::string rests_on(const Claim& c, const ClaimResult& r, const Word& word) {
     return text.empty() ? "" : fmt::format("<br><small class=\"evidence\">{}: {}</small>", word.text, html(text));
 }
 
+/// `Shirley, section 9.3: <q>ignore hits</q> &middot; `: the source and its words. Empty if the claim is our own.
+std::string source_text(const Claim& c) {
+    if (!c.is_sourced()) return "";
+    const std::string quoted = c.quotation.empty() ? "" : fmt::format(": <q>{}</q>", html(c.quotation));
+    return html(c.source) + quoted + " &middot; ";
+}
+
 std::string claim_row(const Claim& c, const ClaimResult& r, const Report& report) {
     const Word word = word_of(c, r);
     std::string text = fmt::format(
@@ -184,8 +191,7 @@ std::string claim_row(const Claim& c, const ClaimResult& r, const Report& report
         word.style, sort_keys(word, r), html(claim::words_of(c).command), word.text, html(c.statement));
     if (!c.note.empty()) text += fmt::format("<br><em>{}</em>", html(c.note));
     text += rests_on(c, r, word);
-    text += fmt::format("<br><small>{}{}<code>{}</code></small></td>", c.source == "-" ? "" : html(c.source),
-                        c.source == "-" ? "" : " &middot; ", html(c.id));
+    text += fmt::format("<br><small>{}<code>{}</code></small></td>", source_text(c), html(c.id));
     return text + fmt::format(
                       "<td>{}</td><td data-name=\"quantity\">{}</td><td class=\"n\" data-name=\"measured\">{}</td><td "
                       "class=\"n\" data-name=\"expected\">{} to {}</td></tr>\n",
