@@ -49,9 +49,9 @@ std::size_t SurfaceCrossings::certain() const {
 
 namespace {
 
-/// True if the ray passes all owners of a crossing at a border of the mesh.
+/// True if the ray passes one of the owners of a crossing at a border of the mesh.
 bool is_at_border(const Ray<double>& ray, const Surface& surface, const MeshColumns& mesh) {
-    return std::ranges::all_of(surface.owners, [&](const MeshCrossing* owner) {
+    return std::ranges::any_of(surface.owners, [&](const MeshCrossing* owner) {
         return crossing::is_beside_border(ray, mesh[owner->triangle], mesh.mesh(), owner->triangle);
     });
 }

@@ -241,8 +241,9 @@ void Layout::require_whole(const Complain& complain) const {
         return names;
     };
     if (are_points()) {
-        if (const auto names = lacks(0, slot::direction, {}); !names.empty())
-            complain(0, fmt::format("a point has no {}; name the columns px,py,pz,inside", names));
+        for (std::size_t k = 0; k < 3; ++k)
+            if (!has(slot::origin + k))
+                complain(0, fmt::format("a point has no p{}; name the columns px,py,pz,inside", "xyz"[k]));
         return;
     }
     if (const auto names = lacks(0, slot::tmax, {}); !names.empty()) {
