@@ -173,7 +173,11 @@ std::optional<Found> look_at_rays(const ChoiceRequest& request, const evaluate::
 std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluate::TestedForm& row, int pixels) {
     Look look;
     if (request.scene) {
-        look = [&, thin = thinned(*request.scene, pixels)](Growth way, double factor) {
+        // Far away, rounding reaches all triangles of a mesh: a form is asked about each of them by each ray.
+        constexpr std::size_t most_pairs = 1 << 24;
+        const std::size_t faces = request.scene->mesh ? request.scene->mesh->faces.size() : 1;
+        const int few = std::min(pixels, static_cast<int>(std::max<std::size_t>(most_pairs / faces, 64)));
+        look = [&, thin = thinned(*request.scene, few)](Growth way, double factor) {
             return look_at_scene(request, row, thin, way, factor);
         };
     } else {
