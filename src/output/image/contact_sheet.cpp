@@ -74,7 +74,7 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
     page_width_ = content + 2 * style::margin;
     page_height_ = style::margin + heading_.height() + style::gap + std::max(grid_height, bar_a_line ? 0 : bar_height) +
                    legend_->height() + style::margin;
-    png_ = image_backend().open_png(path, page_width_, page_height_);
+    files_ = std::make_unique<FigureFiles>(path);
 }
 
 ContactSheet::Cell& ContactSheet::cell(std::size_t form, std::size_t format) {
@@ -100,12 +100,7 @@ void ContactSheet::set_note(std::size_t form, std::size_t format, std::string no
 void ContactSheet::draw_cell(Canvas& page, int x, int y, const Cell& cell) const {
     page.frame(x + 1, y + 1, thumb_width_, thumb_height_, style::line);
     if (cell.thumbnail && cell.thumbnail->complete()) {
-        const auto& pixels = cell.thumbnail->pixels();
-        for (int j = 0; j < thumb_height_; ++j) {
-            for (int i = 0; i < thumb_width_; ++i) {
-                page.set(x + 1 + i, y + 1 + j, pixels[static_cast<std::size_t>(j * thumb_width_ + i)]);
-            }
-        }
+        page.field({x + 1, y + 1, thumb_width_, thumb_height_}, thumb_width_, cell.thumbnail->pixels());
     } else {
         const auto text = fit_text("not in this format", style::small_size, false, thumb_width_ - 4);
         page.text(x + 1 + (thumb_width_ - text.width) / 2, y + 1 + (thumb_height_ - text.height) / 2, text,
@@ -179,8 +174,7 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
     }
     draw_bars(page, top);
     page.picture(style::margin, page_height_ - style::margin - legend_->height(), legend_->draw(legend));
-    png_->write_rows(page_height_, page.pixels());
-    png_->close();
+    files_->save(page);
 }
 
 }  // namespace lostbits::output::image

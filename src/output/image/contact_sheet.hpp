@@ -13,7 +13,7 @@
 
 #include "output/image/canvas.hpp"
 #include "output/image/colour.hpp"
-#include "output/image/image.hpp"
+#include "output/image/figure.hpp"
 
 namespace lostbits::output::image {
 
@@ -79,7 +79,7 @@ struct SheetSpec {
 /// concurrently, each by one thread. A cell that is never finished is drawn empty, as `not in this format`.
 class ContactSheet {
 public:
-    /// Opens `path`. Throws EnvironmentError, and std::logic_error for a sheet without cells.
+    /// Opens the files of the picture `path`. Throws EnvironmentError, and std::logic_error for a sheet without cells.
     ContactSheet(const std::filesystem::path& path, SheetSpec spec);
 
     /// Adds rows to the field of one cell, as in Thumbnail::add_rows.
@@ -89,8 +89,8 @@ public:
     /// letters each. Longer lines are wrapped, and a text of more lines is shortened.
     void set_note(std::size_t form, std::size_t format, std::string note);
 
-    /// Draws the page and gives the file its final name. `legend` is as for HeatmapWriter::finish. `order` lists the
-    /// indices of the forms in the order in which they are drawn; empty: the given order.
+    /// Draws the page and gives the files their final names. `legend` is as for HeatmapWriter::finish. `order` lists
+    /// the indices of the forms in the order in which they are drawn; empty: the given order.
     void finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order = {});
 
 private:
@@ -111,7 +111,7 @@ private:
     Canvas heading_{0, 0};
     std::vector<Canvas> bars_;  // one per scale
     std::optional<Legend> legend_;
-    std::unique_ptr<PngWriter> png_;
+    std::unique_ptr<FigureFiles> files_;
 };
 
 }  // namespace lostbits::output::image

@@ -8,6 +8,7 @@
 #include <limits>
 #include <sstream>
 
+#include "output/file/base64.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/page/assets.hpp"
@@ -27,7 +28,7 @@ std::string hash_source(const Asset& asset) {
     std::string bytes;
     for (std::size_t i = 0; i + 1 < asset.sha256.size(); i += 2)
         bytes += static_cast<char>(std::stoi(std::string(asset.sha256.substr(i, 2)), nullptr, 16));
-    return fmt::format("'sha256-{}'", base64(bytes));
+    return fmt::format("'sha256-{}'", file::base64(bytes));
 }
 
 /// Nothing may be fetched, and only the scripts and styles built into the program may run.
@@ -45,7 +46,7 @@ std::string policy() {
 std::string image(const Picture& p) {
     return p.png.empty() ? std::string()
                          : fmt::format("<img{} alt=\"{}\" src=\"data:image/png;base64,{}\">\n",
-                                       p.is_plot ? " class=\"plotted\"" : "", html(p.alt), base64(p.png));
+                                       p.is_plot ? " class=\"plotted\"" : "", html(p.alt), file::base64(p.png));
 }
 
 std::string images(const std::vector<Picture>& pictures) {

@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "output/image/figure.hpp"
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_axis.hpp"
 #include "scene/toml/counted.hpp"
@@ -327,7 +328,7 @@ void write_line_plot(const std::filesystem::path& path, const LinePlotSpec& spec
     legend.draw(page, legend_x, frame.y);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
 
-    image::save_png(path, page);
+    image::save_figure(path, page);
 }
 
 }  // namespace lostbits::output::plot

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "output/image/figure.hpp"
 #include "output/plot/label_placement.hpp"
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_axis.hpp"
@@ -216,7 +217,7 @@ void write_scatter_plot(const std::filesystem::path& path, const ScatterPlotSpec
     keys.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.below() + image::style::gap);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
 
-    image::save_png(path, page);
+    image::save_figure(path, page);
 }
 
 }  // namespace lostbits::output::plot
