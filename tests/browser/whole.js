@@ -175,17 +175,18 @@ async function plain({ open }) {
         assert.ok(text.includes(part), `"${part}" cannot be read`);
     assert.ok((await page.locator("table.claims tbody tr:visible").count()) > 0);
     assert.equal(await page.locator("#map-view:visible").count(), 0);
-    const pictures = await page.locator("img:visible").count();
+    const pictures = await page.locator("img:visible, .chart:visible").count();
     assert.ok(pictures >= 4, `${pictures} pictures`);
     assert.deepEqual(page.requested.filter((url) => !url.startsWith("data:")), [page.url()]);
     // Every format has its plots, and so have planes and cases.
-    const alts = await page.locator("#sweeps img").evaluateAll((images) => images.map((i) => i.alt));
+    const saysOf = (all) => all.map((e) => e.getAttribute("aria-label"));
+    const alts = await page.locator("#sweeps .chart:visible").evaluateAll(saysOf);
     for (const format of ["f32", "f64"])
         assert.equal(
             alts.filter((alt) => alt.startsWith("99th percentile") && alt.endsWith(`, ${format}`)).length, 1,
             `${alts}`);
     const bare = await open("grids", { scripts: false }),
-          cells = await bare.locator("#sweeps img:visible").evaluateAll((images) => images.map((i) => i.alt));
+          cells = await bare.locator("#sweeps .chart:visible").evaluateAll(saysOf);
     for (const alt of ["sphere.unified in f64", "by the closed primitive", "by the open primitive", "exact tangents"])
         assert.ok(cells.some((p) => p.includes(alt)), `${alt} is not among ${cells}`);
 }
@@ -210,7 +211,7 @@ async function odd({ open, at }) {
                 (c) => Math.max(...c.match(/\d+/g).map(Number))));
         assert.ok(paper < 64 && text > 192, `${where}: text ${text} on ${paper}`);
         const inside = await page.evaluate(
-            () => [...document.querySelectorAll("#map, #grid, #sweep-plot")]
+            () => [...document.querySelectorAll("#map, #sweep-chart")]
                       .filter((e) => e.offsetParent)
                       .map((e) => e.id));
         assert.ok(inside.length > 0, where);

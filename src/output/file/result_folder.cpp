@@ -356,6 +356,7 @@ void add_generator(const fs::path& path, std::vector<std::pair<std::string, std:
 }
 
 std::vector<std::string> figures_in(const fs::path& path) {
+    if (path.extension() == ".svg") return {"svg"};
     std::string name;
     const ResultFolder* const owner = ResultFolder::owner_of(path, name);
     return owner == nullptr || owner->rules_.figures.empty() ? std::vector<std::string>{"png"} : owner->rules_.figures;

@@ -128,7 +128,7 @@ void forget_result(const std::filesystem::path& path);
 void add_generator(const std::filesystem::path& path, std::vector<std::pair<std::string, std::string>>& attributes);
 
 /// The kinds of pictures that the run writes whose folder the path is in, at least one: png unless `--figure` names
-/// others.
+/// others. A path that ends in .svg asks for that kind alone.
 [[nodiscard]] std::vector<std::string> figures_in(const std::filesystem::path& path);
 
 /// The run whose folder the path is in; nothing if it is in none.

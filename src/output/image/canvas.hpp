@@ -1,6 +1,7 @@
 // A drawing in memory, text and lines on it, and the parts that heatmaps and contact sheets share.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -33,6 +34,12 @@ inline constexpr int line_height(int size) { return size + (size + 2) / 3; }
 inline constexpr int digit_rise(int size) { return size * 73 / 200; }
 }  // namespace style
 
+/// What marks show, for a script on a page. An SVG has it as attributes of a group around the marks.
+struct MarkData {
+    std::string keys;               ///< rows that they show, with blanks between them; empty: none
+    std::vector<double> x, y = {};  ///< positions on the canvas: of a point; of steps; of the edges of cells
+};
+
 /// One thing that is drawn on a canvas. Every kind of file is made of the same marks.
 struct CanvasMark {
     /// Rectangles of whole pixels.
@@ -60,6 +67,7 @@ struct CanvasMark {
     std::variant<Fill, Line, Coat, Field> shape;
     Rgb8 colour;    ///< of all but a field
     PixelBox seen;  ///< anything outside is cut off
+    std::shared_ptr<const MarkData> data = {};
 };
 
 /// A drawing of whole pixels in size: the marks in the order in which they are drawn. Anything outside is cut off.
@@ -83,6 +91,9 @@ public:
     void field(const PixelBox& box, int columns, std::vector<Rgb8> samples);
     /// Blends `colour` into the pixels of the box that the figures cover.
     void coat(const PixelBox& box, std::vector<Figure> figures, Rgb8 colour, double opacity = 1);
+    /// The marks that follow show this, until the next call.
+    void about(MarkData data) { about_ = std::make_shared<const MarkData>(std::move(data)); }
+    void about_nothing() { about_ = nullptr; }
     /// Draws the marks of `other`, cut off at its edges, without its paper.
     void picture(int x, int y, const Canvas& other);
 
@@ -92,6 +103,7 @@ private:
     int width_, height_;
     Rgb8 paper_;
     std::vector<CanvasMark> marks_;
+    std::shared_ptr<const MarkData> about_;
 };
 
 /// One coat of one colour. Figures are collected and painted together, so that a line that crosses itself and the joint

@@ -148,9 +148,16 @@ void ContactSheet::draw_bars(Canvas& page, int top) const {
     }
 }
 
-void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order) {
+void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order,
+                          std::string_view headline) {
     if (!order.empty() && order.size() != spec_.forms.size())
         throw std::logic_error("contact sheet: the order does not have every form");
+    if (!headline.empty()) {
+        spec_.subtitle.insert(spec_.subtitle.begin(), spec_.title);
+        page_height_ -= heading_.height();
+        heading_ = heading(headline, spec_.subtitle, heading_.width());
+        page_height_ += heading_.height();
+    }
     Canvas page(page_width_, page_height_);
     page.picture(style::margin, style::margin, heading_);
     const int top = style::margin + heading_.height() + style::gap;

@@ -90,8 +90,10 @@ public:
     void set_note(std::size_t form, std::size_t format, std::string note);
 
     /// Draws the page and gives the files their final names. `legend` is as for HeatmapWriter::finish. `order` lists
-    /// the indices of the forms in the order in which they are drawn; empty: the given order.
-    void finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order = {});
+    /// the indices of the forms in the order in which they are drawn; empty: the given order. `headline` says what the
+    /// sheet shows; it stands above the title of the spec. Empty: none.
+    void finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order = {},
+                std::string_view headline = {});
 
 private:
     struct Cell {

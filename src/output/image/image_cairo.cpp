@@ -324,7 +324,7 @@ private:
 
     /// Letters without hinting are narrower or wider by some percent. They are set at the distances of the picture.
     void put(const TextRun& run, bool bold) {
-        cairo_set_font_face(pen_, cairo_scaled_font_get_font_face(font_of(run.size, bold)));
+        cairo_set_font_face(pen_, cairo_scaled_font_get_font_face(font_of(style::text_size, bold)));
         cairo_set_font_size(pen_, run.size);
         cairo_glyph_t* glyphs = nullptr;
         cairo_text_cluster_t* clusters = nullptr;

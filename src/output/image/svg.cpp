@@ -58,14 +58,33 @@ class SvgElements {
 public:
     explicit SvgElements(const Canvas& canvas) {
         for (const CanvasMark& mark : canvas.marks()) {
+            group(mark.data.get());
             std::visit([&](const auto& shape) { put(shape, mark); }, mark.shape);
         }
+        group(nullptr);
         see({});
     }
 
     [[nodiscard]] const std::string& text() const { return text_; }
 
 private:
+    /// What follows shows this; null: nothing.
+    void group(const MarkData* data) {
+        if (data == data_) return;
+        see({});
+        if (data_ != nullptr) text_ += "</g>\n";
+        data_ = data;
+        if (data == nullptr) return;
+        text_ += "<g data-keys=\"" + file::html(data->keys) + "\"";
+        for (const auto& [name, places] : {std::pair("x", &data->x), {"y", &data->y}}) {
+            std::string numbers;
+            for (const double place : *places)
+                numbers += (numbers.empty() ? "" : " ") + (std::isnan(place) ? "NaN" : number(place));
+            if (!numbers.empty()) text_ += fmt::format(" data-{}=\"{}\"", name, numbers);
+        }
+        text_ += ">\n";
+    }
+
     /// What follows is cut off outside of the box, until the next call; without a box, nothing is.
     void see(const std::optional<PixelBox>& box) {
         if (box == seen_) return;
@@ -159,6 +178,7 @@ private:
     }
 
     std::string text_;
+    const MarkData* data_ = nullptr;
     std::optional<PixelBox> seen_ = {};
 };
 

@@ -17,6 +17,7 @@ namespace test_plot_parts {
 using namespace lostbits::output;
 using namespace lostbits::output::image;
 using namespace lostbits::output::plot;
+using test::pixel_at;
 
 namespace {
 
