@@ -164,8 +164,10 @@ async function lines({ open }) {
     const page =
         await open("report", { hash: `#sweep=${sweep}&form=sphere.unified&format=f32&statistic=lost_bits_p99` });
     assert.match(await page.locator("#sweep-chart svg").textContent(), /Lost bits, 99th percentile in f32/);
-    const widths = () => page.locator("#sweep-chart g[data-keys]:not([data-x]) path[stroke]").evaluateAll(
-        (all) => all.map((e) => [e.parentNode.dataset.keys, parseFloat(getComputedStyle(e).strokeWidth)]));
+    const widths = () =>
+        page.locator("#sweep-chart g[data-keys]:not([data-x]) path[stroke]")
+            .evaluateAll(
+                (all) => all.map((e) => [e.parentNode.dataset.keys, parseFloat(getComputedStyle(e).strokeWidth)]));
     for (const [keys, width] of await widths())
         assert.equal(width > 3, keys.split(" ").includes("sphere.unified.f32"), `${keys}: ${width}`);
     await page.evaluate(() => {
@@ -181,7 +183,8 @@ async function lines({ open }) {
     const place = await page.evaluate(() => {
         const { svg, frame } = sweepParts.chart;
         svg.scrollIntoView();
-        const { x, y } = new DOMPoint(frame.x.at(-3), (frame.y[0] + frame.y[1]) / 2).matrixTransform(svg.getScreenCTM());
+        const { x, y } =
+            new DOMPoint(frame.x.at(-3), (frame.y[0] + frame.y[1]) / 2).matrixTransform(svg.getScreenCTM());
         return [x, y];
     });
     await page.mouse.move(...place);

@@ -98,7 +98,8 @@ async function dark({ open }) {
     assert.ok(kept.length > 0 && kept.every((f) => !f.includes("invert")), `${kept}`);
     const grids = await open("grids", { scripts: false });
     await grids.emulateMedia({ colorScheme: "dark" });
-    const cells = await grids.locator("#sweeps .chart svg").evaluateAll((all) => all.map((e) => getComputedStyle(e).filter));
+    const cells =
+        await grids.locator("#sweeps .chart svg").evaluateAll((all) => all.map((e) => getComputedStyle(e).filter));
     assert.ok(cells.length > 0 && cells.every((f) => !f.includes("invert")), `${cells}`);
 }
 

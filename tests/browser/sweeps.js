@@ -38,9 +38,9 @@ async function sweeps({ open, at }) {
     // The height of each line is a linear function of its form's values.
     const heights = await page.evaluate(() => {
         const { sweep, rows } = sweepParts.now, { chart, order } = sweepParts;
-        return rows.flatMap((row) => order.map((cell, k) => [
-            drawnValue(sweep, row, "lost_bits_p99", cell), heightAt(chart, lineOf(keyOf(row)), k)
-        ]));
+        return rows.flatMap(
+            (row) => order.map(
+                (cell, k) => [drawnValue(sweep, row, "lost_bits_p99", cell), heightAt(chart, lineOf(keyOf(row)), k)]));
     });
     const sure = heights.filter((pair) => pair.every(Number.isFinite)).sort((a, b) => a[0] - b[0]),
           [low, high] = [sure[0], sure.at(-1)];
@@ -76,7 +76,7 @@ async function trade({ open }) {
     const place = await page.evaluate(() => {
         // Chooses a point that has a map and is apart from all others. Times vary, so any two points may overlap.
         const { points } = tradeParts.chart, away = (p, q) => Math.hypot(q.x - p.x, q.y - p.y),
-                             gap = (p) => Math.min(...points.filter((q) => q !== p).map((q) => away(p, q)));
+                       gap = (p) => Math.min(...points.filter((q) => q !== p).map((q) => away(p, q)));
         const { x, y } = points.filter((q) => mapOf(tradePoint(q))).sort((a, b) => gap(b) - gap(a))[0];
         return [x, y];
     });
@@ -205,8 +205,9 @@ async function walk({ open, at }) {
         return [(x[i] + x[i + 1]) / 2, (y[j] + y[j + 1]) / 2];
     }, [i, j]);
     // The chosen cell has a frame.
-    const [mx, my] = await middle([4, 5]), pinned = await page.locator("#sweep-chart .pin rect").evaluate(
-                                               (r) => ["x", "y", "width", "height"].map((a) => Number(r.getAttribute(a))));
+    const [mx, my] = await middle([4, 5]),
+               pinned = await page.locator("#sweep-chart .pin rect")
+                            .evaluate((r) => ["x", "y", "width", "height"].map((a) => Number(r.getAttribute(a))));
     assert.ok(Math.abs(pinned[0] + pinned[2] / 2 - mx) < 1e-6 && Math.abs(pinned[1] + pinned[3] / 2 - my) < 1e-6);
     // A link restores the choice. A click chooses the cell under the pointer. Escape clears the choice.
     const again = await open("grids", { hash: await page.evaluate(() => location.hash) });
@@ -244,7 +245,8 @@ async function zoom({ open }) {
     await page.mouse.move(...to, { steps: 4 });
     await page.mouse.up();
     const [x, y, w, h] = (await view()).split(" ").map(Number);
-    for (const [is, wanted] of [[x, 200], [y, 200], [w, 200], [h, 100]]) assert.ok(Math.abs(is - wanted) < 2, await view());
+    for (const [is, wanted] of [[x, 200], [y, 200], [w, 200], [h, 100]])
+        assert.ok(Math.abs(is - wanted) < 2, await view());
     assert.deepEqual(await stateOf(page), chosen);
     await page.locator("#sweep-chart").press("0");
     assert.equal(await view(), home);

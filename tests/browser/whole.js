@@ -211,9 +211,7 @@ async function odd({ open, at }) {
                 (c) => Math.max(...c.match(/\d+/g).map(Number))));
         assert.ok(paper < 64 && text > 192, `${where}: text ${text} on ${paper}`);
         const inside = await page.evaluate(
-            () => [...document.querySelectorAll("#map, #sweep-chart")]
-                      .filter((e) => e.offsetParent)
-                      .map((e) => e.id));
+            () => [...document.querySelectorAll("#map, #sweep-chart")].filter((e) => e.offsetParent).map((e) => e.id));
         assert.ok(inside.length > 0, where);
         for (const id of inside) {
             for (const key of ["ArrowRight", "ArrowDown", "m", "]", "[", "M", "ArrowLeft", "ArrowUp"])

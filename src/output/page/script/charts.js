@@ -1,5 +1,6 @@
-// Charts are SVGs that the program drew. A group of marks says which rows it shows (`data-keys`) and where steps, points
-// or the edges of cells lie (`data-x`, `data-y`), in units of the viewBox. This file adds the pointer, keys and zoom.
+// Charts are SVGs that the program drew. A group of marks says which rows it shows (`data-keys`) and where steps,
+// points or the edges of cells lie (`data-x`, `data-y`), in units of the viewBox. This file adds the pointer, keys and
+// zoom.
 
 const isFraction = (statistic) => statistic.endsWith("_fraction");
 
@@ -27,7 +28,9 @@ function verticesOf(group) {
     return all;
 }
 
-/** The groups of a figure, read once: `lines` with their vertices, `points`, and `frame`, the group of steps or cells. */
+/**
+ * The groups of a figure, read once: `lines` with their vertices, `points`, and `frame`, the group of steps or cells.
+ */
 function readChart(figure) {
     const svg = figure.querySelector("svg"), home = numbersIn(svg.getAttribute("viewBox"));
     const chart = { figure, svg, home, view: home, lines: [], points: [], frame: null };
@@ -56,8 +59,7 @@ const nearestOf = (places, at) => places.reduce(
     (best, place, k) => (Math.abs(place - at) < Math.abs((places[best] ?? Infinity) - at) ? k : best), -1);
 
 /** Height of a line at a step, or NaN where it has a gap. */
-const heightAt = ({ frame }, line, step) =>
-    line.vertices.find(([x]) => Math.abs(x - frame.x[step]) < 0.02)?.[1] ?? NaN;
+const heightAt = ({ frame }, line, step) => line.vertices.find(([x]) => Math.abs(x - frame.x[step]) < 0.02)?.[1] ?? NaN;
 
 /** The step under the pointer and the line nearest to it, if one is near. */
 function stepUnder(chart, event) {
@@ -81,7 +83,7 @@ function cellUnder(chart, event) {
 
 function pointUnder(chart, event) {
     const [x, y] = placeIn(chart, event), away = chart.points.map((p) => Math.hypot(p.x - x, p.y - y)),
-                           k = nearestOf(away, 0);
+              k = nearestOf(away, 0);
     return away[k] < 20 ? chart.points[k] : null;
 }
 
@@ -105,10 +107,9 @@ function pinStep(chart, step, line) {
 
 function pinCell(chart, at) {
     if (!at) return pinOn(chart);
-    const { frame: { keys, x, y } } = chart, i = at[0] * (keys.length > 0 ? 2 : 1), top = Math.min(y[at[1]], y[at[1] + 1]);
-    pinOn(
-        chart,
-        ["rect", { x: x[i], y: top, width: x[i + 1] - x[i], height: Math.abs(y[at[1] + 1] - y[at[1]]) }]);
+    const { frame: { keys, x, y } } = chart, i = at[0] * (keys.length > 0 ? 2 : 1),
+                                  top = Math.min(y[at[1]], y[at[1] + 1]);
+    pinOn(chart, ["rect", { x: x[i], y: top, width: x[i + 1] - x[i], height: Math.abs(y[at[1] + 1] - y[at[1]]) }]);
 }
 
 const pinPoint = (chart, point) => pinOn(chart, ...(point ? [["circle", { cx: point.x, cy: point.y, r: 8 }]] : []));
@@ -126,7 +127,7 @@ function emphasize(chart, key, under) {
 /** Shows a part of the chart. */
 function zoomTo(chart, [x, y, w, h]) {
     const [left, top, width, height] = chart.home, wide = within(w, width / 64, width),
-                              high = within(h, height / 64, height);
+                             high = within(h, height / 64, height);
     chart.view = [within(x, left, left + width - wide), within(y, top, top + height - high), wide, high];
     chart.svg.setAttribute("viewBox", chart.view.join(" "));
 }
@@ -161,4 +162,5 @@ function zoomedBy(chart) {
 }
 
 /** Keys that zoom the chart that `now` returns. */
-const zoomKeys = (now) => ({ "+": () => zoomBy(now(), 1.5), "-": () => zoomBy(now(), 1 / 1.5), 0: () => unzoom(now()) });
+const zoomKeys = (now) =>
+    ({ "+": () => zoomBy(now(), 1.5), "-": () => zoomBy(now(), 1 / 1.5), 0: () => unzoom(now()) });

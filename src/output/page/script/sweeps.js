@@ -236,8 +236,8 @@ function underPointer(event) {
     const found = stepUnder(chart, event);
     if (!found) return null;
     const { step, line } = found, { rows } = sweepParts.now,
-                   key = !line || line.keys.includes(keyOf(chosen)) ? keyOf(chosen) : line.keys[0],
-                   row = rows.find((r) => keyOf(r) === key);
+                       key = !line || line.keys.includes(keyOf(chosen)) ? keyOf(chosen) : line.keys[0],
+                       row = rows.find((r) => keyOf(r) === key);
     return {...stepAt(step, row), line, choose: () => goAlong(row, { u: step }) };
 }
 
@@ -252,11 +252,10 @@ function drawSweepPickers() {
     showPickers(
         sweepParts.pickers,
         picker("sweep", "sweep", titled(index.sweeps), sweep.id, (id) => goTo({ sweep: id, u: -1, v: -1 })),
-        ...(sweep.kind === "line" ?
-                [picker(
-                    "statistic", "statistic", statisticsOf(sweep).map((s) => [s, words(s)]), statistic,
-                    (s) => goTo({ statistic: s }))] :
-                []),
+        ...(sweep.kind === "line" ? [picker(
+                                        "statistic", "statistic", statisticsOf(sweep).map((s) => [s, words(s)]),
+                                        statistic, (s) => goTo({ statistic: s }))] :
+                                    []),
         picker("format", "sweep-format", [...new Set(sweep.rows.map((r) => r.format))], chosen.format, ofFormat),
         picker(
             "form", "sweep-form", rows.map((r) => r.form), chosen.form,
@@ -271,8 +270,8 @@ function drawSweepPickers() {
 /** The figure that shows the chosen statistic, row or convention. */
 function figureNow({ sweep, chosen, statistic, judged }) {
     const name = sweep.kind === "line" ? `${statistic}.${chosen.format}` :
-        sweep.kind === "plane"         ? keyOf(chosen) :
-                                         judged;
+        sweep.kind === "plane" ? keyOf(chosen) :
+                                 judged;
     return sweepParts.charts.get(sweep.id).find((figure) => figure.dataset.chart === name);
 }
 
