@@ -27,7 +27,7 @@ async function alone({ open }) {
 async function link({ open }) {
     const page = await open("report", {
         hash: `${
-            schoolbook}&metric=ulp_error&other=sphere.unified.f64&split=0.3&x=100&y=90&zoom=3.375&cx=0.4&cy=0.3&sweep=sphere-tilt&statistic=lost_bits_max`
+            schoolbook}&metric=ulp_error&other=sphere.unified.f64&split=0.3&x=100&y=90&zoom=3.375&cx=0.4&cy=0.3&sweep=sphere-tilt&statistic=lost_bits_p50`
     });
     await page.locator("#map").press("ArrowDown");
     await settled(page);
@@ -35,7 +35,7 @@ async function link({ open }) {
     const again = await open("report", { hash: await page.evaluate(() => location.hash) });
     assert.deepEqual(await stateOf(again), before);
     assert.equal(await again.evaluate(picture), await page.evaluate(picture));
-    assert.equal(await again.locator("#pick-statistic").inputValue(), "lost_bits_max");
+    assert.equal(await again.locator("#pick-statistic").inputValue(), "lost_bits_p50");
     await follow(page, "#scene=nowhere&x=5&y=5");
     assert.match(await page.locator("#note").innerText(), /scene "nowhere" is not on this page/);
     await follow(page, "#sweep=sphere-tilt&statistic=lost_bits_p98");

@@ -6,6 +6,7 @@
 
 #include "catch.hpp"
 #include "number/error.hpp"
+#include "output/file/base64.hpp"
 #include "output/page/pack.hpp"
 #include "program.hpp"
 #include "scene/claim/report_file.hpp"

@@ -99,7 +99,8 @@ pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
              .unit = alone ? "lost bits" : std::string(sheet.paint.metric().unit),
              .legend = {},
              .categories = !sheet.paint.scale(),
-             .note_lines = cell_note_lines}};
+             .note_lines = cell_note_lines,
+             .collapses = !alone}};
 }
 
 /// Adds the columns row by row, in the order in which they are drawn.

@@ -45,6 +45,11 @@ async function start() {
     addEventListener("afterprint", () => {
         for (const part of closed) part.open = false;
     });
+    let waiting = 0;
+    addEventListener("resize", () => {
+        clearTimeout(waiting);
+        waiting = setTimeout(() => goTo({}), 100);
+    });
     // These parts are open without scripts. With scripts they are open only if the page has nothing else to show.
     for (const part of document.querySelectorAll("details.part"))
         part.open = index.maps.length + index.sweeps.length === 0;

@@ -310,7 +310,7 @@ function onsetLines(row) {
             "td", `${words(event)} ${statistic}`, decimal(threshold), good === null ? "–" : decimal(good), decimal(bad),
             low === high ? "–" : `${decimal(low)} to ${decimal(high)}`));
     return [make(
-        "details", make("summary", `Onsets of ${title(row)}: ${row.onsets.length}`),
+        "details", { open: true }, make("summary", `Onsets of ${title(row)}: ${row.onsets.length}`),
         make("table", header("event", "threshold", "last good", "first seen bad", "range over draws"), body))];
 }
 
@@ -355,8 +355,7 @@ function buildSweeps() {
         parts.pickers, note,
         make(
             "div.stage", make("div.picture.wide", parts.element, parts.under),
-            make("div.side", parts.facts, make("div.buttons", ...buttons), copied)),
-        parts.onsets);
+            make("div.side", parts.facts, make("div.buttons", ...buttons), copied, parts.onsets)));
     root.hidden = false;
     listeners.push(drawSweep);
 }
