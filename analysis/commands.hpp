@@ -37,6 +37,7 @@ struct Common {
     intersect::process::StopToken stop = {};     ///< stops the work of the command
     selection::Typed typed;                      ///< the command as it was typed
     bool force = false;                          ///< also write to folders that have files of others
+    std::vector<std::string> figures = {};       ///< kinds of pictures: png, svg, pdf; empty: png
     std::shared_ptr<shard::Shards> joined = {};  ///< finished shards of the command to join; null: do the work here
 };
 

@@ -81,7 +81,6 @@ std::optional<Place> place_in(const SweepSubject& on, const Claim& c, const Repo
     const std::string id = std::filesystem::path(on.name).stem().string();
     const auto part = std::ranges::find(report.sweeps, id, &SweepPart::id);
     if (part == report.sweeps.end() || !has_row(*part, c)) return {};
-    if (part->kind == SweepPart::Kind::line && plot_script.text.empty()) return Place{"sweep-" + id, ""};
     std::string view = fmt::format("sweep={}&form={}&format={}", id, c.form, c.format);
     const std::string column = c.onset == "lost_bits" ? "lost_bits_" + c.statistic
                                : c.onset.empty()      ? c.metric
