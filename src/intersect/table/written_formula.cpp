@@ -87,8 +87,8 @@ private:
                     w.op == TapeOp::convert ? Wider<T>::narrow(x(wide_, w, 0)) : number(numbers_, w, input));
             }
         }
-        const auto answer = [&](NodeId i) {
-            return numbers_[place_[static_cast<std::size_t>(i == no_node ? formula_.t : i)]];
+        const auto answer = [&](NodeId root) {
+            return numbers_[place_[static_cast<std::size_t>(root == no_node ? formula_.t : root)]];
         };
         return {masks_[place_[static_cast<std::size_t>(formula_.hit)]], answer(formula_.t), answer(formula_.near),
                 answer(formula_.far)};
