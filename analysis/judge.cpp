@@ -307,9 +307,8 @@ void add_judge(const shell::Command& program, const Common& common) {
     o->stop = common.stop;
     command
         .add("FILE", o->file,
-             "Columns ox,oy,oz,dx,dy,dz, perhaps tmin and tmax, a primitive's and its matrix's, hit and t; of a mesh "
-             "also "
-             "all hits of a ray (hit_index), crossings, parity, or points px,py,pz and inside")
+             "Columns ox,oy,oz,dx,dy,dz, perhaps tmin and tmax, a primitive's and its matrix's, hit and t; or answers "
+             "about a mesh: all hits of a ray (hit_index), crossings, parity, or points px,py,pz and inside")
         .required();
     selection::add_ray_options(command, *o);
     command.add_list("-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");

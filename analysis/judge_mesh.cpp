@@ -79,7 +79,7 @@ void print_answers(const std::string& name, const Format& format, const MeshAnsw
     if (result.kind == AnswerKind::all_hits)
         for (const auto& [title, q] : {std::pair("bits lost: p50", 0.5), {"p99", 0.99}, {"max", 1.0}}) {
             const double bits = result.lost_bits.quantile(q);
-            columns.push_back({title, 6});
+            columns.push_back({title, std::max<std::size_t>(std::string_view(title).size(), 6)});
             cells.push_back(std::isnan(bits) ? "-" : fmt::format("{:.2f}", bits));
         }
     shell::TextTable table(std::move(columns));

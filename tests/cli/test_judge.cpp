@@ -370,7 +370,7 @@ TEST_CASE("judge: the hits of a ray may be in two pieces of a file, and must bel
     for (int i = 0; i < 4096; ++i) other += "0.5,0.25,4,0,0,-1,0,2,3\n";
     scratch.write("hits.csv", other + "0.5,0.5,4,0,0,-1,1,0,5\n");
     const auto r = run("judge hits.csv --scene cube.toml" + into(scratch), scratch.path());
-    CHECK(r.status == 2);
+    CHECK(r.code == 2);
     CHECK(has(r.err, "hits.csv: record 4097: hit_index is 1; the record before it is of another ray"));
 }
 
@@ -397,7 +397,7 @@ TEST_CASE("judge: numbers of crossings, their parity, and points in a mesh") {
     CHECK(has(r.out, "first false inside: point 3, 0x1p+1,0x0p+0,0x0p+0"));
     scratch.write("cube.obj", cube + "f 1 2 7\n");
     const auto open = run("judge points.csv --scene cube.toml" + into(scratch), scratch.path());
-    CHECK(open.status == 2);
+    CHECK(open.code == 2);
     CHECK(has(open.err, "3 edges have an odd number of faces"));
 }
 
@@ -411,7 +411,7 @@ TEST_CASE("judge: options of first hits, and scenes without a mesh, are refused 
           {"--scene near-benign", "give --scene with a scene of [[mesh]] tables"}}) {
         const auto r = run("judge points.csv " + std::string(words) + into(scratch), scratch.path());
         INFO(words << r.err);
-        CHECK(r.status == 2);
+        CHECK(r.code == 2);
         CHECK(has(r.err, why));
     }
 }

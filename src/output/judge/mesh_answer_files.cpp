@@ -6,6 +6,7 @@
 
 #include "output/attribution/explain_command.hpp"
 #include "output/file/number_text.hpp"
+#include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::judge {
 
@@ -20,14 +21,18 @@ constexpr const char *summary_file = "summary.csv", *faults_file = "faults.csv";
 const char* one_of(AnswerKind kind) { return kind == AnswerKind::inside ? "point" : "ray"; }
 
 Table<MeshFaultRow> fault_table(AnswerKind kind) {
-    const bool point = kind == AnswerKind::inside;
-    return {{"outcome", "string", "", "fault",
-             [](const MeshFaultRow& r) { return std::string(measure::judge::name_of(r.outcome)); }},
-            {"count", "integer", "", std::string("number of ") + one_of(kind) + "s with it", &MeshFaultRow::count},
-            {"first_record", "integer", "", "index of the first record of the first of them in the file, from 0",
-             [](const MeshFaultRow& r) { return r.first->record; }},
-            {"first", "string", "", point ? "its coordinates, exactly" : "arguments of lostbits explain that name it",
-             [point](const MeshFaultRow& r) { return words_of(*r.first, point); }}};
+    Table<MeshFaultRow> table{
+        {"outcome", "string", "", "fault",
+         [](const MeshFaultRow& r) { return std::string(measure::judge::name_of(r.outcome)); }},
+        {"count", "integer", "", std::string("number of ") + one_of(kind) + "s with it", &MeshFaultRow::count},
+        {"first_record", "integer", "", "index of the first record of the first of them in the file, from 0",
+         [](const MeshFaultRow& r) { return r.first->record; }}};
+    if (kind != AnswerKind::inside)
+        return table.add(table::ray_columns("the first of them"), [](const MeshFaultRow& r) { return &r.first->ray; });
+    for (int k = 0; k < 3; ++k)
+        table.add({std::string{'p', "xyz"[k]} + "_hex", "string", "", "the first of them",
+                   [k](const MeshFaultRow& r) { return file::hex(r.first->ray.origin[k]); }});
+    return table;
 }
 
 void add_of_lists(Table<MeshSummaryRow>& table) {

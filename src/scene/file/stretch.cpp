@@ -49,9 +49,10 @@ Real size_of(const Primitive<Real>& primitive) {
 
 namespace {
 
-/// A triangle of the scene's meshes, which stands for the matrix of them all.
-Primitive<Real> in_mesh(const Scene& scene, const Triangle<double>& triangle) {
-    Primitive<double> one(triangle);
+/// A primitive under the matrix of the meshes whose corners are all at a point; what happens to a vertex happens to it.
+Primitive<Real> at_vertex(const Scene& scene, const Vec<double>& v) {
+    Primitive<double> one(scene.mesh->triangle(0));
+    for (std::size_t k = 0; k < one.used().size(); k += 3) one.set_point(k, v);
     one.placed = scene.mesh_placed;
     return transformed(one, [](double x) { return Real(x); });
 }
@@ -61,7 +62,7 @@ Vec<Real> middle_of_mesh(const Scene& scene) {
     Vec<double> sum(0, 0, 0);
     for (std::size_t i = 0; i < scene.mesh->faces.size(); ++i) sum = sum + scene.mesh->triangle(i).middle();
     const Vec<double> middle = sum / static_cast<double>(scene.mesh->faces.size());
-    return middle_of(in_mesh(scene, {middle, middle, middle}));
+    return middle_of(at_vertex(scene, middle));
 }
 
 /// Applies a change to the matrix of the meshes, or if they have none to their vertices, rounded to doubles.
@@ -70,13 +71,12 @@ void change_mesh(Scene& scene, const Change& change) {
     if (!scene.mesh) return;
     const auto as_double = [](const Real& x) { return static_cast<double>(x); };
     if (scene.mesh_placed) {
-        const Vec<double> none(0, 0, 0);
-        scene.mesh_placed = transformed(*change(in_mesh(scene, {none, none, none})).placed, as_double);
+        scene.mesh_placed = transformed(*change(at_vertex(scene, {0, 0, 0})).placed, as_double);
         return;
     }
     const auto mesh = std::make_shared<triangle::Mesh>(*scene.mesh);
     for (Vec<double>& v : mesh->vertices) {
-        const Vec<Real> to = change(in_mesh(scene, {v, v, v})).point(0);
+        const Vec<Real> to = change(at_vertex(scene, v)).point(0);
         v = Vec<double>(as_double(to.x), as_double(to.y), as_double(to.z));
     }
     scene.mesh = mesh;
