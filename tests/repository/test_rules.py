@@ -56,6 +56,7 @@ class Tree(unittest.TestCase):
         reasons = {
             "analysis/selection/ray_options.cpp": march,
             "analysis/selection/sets.hpp": march,
+            "analysis/judge.cpp": march,
             "src/intersect/external/formula_of.hpp": "compiler errors for authors of forms: two examples and a march",
             "src/intersect/simd/packed_many_kernels.hpp": "a hand-written loop over the planes of a box",
             "src/intersect/simd/plain_many_w256.cpp": "loops over boxes as other projects write them",

@@ -1,5 +1,5 @@
 // Woop's test with exact signs of edges and a rule for ties: of the triangles around an edge or a vertex, one alone
-// claims a line through it. docs/meshes.md has the proof.
+// claims a line through it. docs/cracks.md has the proof.
 #pragma once
 
 #include "shapes/triangle/forms/woop_pbrt.hpp"
