@@ -5,13 +5,16 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "analysis/selection/external.hpp"
+#include "analysis/selection/judge_options.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/shard/division.hpp"
 #include "analysis/shell/command_line.hpp"
+#include "analysis/shell/text_table.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/evaluate/needed.hpp"
@@ -34,6 +37,7 @@ struct Common {
     intersect::process::StopToken stop = {};     ///< stops the work of the command
     selection::Typed typed;                      ///< the command as it was typed
     bool force = false;                          ///< also write to folders that have files of others
+    std::vector<std::string> figures = {};       ///< kinds of pictures: png, svg, pdf; empty: png
     std::shared_ptr<shard::Shards> joined = {};  ///< finished shards of the command to join; null: do the work here
 };
 
@@ -43,6 +47,11 @@ inline constexpr const char* program_and_version = "lostbits " LOSTBITS_VERSION;
 using AddCommand = void(const shell::Command& program, const Common& common);
 AddCommand add_check, add_choose, add_consistency, add_devices, add_diff, add_explain, add_judge, add_list, add_map,
     add_mend, add_offsets, add_plugin, add_render, add_report, add_shader, add_sweep, add_trade;
+
+/// Runs `judge` on a file of answers about the whole surface of a mesh: all hits of rays, numbers of crossings, or
+/// points inside.
+Exit run_mesh_judge(const selection::JudgeOptions& options, const std::optional<scene::file::Scene>& scene,
+                    scene::dump::Dump& dump, const Common& common);
 
 /// Adds the examples in the help of each command, once all commands are there.
 void add_examples(const shell::Command& program);
@@ -142,6 +151,13 @@ void print_pairs(const std::vector<measure::evaluate::TestedForm>& rows,
 /// A quantile of metric `lost` for a table, `13.57`; `-` if there is none, or if the correct hits are too few to
 /// represent the form.
 [[nodiscard]] std::string lost_or_withheld(const measure::evaluate::FormSummary& summary, std::size_t lost, double q);
+
+/// Columns of a table on stdout, and their cells for a summary: the outcomes that only meshes have, and the wrong
+/// decisions. `told` is false for the answers of a file, where cracks and double hits cannot be recognised.
+void add_mesh_columns(std::vector<shell::TextColumn>& columns);
+void add_mesh_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& summary, bool told);
+void add_wrong_columns(std::vector<shell::TextColumn>& columns);
+void add_wrong_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& summary);
 
 /// Prints a table on stdout, with a line per row of a map, or per form for the bits needed.
 void print_table(const measure::evaluate::EvaluationRequest& request,

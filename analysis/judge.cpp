@@ -15,6 +15,7 @@
 #include "intersect/conventions.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/file/number_text.hpp"
+#include "output/image/figure.hpp"
 #include "output/judge/judge_files.hpp"
 #include "scene/dump/number_parser.hpp"
 #include "scene/file/march_table.hpp"
@@ -73,50 +74,43 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
                    is_wide ? fmt::format(" (of f32 {})", needed(narrow)) : "", needed(format), needed(format));
 }
 
-/// Cells with the numbers of hits that keep fewer bits than --bits, or whose error is above --tolerance.
-std::string fallen_short(const JudgeRequest& request, const measure::evaluate::FormSummary& s) {
-    std::string words;
-    for (const char* const name : {"enough_bits", "tolerance"}) {
-        const std::size_t m = measure::metric::index_of(request.metrics, name);
-        if (m < request.metrics.size()) words += fmt::format(" {:>11}", s.categories[m].at(1));
+/// Metrics that count hits: those that keep fewer bits than --bits, and those whose error is above --tolerance.
+std::vector<std::pair<std::size_t, const char*>> requirements_of(const JudgeRequest& request) {
+    std::vector<std::pair<std::size_t, const char*>> found;
+    for (const auto& [metric, title] : {std::pair("enough_bits", "too few"), std::pair("tolerance", "beyond")}) {
+        const std::size_t m = measure::metric::index_of(request.metrics, metric);
+        if (m < request.metrics.size()) found.emplace_back(m, title);
     }
-    return words;
-}
-
-/// The cells that only meshes have, as a map prints them. `told` is false for the answers of a file, where cracks and
-/// double hits cannot be recognised.
-std::string mesh_counts(const measure::evaluate::FormSummary& s, bool told) {
-    const auto count = [&](Outcome o) { return told ? std::to_string(s.count(o)) : "-"; };
-    return fmt::format("{:>7} {:>10} {:>15} {:>12} ", count(Outcome::crack), count(Outcome::double_hit),
-                       s.count(Outcome::wrong_neighbour), count(Outcome::out_of_order));
+    return found;
 }
 
 void print_judged(const JudgeRequest& request, const JudgeResult& result, const std::string& by) {
     const std::size_t lost = measure::metric::index_of(request.metrics, "lost_bits");
-    std::string short_of;
-    for (const auto& [metric, title] : {std::pair("enough_bits", "too few"), std::pair("tolerance", "beyond")})
-        if (measure::metric::index_of(request.metrics, metric) < request.metrics.size())
-            short_of += fmt::format(" {:>11}", title);
-    const std::string of_mesh = request.mesh ? fmt::format("{:>7} {:>10} {:>15} {:>12} ", "crack", "double hit",
-                                                           "wrong neighbour", "out of order")
-                                             : "";
-    fmt::print("  {:<28} {:<5} {:>8} {}{:>15} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}{}\n", "form", "fmt", "hits",
-               of_mesh, "wrong primitive", "false hit", "false miss", "NaN", "bits lost: p50", "p99", "max", short_of);
-    const auto print_row = [&](const std::string& name, std::string_view format,
-                               const measure::evaluate::FormSummary& s, bool is_file) {
-        fmt::print("  {:<28} {:<5} {:>8} {}{:>15} {:>9} {:>10} {:>6} {:>15} {:>6} {:>6}{}\n", name, format,
-                   s.count(Outcome::agree_hit), request.mesh ? mesh_counts(s, !is_file) : "",
-                   s.count(Outcome::wrong_primitive), s.count(Outcome::false_hit), s.count(Outcome::false_miss),
-                   s.count(Outcome::not_a_number), lost_or_withheld(s, lost, 0.5), lost_or_withheld(s, lost, 0.99),
-                   lost_or_withheld(s, lost, 1), fallen_short(request, s));
+    const auto required = requirements_of(request);
+    std::vector<shell::TextColumn> columns{{"form", 28, true}, {"fmt", 5, true}, {"hits", 8}};
+    if (request.mesh) add_mesh_columns(columns);
+    add_wrong_columns(columns);
+    columns.insert(columns.end(), {{"bits lost: p50", 15}, {"p99", 6}, {"max", 6}});
+    for (const auto& [metric, title] : required) columns.push_back({title, 11});
+    shell::TextTable table(std::move(columns));
+    const auto add_row = [&](std::string name, std::string_view format, const measure::evaluate::FormSummary& s,
+                             bool is_file) {
+        std::vector<std::string> cells{std::move(name), std::string(format),
+                                       std::to_string(s.count(Outcome::agree_hit))};
+        if (request.mesh) add_mesh_cells(cells, s, !is_file);
+        add_wrong_cells(cells, s);
+        for (const double q : {0.5, 0.99, 1.0}) cells.push_back(lost_or_withheld(s, lost, q));
+        for (const auto& [metric, title] : required) cells.push_back(std::to_string(s.categories[metric].at(1)));
+        table.add(std::move(cells));
     };
     for (std::size_t r = 0; r < result.summaries.size(); ++r) {
         const bool is_file = request.is_of_file(request.rows[r]);
-        print_row(std::string(request.rows[r].form->info->name), request.rows[r].format.name, result.summaries[r],
-                  is_file);
+        add_row(std::string(request.rows[r].form->info->name), request.rows[r].format.name, result.summaries[r],
+                is_file);
         for (const measure::evaluate::Group& group : result.groups.all())
-            print_row(fmt::format("  {} {}", by, group.value), "", group.summaries[r], is_file);
+            add_row(fmt::format("  {} {}", by, group.value), "", group.summaries[r], is_file);
     }
+    table.print();
 }
 
 /// The rows to judge: that of the file, if it has answers, then those of -i. Prints a note if external intersectors
@@ -186,6 +180,7 @@ Exit run(const JudgeOptions& o, const Common& common) {
     require_folder(o.out);
     const auto scene = selection::scene_of(o, selection::data_folder(common.data));
     const auto dump = selection::open_file(o, o.file, selection::shape_given(o, scene), o.rows || !o.by.empty());
+    if (dump->layout().answers() > scene::dump::AnswerKind::first_hit) return run_mesh_judge(o, scene, *dump, common);
     JudgeRequest request{.primitives = selection::primitives_given(o, scene, dump->format()),
                          .limit = {.stop = common.stop}};
     if (scene) request.mesh = scene::rays::stored_mesh(*scene, dump->format().parameters);
@@ -288,7 +283,9 @@ Exit run(const JudgeOptions& o, const Common& common) {
         print_judged(request, result, o.by);
         print_pairs(request.rows, request.metrics, result.summaries);
         if (common.verbose) print_stages(stages);
-        fmt::print("{}\n", (folder / (request.picture ? "contact.png" : "summary.csv")).string());
+        fmt::print(
+            "{}\n",
+            (request.picture ? output::image::figure_path(folder / "contact.png") : folder / "summary.csv").string());
         if (worst) fmt::print("{}\n", (folder / "worst.toml").string());
     }
     if (const auto file = request.file_place())
@@ -312,7 +309,8 @@ void add_judge(const shell::Command& program, const Common& common) {
     command
         .add("FILE", o->file,
              "A file of rays: columns ox,oy,oz,dx,dy,dz; optionally tmin, tmax, those of a primitive and its matrix, "
-             "hit, t")
+             "hit, t; or answers about a mesh: all hits of a ray (hit_index), crossings, parity, or points px,py,pz "
+             "and inside")
         .required();
     selection::add_ray_options(command, *o);
     command.add_list("-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");

@@ -43,6 +43,9 @@ void add_common(const shell::Command& program, Common& common) {
     program.add_named("--progress", {"auto", "bar", "none"}, show, "Progress on stderr (default: auto, on a terminal)");
     program.add("--force", common.force,
                 "Write into a folder although it holds results that no manifest.json names; they stay");
+    program.add_list("--figure", common.figures,
+                     "Kinds of pictures (default: png): svg and pdf keep text and lines as such, for pages and papers",
+                     shell::one_of({"png", "svg", "pdf"}));
     program.add("-q,--quiet", common.quiet, "Print errors only");
     program.add("-v,--verbose", common.verbose, "Print more detail");
     program.add("-j,--threads", common.threads, "Threads (default: one per core); results do not depend on it",

@@ -17,6 +17,7 @@
 #include "measure/contract/suspect.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "output/attribution/explain_command.hpp"
+#include "output/image/figure.hpp"
 #include "output/map/map_exr.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/needed_files.hpp"
@@ -156,7 +157,7 @@ void say_results(const SceneWork& work, const SceneSummaries& summaries, const s
     print_pairs(work.map.rows, work.map.metrics, summaries.map);
     if (work.needed) print_table(*work.needed, summaries.needed);
     if (verbose) print_stages(*work.map.stages);
-    fmt::print("{}\n", (folder / "contact.png").string());
+    fmt::print("{}\n", output::image::figure_path(folder / "contact.png").string());
     if (work.needed) fmt::print("{}\n", (folder / "needed.csv").string());
     note_lost_crossings(work, summaries.map);
     const measure::evaluate::FormSummary& first = summaries.map.front();

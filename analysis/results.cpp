@@ -26,6 +26,7 @@ std::unique_ptr<output::file::ResultFolder> own_folder(const std::filesystem::pa
                                                        const std::string& subject,
                                                        output::file::ResultFolder::Rules rules) {
     rules.force = common.force;
+    rules.figures = common.figures;
     output::file::Provenance by{common.typed.of(subject), program_and_version};
     for (const auto& row : intersect::table::intersectors().subspan(intersect::table::catalogue().size()))
         by.forms.emplace_back(row.info->name, row.info->source);
@@ -184,46 +185,68 @@ std::string lost_or_withheld(const measure::evaluate::FormSummary& summary, std:
     return std::isnan(bits) || !summary.agreement().is_enough() ? std::string("-") : fmt::format("{:.2f}", bits);
 }
 
+void add_mesh_columns(std::vector<shell::TextColumn>& columns) {
+    columns.insert(columns.end(), {{"crack", 7}, {"double hit", 10}, {"wrong neighbour", 15}, {"out of order", 12}});
+}
+
+void add_mesh_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& s, bool told) {
+    using measure::answer::Outcome;
+    for (const Outcome o : {Outcome::crack, Outcome::double_hit, Outcome::wrong_neighbour, Outcome::out_of_order})
+        cells.push_back(told || o == Outcome::wrong_neighbour ? std::to_string(s.count(o)) : "-");
+}
+
+void add_wrong_columns(std::vector<shell::TextColumn>& columns) {
+    columns.insert(columns.end(), {{"wrong primitive", 15}, {"false hit", 9}, {"false miss", 10}, {"NaN", 6}});
+}
+
+void add_wrong_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& s) {
+    using measure::answer::Outcome;
+    for (const Outcome o : {Outcome::wrong_primitive, Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number})
+        cells.push_back(std::to_string(s.count(o)));
+}
+
 void print_table(const measure::evaluate::EvaluationRequest& request,
                  const std::vector<measure::evaluate::FormSummary>& summaries) {
     const std::size_t lost = measure::metric::index_of(request.metrics, "lost_bits");
     const bool mesh = request.scene != nullptr && request.scene->mesh;
-    const auto of_mesh = [mesh](const auto& crack, const auto& twice, const auto& beside, const auto& order) {
-        return mesh ? fmt::format("{:>7} {:>10} {:>15} {:>12} ", crack, twice, beside, order) : std::string();
-    };
-    std::size_t width = 28;
-    for (const auto& row : request.rows) width = std::max(width, std::string_view(row.form->info->name).size());
-    fmt::print("  {:<{}} {:<5} {}{:>15} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", "form", width, "fmt",
-               of_mesh("crack", "double hit", "wrong neighbour", "out of order"), "wrong primitive", "false hit",
-               "false miss", "NaN", "hits", "bits lost: p50", "p99");
+    std::vector<shell::TextColumn> columns{{"form", 28, true}, {"fmt", 5, true}};
+    if (mesh) add_mesh_columns(columns);
+    add_wrong_columns(columns);
+    columns.insert(columns.end(), {{"hits", 8}, {"bits lost: p50", 15}, {"p99", 6}});
+    shell::TextTable table(std::move(columns));
     bool withheld = false;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const measure::evaluate::FormSummary& s = summaries[r];
-        using measure::answer::Outcome;
-        fmt::print("  {:<{}} {:<5} {}{:>15} {:>9} {:>10} {:>6} {:>8} {:>15} {:>6}\n", request.rows[r].form->info->name,
-                   width, request.rows[r].format.name,
-                   of_mesh(s.count(Outcome::crack), s.count(Outcome::double_hit), s.count(Outcome::wrong_neighbour),
-                           s.count(Outcome::out_of_order)),
-                   s.count(measure::answer::Outcome::wrong_primitive), s.count(measure::answer::Outcome::false_hit),
-                   s.count(measure::answer::Outcome::false_miss), s.count(measure::answer::Outcome::not_a_number),
-                   s.count(measure::answer::Outcome::agree_hit), lost_or_withheld(s, lost, 0.5),
-                   lost_or_withheld(s, lost, 0.99));
+        std::vector<std::string> cells{std::string(request.rows[r].form->info->name),
+                                       std::string(request.rows[r].format.name)};
+        if (mesh) add_mesh_cells(cells, s, true);
+        add_wrong_cells(cells, s);
+        cells.insert(cells.end(), {std::to_string(s.count(measure::answer::Outcome::agree_hit)),
+                                   lost_or_withheld(s, lost, 0.5), lost_or_withheld(s, lost, 0.99)});
+        table.add(std::move(cells));
         withheld |= s.agreement().agreed > 0 && !s.agreement().is_enough();
     }
+    table.print();
     if (withheld)
         fmt::print("  -: form and truth agree on less than a tenth of the true hits, too few to represent the form\n");
 }
 
 void print_table(const measure::evaluate::NeededRequest& request,
                  const std::vector<measure::evaluate::NeededSummary>& summaries) {
-    fmt::print("  {:<28} {:>3} bits need: {:>6} {:>6} {:>6} {:>10} {:>10}\n", "form", request.bits, "p50", "p99", "max",
-               "hit > 53", "miss > 53");
+    shell::TextTable table({{"form", 28, true},
+                            {fmt::format("{:>3} bits need:", request.bits), 14},
+                            {"p50", 6},
+                            {"p99", 6},
+                            {"max", 6},
+                            {"hit > 53", 10},
+                            {"miss > 53", 10}});
     for (std::size_t f = 0; f < summaries.size(); ++f) {
         const auto all = summaries[f].all();
-        fmt::print("  {:<28} {:>14} {:>6} {:>6} {:>6} {:>10} {:>10}\n", request.forms[f]->info->name, "",
-                   all.quantile(0.5), all.quantile(0.99), all.quantile(1), summaries[f].hits_beyond,
-                   summaries[f].misses_beyond);
+        const auto bits = [&all](double q) { return fmt::format("{}", all.quantile(q)); };
+        table.add({std::string(request.forms[f]->info->name), "", bits(0.5), bits(0.99), bits(1),
+                   std::to_string(summaries[f].hits_beyond), std::to_string(summaries[f].misses_beyond)});
     }
+    table.print();
 }
 
 void print_stages(const measure::truth::StageCounts& stages) {

@@ -13,6 +13,7 @@
 #include "analysis/study/studies.hpp"
 #include "commands.hpp"
 #include "measure/offset/along.hpp"
+#include "output/image/figure.hpp"
 
 namespace lostbits::analysis {
 
@@ -166,7 +167,7 @@ std::uint64_t measure_scene(typename Words::View::Study study, const StudyRun& r
     complete();
     if (!run.common.quiet) {
         run.progress.aside([&] {
-            fmt::print("{}\n", (folder / "contact.png").string());
+            fmt::print("{}\n", output::image::figure_path(folder / "contact.png").string());
             Words::say(study, *summaries, run.common.verbose);
         });
     }

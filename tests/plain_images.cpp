@@ -5,6 +5,7 @@
 #include <span>
 
 #include "number/error.hpp"
+#include "output/image/canvas.hpp"
 #include "output/image/image.hpp"
 
 namespace {
@@ -57,6 +58,7 @@ public:
     TextBitmap render_text(std::string_view utf8, int size, bool bold) override {
         const int wide = std::max(1, size / 2 + bold), high = size + size / 4;
         TextBitmap out{wide * static_cast<int>(utf8.size()), high, size, {}};
+        out.runs.push_back({std::string(utf8), size, 0, size * 1.0, out.width * 1.0});
         for (int y = 0; y < high; ++y)
             for (const char c : utf8)
                 out.coverage.insert(out.coverage.end(), static_cast<std::size_t>(wide), static_cast<std::uint8_t>(c));
@@ -74,6 +76,16 @@ public:
             }
         }
         return covered;
+    }
+    /// A page is its words, the colours of its marks and its texts.
+    void write_pdf(file::ByteSink& sink, const Canvas& canvas, const FileWords& words) override {
+        const auto put = [&sink](const std::string& text) { sink.write(std::as_bytes(std::span(text))); };
+        for (const auto& [key, value] : words) put(key + " " + value + "\n");
+        for (const CanvasMark& mark : canvas.marks()) {
+            put(std::to_string(mark.colour.r) + "\n");
+            const auto* const line = std::get_if<CanvasMark::Line>(&mark.shape);
+            for (const TextRun& run : line ? line->text.runs : std::vector<TextRun>()) put(run.text + "\n");
+        }
     }
     std::vector<std::string> exr_parts(const std::filesystem::path& path) override { refuse(path); }
     ExrImage read_exr(const std::filesystem::path& path, std::size_t) override { refuse(path); }

@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <tuple>
+
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "measure/sweep/sweep.hpp"
+#include "output/map/finding.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
 #include "output/offset/offset_files.hpp"
@@ -58,27 +62,33 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
         const std::string alt =
             judged ? fmt::format("{}, judged by the {} primitive", file.title, intersect::convention_name(judged))
                    : file.title;
-        part.pictures.push_back(
-            page::picture(alt, [&](const auto& to) { output::sweep::write_case_matrix(to, request, cases, judged); }));
+        part.charts.push_back(page::chart(
+            alt, [&](const auto& to) { output::sweep::write_case_matrix(to, request, cases, judged); },
+            std::string(intersect::convention_name(judged)), false));
     }
     return part;
 }
 
-/// Small pictures of the sweep, for each format. The page shows them where it cannot draw its plots.
-std::vector<page::Picture> line_pictures(const output::sweep::MeasuredSweep& sweep) {
-    constexpr output::sweep::PlotSize size{820, 470};
-    std::vector<page::Picture> pictures;
+/// Charts of the sweep for each format, named by a statistic of `page::sweep_statistics` and the format.
+std::vector<page::Chart> line_charts(const output::sweep::MeasuredSweep& sweep) {
+    constexpr output::sweep::PlotSize size{900, 480};
+    std::vector<page::Chart> charts;
     for (const Format& format : output::sweep::formats_of(sweep)) {
         const std::string what = fmt::format("{}, {}", sweep.request.sweep.title, format.name);
-        pictures.push_back(page::picture(
-            "99th percentile of lost bits: " + what,
-            [&](const auto& to) { output::sweep::write_lost_bits_plot(to, sweep, format, 0.99, size); }, true));
+        for (const auto& [q, title, name] : {std::tuple(0.99, "99th percentile of lost bits: ", "lost_bits_p99"),
+                                             {0.5, "Median of lost bits: ", "lost_bits_p50"}})
+            charts.push_back(page::chart(
+                title + what,
+                [&, q = q](const auto& to) { output::sweep::write_lost_bits_plot(to, sweep, format, q, size); },
+                fmt::format("{}.{}", name, format.name)));
         for (const auto outcome : output::sweep::wrong_outcomes(sweep, format))
-            pictures.push_back(page::picture(
+            charts.push_back(page::chart(
                 output::sweep::wrong_title(outcome) + ": " + what,
-                [&](const auto& to) { output::sweep::write_wrong_plot(to, sweep, format, outcome, size); }, true));
+                [&](const auto& to) { output::sweep::write_wrong_plot(to, sweep, format, outcome, size); },
+                fmt::format("{}_fraction.{}", measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
+                            format.name)));
     }
-    return pictures;
+    return charts;
 }
 
 SweepPart axes_part(const SweepWork& work, StopToken stop) {
@@ -105,8 +115,9 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             const std::string alt =
                 fmt::format("{}: {} in {}", sweep.title, request.rows[r].form->info->name, request.rows[r].format.name);
-            part.pictures.push_back(
-                page::picture(alt, [&](const auto& to) { output::sweep::write_plane_picture(to, request, steps, r); }));
+            part.charts.push_back(page::chart(
+                alt, [&](const auto& to) { output::sweep::write_plane_picture(to, request, steps, r); }, part.rows[r],
+                false));
         }
         return part;
     }
@@ -115,7 +126,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
     part.axes = {sweep.axes.front().values};
     part.json = page::sweep_json(request, steps, onsets);
     part.table = page::onset_table(request, onsets);
-    part.pictures = line_pictures({request, steps, onsets});
+    part.charts = line_charts({request, steps, onsets});
     return part;
 }
 
@@ -158,7 +169,10 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
             .table = page::summary_table(request, summaries),
             .sheet = std::move(contacts),
             .own_size = work.own_size,
-            .metrics = std::move(names)};
+            .metrics = std::move(names),
+            .finding = output::map::finding_in_words(request, summaries),
+            .faulty = static_cast<std::size_t>(
+                std::ranges::count_if(summaries, [](const auto& s) { return s.wrong_count() > 0; }))};
 }
 
 SweepPart sweep_part(const SweepWork& work, StopToken stop) {
@@ -226,9 +240,10 @@ page::TradePart trade_part(Shape shape, const std::vector<TestedForm>& rows, Sto
                          {}};
     const auto sets = measure::speed::ray_sets(shape);
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        part.pictures.push_back(page::picture(
+        part.charts.push_back(page::chart(
             fmt::format("Time against kept bits: {}", sets[s].title),
-            [&](const auto& to) { output::speed::write_trade_plot(to, request, result, s); }, true));
+            [&](const auto& to) { output::speed::write_trade_plot(to, request, result, s); },
+            std::string(sets[s].name)));
     }
     return part;
 }

@@ -109,9 +109,8 @@ page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
             .requirement = output::choice::in_words(work.requirement),
             .words = output::choice::in_words(chosen),
             .table = page::choice_table(chosen),
-            .front = page::picture(
-                fmt::format("Time against kept bits on {}", work.scene.id),
-                [&](const auto& to) { output::choice::write_front_plot(to, chosen); }, true)};
+            .front = page::chart(fmt::format("Time against kept bits on {}", work.scene.id),
+                                 [&](const auto& to) { output::choice::write_front_plot(to, chosen); })};
 }
 
 page::MendPart mend_part(const MendWork& work, StopToken stop) {
@@ -129,9 +128,8 @@ page::MendPart mend_part(const output::repair::MendResult& result) {
                         .changes = {},
                         .words = in_words(result),
                         .table = page::mend_table(result),
-                        .front = page::picture(
-                            fmt::format("Kept bits on {}", result.request.id()),
-                            [&](const auto& to) { write_front_plot(to, result); }, true),
+                        .front = page::chart(fmt::format("Kept bits on {}", result.request.id()),
+                                             [&](const auto& to) { write_front_plot(to, result); }),
                         .timed = !result.prices.empty()};
     for (const output::repair::FormRow& one : rows_of(result))
         if (one.came_out()) part.changes.push_back(change_in_words(result, one));

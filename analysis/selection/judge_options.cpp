@@ -153,7 +153,7 @@ void put_under_matrices(scene::dump::Dump& dump, const std::vector<Primitive<dou
 
 intersect::Info contract_of(const RayFileOptions& o, const scene::dump::Dump& dump) {
     for (const RayFileOption& option : ray_file_options())
-        if (option.of_answers && option.is_given(o) && !dump.layout().has_answers())
+        if (option.of_answers && option.is_given(o) && dump.layout().answers() == scene::dump::AnswerKind::none)
             throw InputError(
                 fmt::format("{} {}: is about the answers of {}, which has none (columns hit or t); leave {} out: forms "
                             "are judged by their own contract",

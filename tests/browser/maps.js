@@ -153,6 +153,7 @@ async function zoom(page) {
     const pane = (key) =>
               page.evaluate((key) => document.querySelector(`.pane[data-row="${key}"] canvas`).toDataURL(), key),
           before = await pane("sphere.unified.f64");
+    await page.$eval("#map", (e) => e.scrollIntoView());
     const box = await page.locator("#map").boundingBox();
     await page.mouse.move(box.x + box.width * 0.75, box.y + box.height * 0.25);
     for (let k = 0; k < 4; ++k) await page.mouse.wheel(0, -100);

@@ -81,14 +81,14 @@ async function sideways({ open }) {
     assert.ok(await wide.locator("#operations .sideways").isHidden());
 }
 
-/** In the dark style no plot has a white ground: pictures are inverted, and drawn plots have the page's ground. */
+/** In the dark style no chart has a white ground: those whose colours only tell things apart are inverted. */
 async function dark({ open }) {
     const bare = await open("report", { scripts: false });
     const filters = (where) => bare.locator(where).evaluateAll((all) => all.map((e) => getComputedStyle(e).filter));
     await bare.emulateMedia({ colorScheme: "light" });
     assert.ok((await filters("img")).every((f) => f === "none"));
     await bare.emulateMedia({ colorScheme: "dark" });
-    for (const where of ["#sweeps img", "#trade img", "#choose img", "#mend img"]) {
+    for (const where of ["#sweeps", "#trade", "#choose", "#mend"].map((part) => `${part} .chart svg`)) {
         const all = await filters(where);
         assert.ok(all.length > 0, where);
         assert.ok(all.every((f) => f.startsWith("invert(0.9)")), `${where}: ${all}`);
@@ -96,18 +96,11 @@ async function dark({ open }) {
     // Colours of maps mean numbers, so they do not change.
     const kept = await filters("#maps img, #offsets img");
     assert.ok(kept.length > 0 && kept.every((f) => !f.includes("invert")), `${kept}`);
-    const page = await open("report");
-    await page.emulateMedia({ colorScheme: "dark" });
-    await settled(page);
-    const light = await page.evaluate(() => {
-        const { ctx, bbox } = sweepParts.plot,
-                          { data } = ctx.getImageData(bbox.left, bbox.top, bbox.width, bbox.height);
-        let n = 0;
-        for (let i = 0; i < data.length; i += 4)
-            n += data[i + 3] > 128 && Math.min(data[i], data[i + 1], data[i + 2]) > 235;
-        return n / (data.length / 4);
-    });
-    assert.ok(light < 0.02, `${light} of a plot is white`);
+    const grids = await open("grids", { scripts: false });
+    await grids.emulateMedia({ colorScheme: "dark" });
+    const cells =
+        await grids.locator("#sweeps .chart svg").evaluateAll((all) => all.map((e) => getComputedStyle(e).filter));
+    assert.ok(cells.length > 0 && cells.every((f) => !f.includes("invert")), `${cells}`);
 }
 
 /**
@@ -129,49 +122,10 @@ async function mended({ open, at }) {
     assert.equal(await sticksOut(page), 0);
 }
 
-/**
- * Fractions have a log axis with 0 below it. A form's line looks the same whatever is beside it. Axes have labels in
- * words.
- */
-async function shares({ open }) {
-    const page =
-        await open("report", { hash: `#sweep=${sweep}&form=sphere.unified&format=f32&statistic=false_miss_fraction` });
-    await settled(page);
-    const seen = await page.evaluate(() => {
-        const { plot, heights, now, groups } = sweepParts, y = (v) => plot.valToPos(heights.of(v), "y");
-        const rays = now.chosen.outcomes[0].reduce((a, b) => a + b, 0);
-        return {
-            places: [0, 1 / rays, 0.1, 1].map(y),
-            range: [plot.scales.y.min, plot.scales.y.max].map((v) => plot.valToPos(v, "y")),
-            text: heights.ticks.map(heights.text),
-            axis: plot.axes[0].label,
-            looks: now.rows.map((r) => [r.form, r.look]),
-            drawn: groups.map((g) => [g.rows[0].form, g.colour, g.dash])
-        };
-    });
-    const [none, one, tenth, all] = seen.places, [foot, top] = seen.range;
-    assert.ok(
-        foot >= none && none - one > 15 && one > tenth && tenth > all && all >= top, `${seen.places} ${seen.range}`);
-    assert.equal(seen.text[0], "0");
-    assert.equal(seen.text.at(-1), "1");
-    assert.equal(seen.axis, "tangent of the angle to the axis");
-    assert.equal(new Set(seen.looks.map(([, look]) => look)).size, seen.looks.length);
-    // A form alone on its page and among others has the same line.
-    const only =
-        await open("odd/sweep", { hash: `#sweep=${sweep}&form=sphere.unified&format=f32&statistic=lost_bits_p99` });
-    const [alone] = await only.evaluate(() => sweepParts.groups.map((g) => [g.colour, g.dash, g.rows[0].look]));
-    const look = seen.looks.find(([form]) => form === "sphere.unified")[1];
-    assert.deepEqual(alone, await page.evaluate((look) => [lineLook(look).colour, lineLook(look).dash, look], look));
-    // All styles of lines differ.
-    const looks = await page.evaluate(() => Array.from({ length: 48 }, (_, k) => JSON.stringify(lineLook(k))));
-    assert.equal(new Set(looks).size, 48);
-}
-
 exports.promises = {
     order,
     worst,
     sideways,
     dark,
-    mended,
-    shares
+    mended
 };

@@ -3,12 +3,20 @@
 
 const assert = require("node:assert/strict");
 const { settled, stateOf, sweep } = require("./browser.js");
-const { liesIn, readCsv } = require("./files.js");
+const { readCsv } = require("./files.js");
 
-/** The plot's numbers equal those of samples.csv, and a line leads to its form's map. */
+/** Position on the screen of a place in a chart of the page. */
+const onScreen = (page, parts, place) => page.evaluate(([parts, [x, y]]) => {
+    const { svg } = (parts === "trade" ? tradeParts : sweepParts).chart;
+    svg.scrollIntoView();
+    const at = new DOMPoint(x, y).matrixTransform(svg.getScreenCTM());
+    return [at.x, at.y];
+}, [parts, place]);
+
+/** The page's numbers equal those of samples.csv, its lines lie at them, and a line leads to its form's map. */
 async function sweeps({ open, at }) {
     const page = await open("report", { hash: `#sweep=${sweep}` });
-    assert.ok(await page.locator("#sweep-plot canvas").count() > 0, "no plot");
+    assert.ok(await page.locator("#sweep-chart svg path").count() > 0, "no chart");
     const csv = readCsv(at(`sweep/${sweep}/samples.csv`)), plotted = await page.evaluate((id) => sweepOf(id), sweep);
     assert.equal(plotted.rows.length * plotted.steps.length, csv.length);
     let compared = 0;
@@ -27,14 +35,29 @@ async function sweeps({ open, at }) {
     assert.ok(compared > 1000);
     await page.selectOption("#pick-sweep-form", "sphere.unified");
     assert.equal((await stateOf(page)).form, "sphere.unified");
-    const ink = () => page.evaluate(() => document.querySelector("#sweep-plot canvas").toDataURL());
-    const before = await ink();
-    await page.selectOption("#pick-statistic", "excess_bits_p99");
+    // The height of each line is a linear function of its form's values.
+    const heights = await page.evaluate(() => {
+        const { sweep, rows } = sweepParts.now, { chart, order } = sweepParts;
+        return rows.flatMap(
+            (row) => order.map(
+                (cell, k) => [drawnValue(sweep, row, "lost_bits_p99", cell), heightAt(chart, lineOf(keyOf(row)), k)]));
+    });
+    const sure = heights.filter((pair) => pair.every(Number.isFinite)).sort((a, b) => a[0] - b[0]),
+          [low, high] = [sure[0], sure.at(-1)];
+    assert.ok(sure.length > 100 && high[0] > low[0]);
+    assert.equal(heights.filter(([value]) => Number.isFinite(value)).length, sure.length, "a value is not drawn");
+    for (const [value, y] of sure) {
+        const wanted = low[1] + (value - low[0]) / (high[0] - low[0]) * (high[1] - low[1]);
+        assert.ok(Math.abs(y - wanted) < 0.05, `${value} is drawn at ${y} instead of ${wanted}`);
+    }
+    const named = () => page.locator("#sweep-chart figure").getAttribute("data-chart");
+    assert.match(await named(), /^lost_bits_p99\.f/);
+    await page.selectOption("#pick-statistic", "false_miss_fraction");
     await settled(page);
-    assert.notEqual(await ink(), before);
+    assert.match(await named(), /^false_miss_fraction\.f/);
     // The keyboard alone reaches a step and its numbers.
     await page.selectOption("#pick-statistic", "lost_bits_p99");
-    for (const key of ["ArrowRight", "ArrowRight", "ArrowDown"]) await page.locator("#sweep-plot").press(key);
+    for (const key of ["ArrowRight", "ArrowRight", "ArrowDown"]) await page.locator("#sweep-chart").press(key);
     await settled(page);
     const now = await stateOf(page),
           facts = (key) => page.locator(`#sweep-facts tr[data-fact=${key}] td`).first().innerText();
@@ -50,38 +73,20 @@ async function sweeps({ open, at }) {
 
 async function trade({ open }) {
     const page = await open("report", { hash: "#shape=sphere" });
-    assert.ok(await page.locator("#trade-plot canvas").count() > 0, "no plot");
-    const [x, y] = await page.evaluate(() => {
+    const place = await page.evaluate(() => {
         // Chooses a point that has a map and is apart from all others. Times vary, so any two points may overlap.
-        const { plot, points } = tradeParts,
-                             at = (q) => [plot.valToPos(q.time_ns, "x"), plot.valToPos(q.kept_bits, "y")],
-                             away = (p, q) => Math.hypot(at(q)[0] - at(p)[0], at(q)[1] - at(p)[1]),
-                             gap = (p) => Math.min(...points.filter((q) => q !== p).map((q) => away(p, q)));
-        document.getElementById("trade-plot").scrollIntoView();
-        const box = document.querySelector("#trade-plot .u-over").getBoundingClientRect(),
-              [px, py] = at(points.filter((q) => mapOf(q)).sort((a, b) => gap(b) - gap(a))[0]);
-        return [box.left + px, box.top + py];
+        const { points } = tradeParts.chart, away = (p, q) => Math.hypot(q.x - p.x, q.y - p.y),
+                       gap = (p) => Math.min(...points.filter((q) => q !== p).map((q) => away(p, q)));
+        const { x, y } = points.filter((q) => mapOf(tradePoint(q))).sort((a, b) => gap(b) - gap(a))[0];
+        return [x, y];
     });
+    const [x, y] = await onScreen(page, "trade", place);
     await page.mouse.move(x, y);
     await settled(page);
     assert.match(await page.locator("#trade-view .hint").innerText(), /ns per ray, keeps/);
     const named = await page.evaluate(() => tradeParts.under.form);
     await page.mouse.click(x, y);
     assert.equal((await stateOf(page)).form, named);
-    // Names of points on the front overlap neither points nor other names.
-    const covered = await page.evaluate(() => {
-        const { plot, points, named } = tradeParts, boxes = named.map((n) => n.box);
-        const on = ([x, y, w, h], [a, b, c, d]) => x < a + c && a < x + w && y < b + d && b < y + h;
-        const dots =
-            points.map((p) => [plot.valToPos(p.time_ns, "x", true), plot.valToPos(p.kept_bits, "y", true), 1, 1]);
-        return {
-            names: boxes.length,
-            points: boxes.filter((b) => dots.some((d) => on(b, d))).length,
-            others: boxes.filter((b, i) => boxes.some((o, j) => i !== j && on(b, o))).length
-        };
-    });
-    assert.ok(covered.names > 0);
-    assert.deepEqual([covered.points, covered.others], [0, 0]);
     // Keys go from point to point by time. Enter opens the map of a point that has a map here.
     const walked = [],
           under = () =>
@@ -101,7 +106,7 @@ async function trade({ open }) {
 
 const exact = (cell) => (cell === "" ? "NaN" : String(Number(cell)));
 
-/** The cells of a grid on the page, each with its position, its numbers and its colour. */
+/** The cells of a grid on the page, each with its position and its numbers. */
 function gridOf(page, id) {
     return page.evaluate(async (id) => {
         const sweep = await sweepOf(id), plane = sweep.kind === "plane",
@@ -122,7 +127,6 @@ function gridOf(page, id) {
                         verdict: row.verdicts?.[cell],
                         values: Object.fromEntries(
                             sweep.statistics.map((s) => [s, String(cellValue(sweep, row, s, cell))])),
-                        colour: cellLook(sweep, row, plane ? "lost_bits_p99" : "verdict", cell).colour,
                     })),
             }));
     }, id);
@@ -146,9 +150,7 @@ function compareRow(row, csv, placeOf) {
     return mine.length;
 }
 
-const packed = (colour) => colour && (colour[0] << 16) | (colour[1] << 8) | colour[2];
-
-/** Every cell of every row equals that of samples.csv, and has the colour of the PNG. */
+/** Every cell of every row equals that of samples.csv. */
 async function planes({ open, at }) {
     const page = await open("grids"), rows = await gridOf(page, "sphere-height"),
           csv = readCsv(at("sweep/sphere-height/samples.csv"));
@@ -157,41 +159,29 @@ async function planes({ open, at }) {
         compared += compareRow(row, csv, (c) => [c.radius, c.height].map((x) => String(Number(x))).join(" "));
     assert.equal(compared, csv.length);
     assert.ok(compared > 4000 && rows.some((row) => row.cells.some((c) => Number(c.values.lost_bits_p99) > 10)));
-    const columns = 26, lines = 46;  // of sphere-height; a cell is 22 x 10 pixels in the PNG
-    for (const row of rows) {
-        const cells =
-            Array.from({ length: lines }, (_, j) => row.cells.slice(j * columns, (j + 1) * columns)).reverse();
-        const png = at(`sweep/sphere-height/${row.form}.${row.format}.png`),
-              colours = cells.flat().map((c) => packed(c.colour));
-        assert.ok(
-            await liesIn(page, png, colours, [{ columns, w: 22, h: 10, at: 4 }]),
-            `${row.form} ${row.format}: other colours than in the PNG`);
-    }
+    // The chart has an edge on each side of every cell.
+    assert.deepEqual(
+        await page.evaluate(() => ["x", "y"].map((axis) => sweepParts.chart.frame[axis].length)), [27, 47]);
 }
 
-/** Every case with every form and convention equals that of cases.csv, and has the colour of the PNG. */
+/** Every case with every form and convention equals that of cases.csv. */
 async function cases({ open, at }) {
     const page = await open("grids");
-    for (const [id, picture] of [["box-boundary", "matrix.closed.png"], ["contact", "matrix.png"]]) {
+    for (const id of ["box-boundary", "contact"]) {
         const rows = await gridOf(page, id), csv = readCsv(at(`sweep/${id}/cases.csv`));
         const compared = rows.reduce((n, row) => n + compareRow(row, csv, (c) => c.case), 0);
         assert.equal(compared, csv.length);
-        const judged = rows.filter((row) => row.judged === rows[0].judged && row.format === "f32"),
-              cells = judged[0].cells.flatMap((_, k) => judged.map((row) => packed(row.cells[k].colour))),
-              // The width of a column depends on the text in its cells.
-            ways = Array.from({ length: 34 }, (_, k) => ({ columns: judged.length, w: 26 + k, h: 22, at: 1 }));
-        assert.ok(
-            await liesIn(page, at(`sweep/${id}/${picture}`), cells, ways), `${id}: other colours than in the PNG`);
+        assert.ok(compared > 0);
     }
 }
 
 /**
- * Pointing, clicking, keys and links choose a cell. The read-out has its exact numbers, and the drawn cell its colour.
+ * Pointing, clicking, keys and links choose a cell. The read-out has its exact numbers.
  */
 async function walk({ open, at }) {
     const csv = readCsv(at("sweep/sphere-height/samples.csv"));
     const page = await open("grids", { hash: "#sweep=sphere-height&form=sphere.unified&format=f32&u=3&v=4" });
-    const press = async (key, where = "#grid") => {
+    const press = async (key, where = "#sweep-chart") => {
         await page.locator(where).press(key);
         await settled(page);
         return stateOf(page);
@@ -210,33 +200,25 @@ async function walk({ open, at }) {
     await check();
     assert.deepEqual([(await press("ArrowRight")).u, (await press("ArrowUp")).v], [4, 5]);
     await check();
-    const pixel = () => page.evaluate(() => {
-        const { canvas, layout, frame, width } = gridParts, [x, y] = placeOf(layout, frame, state.u, state.v),
-                                             k = canvas.width / width;
-        return [...canvas.getContext("2d").getImageData((x + frame.w / 2) * k, (y + frame.h / 2) * k, 1, 1).data].slice(
-            0, 3);
-    });
-    const colour = () => page.evaluate(
-        () => cellLook(sweepParts.now.sweep, sweepParts.now.chosen, sweepParts.now.statistic, cellNow().cell).colour);
-    assert.deepEqual(await pixel(), await colour());
-    await press("m");
-    assert.equal((await stateOf(page)).statistic, "lost_bits_max");
-    assert.deepEqual(await pixel(), await colour());
+    const middle = ([i, j]) => page.evaluate(([i, j]) => {
+        const { x, y } = sweepParts.chart.frame;
+        return [(x[i] + x[i + 1]) / 2, (y[j] + y[j + 1]) / 2];
+    }, [i, j]);
+    // The chosen cell has a frame.
+    const [mx, my] = await middle([4, 5]),
+               pinned = await page.locator("#sweep-chart .pin rect")
+                            .evaluate((r) => ["x", "y", "width", "height"].map((a) => Number(r.getAttribute(a))));
+    assert.ok(Math.abs(pinned[0] + pinned[2] / 2 - mx) < 1e-6 && Math.abs(pinned[1] + pinned[3] / 2 - my) < 1e-6);
     // A link restores the choice. A click chooses the cell under the pointer. Escape clears the choice.
     const again = await open("grids", { hash: await page.evaluate(() => location.hash) });
     assert.deepEqual(await stateOf(again), await stateOf(page));
     assert.equal(await again.locator("#sweep-facts").innerText(), await page.locator("#sweep-facts").innerText());
-    const place = await page.evaluate(() => {
-        gridParts.canvas.scrollIntoView();
-        const box = gridParts.canvas.getBoundingClientRect(),
-              [x, y] = placeOf(gridParts.layout, gridParts.frame, 20, 40), k = box.width / gridParts.width;
-        return { x: box.left + (x + 3) * k, y: box.top + (y + 3) * k };
-    });
-    await page.mouse.move(place.x, place.y);
+    const place = await onScreen(page, "sweep", await middle([20, 40]));
+    await page.mouse.move(...place);
     assert.match(
         await page.locator("#sweep-under").innerText(),
-        /^sphere\.unified in f32, radius, in world units .*: lost bits max /);
-    await page.mouse.click(place.x, place.y);
+        /^sphere\.unified in f32, radius, in world units .*: lost bits p99 /);
+    await page.mouse.click(...place);
     assert.deepEqual([(await stateOf(page)).u, (await stateOf(page)).v], [20, 40]);
     await check();
     assert.deepEqual([(await press("Escape")).u, (await press("["))["line"]], [-1, "sphere.schoolbook.f32"]);
@@ -249,12 +231,34 @@ async function walk({ open, at }) {
         await page.locator("#sweep-facts caption").innerText(), /^box\.signs in f32, judged by the closed primitive/);
     await page.selectOption("#pick-judged", "open");
     assert.match(await page.locator("#sweep-facts caption").innerText(), /judged by the open primitive/);
-    assert.deepEqual(
-        page.complaints.filter((c) => !c.startsWith("Canvas2D")), []);  // it warns of reading pixels back, as here
+    assert.deepEqual(page.complaints, []);
+}
+
+/** Dragging, a double click and keys change the part of a chart that is shown, and nothing else. */
+async function zoom({ open }) {
+    const page = await open("report", { hash: `#sweep=${sweep}&form=sphere.unified&format=f32` });
+    const view = () => page.locator("#sweep-chart svg").getAttribute("viewBox"), home = await view(),
+          chosen = await stateOf(page);
+    const [from, to] = [await onScreen(page, "sweep", [200, 200]), await onScreen(page, "sweep", [400, 300])];
+    await page.mouse.move(...from);
+    await page.mouse.down();
+    await page.mouse.move(...to, { steps: 4 });
+    await page.mouse.up();
+    const [x, y, w, h] = (await view()).split(" ").map(Number);
+    for (const [is, wanted] of [[x, 200], [y, 200], [w, 200], [h, 100]])
+        assert.ok(Math.abs(is - wanted) < 2, await view());
+    assert.deepEqual(await stateOf(page), chosen);
+    await page.locator("#sweep-chart").press("0");
+    assert.equal(await view(), home);
+    await page.locator("#sweep-chart").press("+");
+    assert.notEqual(await view(), home);
+    await page.locator("#sweep-chart svg").dblclick({ position: { x: 5, y: 5 } });
+    assert.equal(await view(), home);
 }
 
 exports.promises = {
     sweeps,
+    zoom,
     trade,
     planes,
     cases,

@@ -27,7 +27,7 @@ async function alone({ open }) {
 async function link({ open }) {
     const page = await open("report", {
         hash: `${
-            schoolbook}&metric=ulp_error&other=sphere.unified.f64&split=0.3&x=100&y=90&zoom=3.375&cx=0.4&cy=0.3&sweep=sphere-tilt&statistic=lost_bits_max`
+            schoolbook}&metric=ulp_error&other=sphere.unified.f64&split=0.3&x=100&y=90&zoom=3.375&cx=0.4&cy=0.3&sweep=sphere-tilt&statistic=lost_bits_p50`
     });
     await page.locator("#map").press("ArrowDown");
     await settled(page);
@@ -35,7 +35,7 @@ async function link({ open }) {
     const again = await open("report", { hash: await page.evaluate(() => location.hash) });
     assert.deepEqual(await stateOf(again), before);
     assert.equal(await again.evaluate(picture), await page.evaluate(picture));
-    assert.equal(await again.locator("#pick-statistic").inputValue(), "lost_bits_max");
+    assert.equal(await again.locator("#pick-statistic").inputValue(), "lost_bits_p50");
     await follow(page, "#scene=nowhere&x=5&y=5");
     assert.match(await page.locator("#note").innerText(), /scene "nowhere" is not on this page/);
     await follow(page, "#sweep=sphere-tilt&statistic=lost_bits_p98");
@@ -175,17 +175,18 @@ async function plain({ open }) {
         assert.ok(text.includes(part), `"${part}" cannot be read`);
     assert.ok((await page.locator("table.claims tbody tr:visible").count()) > 0);
     assert.equal(await page.locator("#map-view:visible").count(), 0);
-    const pictures = await page.locator("img:visible").count();
+    const pictures = await page.locator("img:visible, .chart:visible").count();
     assert.ok(pictures >= 4, `${pictures} pictures`);
     assert.deepEqual(page.requested.filter((url) => !url.startsWith("data:")), [page.url()]);
     // Every format has its plots, and so have planes and cases.
-    const alts = await page.locator("#sweeps img").evaluateAll((images) => images.map((i) => i.alt));
+    const saysOf = (all) => all.map((e) => e.getAttribute("aria-label"));
+    const alts = await page.locator("#sweeps .chart:visible").evaluateAll(saysOf);
     for (const format of ["f32", "f64"])
         assert.equal(
             alts.filter((alt) => alt.startsWith("99th percentile") && alt.endsWith(`, ${format}`)).length, 1,
             `${alts}`);
     const bare = await open("grids", { scripts: false }),
-          cells = await bare.locator("#sweeps img:visible").evaluateAll((images) => images.map((i) => i.alt));
+          cells = await bare.locator("#sweeps .chart:visible").evaluateAll(saysOf);
     for (const alt of ["sphere.unified in f64", "by the closed primitive", "by the open primitive", "exact tangents"])
         assert.ok(cells.some((p) => p.includes(alt)), `${alt} is not among ${cells}`);
 }
@@ -210,9 +211,7 @@ async function odd({ open, at }) {
                 (c) => Math.max(...c.match(/\d+/g).map(Number))));
         assert.ok(paper < 64 && text > 192, `${where}: text ${text} on ${paper}`);
         const inside = await page.evaluate(
-            () => [...document.querySelectorAll("#map, #grid, #sweep-plot")]
-                      .filter((e) => e.offsetParent)
-                      .map((e) => e.id));
+            () => [...document.querySelectorAll("#map, #sweep-chart")].filter((e) => e.offsetParent).map((e) => e.id));
         assert.ok(inside.length > 0, where);
         for (const id of inside) {
             for (const key of ["ArrowRight", "ArrowDown", "m", "]", "[", "M", "ArrowLeft", "ArrowUp"])

@@ -63,6 +63,29 @@ TEST_CASE("a verdict follows from its criterion for every number that its interv
          row("\"maybe\"", "[1, 1]", "", "claim[0].verdict is \"maybe\"")});
 }
 
+TEST_CASE("a quotation has at most twelve words, and a source") {
+    const Scratch scratch;
+    const auto claims = [&](const std::string& source, const std::string& quotation) {
+        return scratch.write(
+            "c.toml", claims_of({claim("q", holds + "\nquotation = \"" + quotation + "\"", "[1, 1]", "", source)}));
+    };
+    const std::string twelve = "one two three four five six seven eight nine ten eleven twelve";
+    must("check '" + claims("Fell", twelve) + "' --export-csv q.csv --report report", scratch.path());
+    CHECK(read_csv(scratch / "q.csv").at(0).at("quotation") == twelve);
+    const std::string page = contents(scratch / "report/README.md");
+    CHECK(has(page, "stand below 1 of the sentences"));
+    CHECK(has(page, " <br> \"" + twelve + "\""));
+    for (const auto& [source, quotation, says] :
+         {std::tuple{"Fell", twelve + " more", "c.toml:7:13: claim[0].quotation has 13 words; quote at most 12"},
+          std::tuple{"Fell", std::string(), "claim[0].quotation is empty"},
+          std::tuple{"-", std::string("ours"), "claim[0].quotation needs a source"}}) {
+        const auto r = run("check '" + claims(source, quotation) + "'");
+        INFO(r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, says));
+    }
+}
+
 TEST_CASE("a number that leaves its interval reports whether the verdict still holds") {
     const Scratch scratch;
     const std::string text =

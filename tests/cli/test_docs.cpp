@@ -27,7 +27,7 @@ const fs::path root = fs::path(LOSTBITS_REPORTS_DIR).parent_path();
 std::vector<std::string> pages() {
     std::vector<std::string> all{"README.md"};
     for (const auto& entry : fs::directory_iterator(root / "docs"))
-        all.push_back("docs/" + entry.path().filename().string());
+        if (entry.is_regular_file()) all.push_back("docs/" + entry.path().filename().string());
     std::ranges::sort(all);
     return all;
 }

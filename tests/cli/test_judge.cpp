@@ -293,4 +293,127 @@ TEST_CASE("judge: a form has the same outcomes at a mesh in judge and map") {
     for (const auto& row : read_csv(scratch / "out/rays/file.rays.f32.csv")) CHECK(row.at("outcome") == "agree_hit");
 }
 
+namespace {
+
+/// A cube of side 2 around the origin. Faces 0 and 1 are its bottom, 2 and 3 its top, at z = 1.
+const std::string cube =
+    "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\nf 1 3 2\nf 1 4 3\nf 5 6 7\n"
+    "f 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n";
+const std::string of_cube =
+    "schema = \"lostbits-scene/1\"\ntitle = \"cube\"\nsize = [1, 1]\n[camera]\nkind = \"orthographic\"\n"
+    "eye = [0, 0, 4]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\nwidth = 1\n[[mesh]]\nfile = \"cube.obj\"\n";
+
+std::vector<std::string> outcomes_in(const fs::path& file) {
+    std::vector<std::string> outcomes;
+    for (const auto& row : read_csv(file)) outcomes.push_back(row.at("outcome"));
+    return outcomes;
+}
+
+}  // namespace
+
+TEST_CASE("judge: a list of all hits is compared with all crossings") {
+    const Scratch scratch;
+    scratch.write("cube.obj", cube), scratch.write("cube.toml", of_cube);
+    struct Case {
+        std::string records;  ///< object and t
+        std::string outcome;
+    };
+    // Down the z axis near (1/2, 1/4), where triangles 2 and 0 are met at 3 and 5, and at the middle of both diagonals.
+    const std::vector<Case> in_faces{{"2,3;0,5", "agree"},          {"2,3", "crack"},
+                                     {"", "missing_hit"},           {"0,5;2,3", "out_of_order"},
+                                     {"2,3;2,3;0,5", "double_hit"}, {"3,3;0,5", "wrong_neighbour"},
+                                     {"2,nan;0,5", "not_a_number"}, {"2,3.5;0,5", "agree"}};
+    const std::vector<Case> on_edges{{"2,3;0,5", "agree"}, {"3,3;1,5", "agree"}, {"2,3;3,3;1,5", "double_hit"}};
+    const std::vector<Case> past{{"2,3", "false_hit"}, {"", "agree"}};
+    std::string file = "ox,oy,oz,dx,dy,dz,hit_index,object,t\n";
+    std::vector<std::string> expected;
+    const auto add = [&](const std::string& ray, const Case& one) {
+        expected.push_back(one.outcome);
+        int index = 0;
+        for (std::size_t begin = 0; begin < one.records.size();) {
+            const std::size_t end = std::min(one.records.find(';', begin), one.records.size());
+            file += ray + "," + std::to_string(index++) + "," + one.records.substr(begin, end - begin) + "\n";
+            begin = end + 1;
+        }
+        if (index == 0) file += ray + ",,,\n";
+    };
+    for (const Case& one : in_faces) add("0.5,0.25,4,0,0,-1", one);
+    for (const Case& one : on_edges) add("0.5,0.5,4,0,0,-1", one);
+    for (const Case& one : past) add("9,9,4,0,0,-1", one);
+    scratch.write("hits.csv", file);
+    const auto r = must("judge hits.csv --scene cube.toml --rows" + into(scratch), scratch.path());
+    CHECK(outcomes_in(scratch / "out/hits/file.hits.f64.csv") == expected);
+    CHECK(has(r.out, "first crack: record 2, --ray=0x1p-1,0x1p-2,0x1p+2,0x0p+0,0x0p+0,-0x1p+0"));
+    const auto summary = read_csv(scratch / "out/hits/summary.csv").at(0);
+    CHECK(summary.at("rays") == "13");
+    CHECK(summary.at("crack") == "1");
+    CHECK(summary.at("missing_hits") == "3");
+    CHECK(std::stod(summary.at("ulp_error_max")) == std::ldexp(1.0, 50));  // half a unit, where an ulp is 2^-51
+    CHECK(read_csv(scratch / "out/hits/faults.csv").size() == 7);
+    // The same at any number of threads, and with records that are divided between pieces of the file.
+    must("judge hits.csv --scene cube.toml --rows -j 1" + into(scratch, "one"), scratch.path());
+    CHECK(contents(scratch / "one/hits/file.hits.f64.csv") == contents(scratch / "out/hits/file.hits.f64.csv"));
+}
+
+TEST_CASE("judge: the hits of a ray may be in two pieces of a file, and must belong together there too") {
+    const Scratch scratch;
+    scratch.write("cube.obj", cube), scratch.write("cube.toml", of_cube);
+    std::string file = "ox,oy,oz,dx,dy,dz,hit_index,object,t\n9,9,4,0,0,-1,,,\n";
+    for (int i = 0; i < 5000; ++i) file += "0.5,0.25,4,0,0,-1,0,2,3\n0.5,0.25,4,0,0,-1,1,0,5\n";
+    scratch.write("hits.csv", file);
+    must("judge hits.csv --scene cube.toml" + into(scratch), scratch.path());
+    const auto summary = read_csv(scratch / "out/hits/summary.csv").at(0);
+    CHECK(summary.at("agree") == "5001");
+    CHECK(summary.at("listed") == "10000");
+    // Record 4097 begins the second piece.
+    std::string other = "ox,oy,oz,dx,dy,dz,hit_index,object,t\n";
+    for (int i = 0; i < 4096; ++i) other += "0.5,0.25,4,0,0,-1,0,2,3\n";
+    scratch.write("hits.csv", other + "0.5,0.5,4,0,0,-1,1,0,5\n");
+    const auto r = run("judge hits.csv --scene cube.toml" + into(scratch), scratch.path());
+    CHECK(r.code == 2);
+    CHECK(has(r.err, "hits.csv: record 4097: hit_index is 1; the record before it is of another ray"));
+}
+
+TEST_CASE("judge: numbers of crossings, their parity, and points in a mesh") {
+    const Scratch scratch;
+    scratch.write("cube.obj", cube), scratch.write("cube.toml", of_cube);
+    const std::string inner = "0.5,0.25,4,0,0,-1,", beside = "3,0.25,4,0,0,-1,";
+    scratch.write("counts.csv", "ox,oy,oz,dx,dy,dz,crossings\n" + inner + "2\n" + inner + "1\n" + inner + "0\n" +
+                                    inner + "4\n" + beside + "0\n" + beside + "1\n" + beside + "2\n");
+    must("judge counts.csv --scene cube.toml --rows" + into(scratch), scratch.path());
+    CHECK(outcomes_in(scratch / "out/counts/file.counts.f64.csv") ==
+          std::vector<std::string>{"agree", "crack", "missing_hit", "false_hit", "agree", "false_hit", "false_hit"});
+    // At the edge x = z = 1 the ray touches the cube: it enters and leaves it at one t, or passes it.
+    scratch.write("parity.csv", "ox,oy,oz,dx,dy,dz,parity\n" + inner + "0\n" + inner +
+                                    "1\n2,0.25,2,1,0,-1,true\n"
+                                    "2,0.25,0,-1,0,1,false\n2,0.25,0,-1,0,1,1\n");
+    must("judge parity.csv --scene cube.toml --rows" + into(scratch), scratch.path());
+    CHECK(outcomes_in(scratch / "out/parity/file.parity.f64.csv") ==
+          std::vector<std::string>{"agree", "crack", "false_hit", "agree", "crack"});
+    scratch.write("points.csv", "px,py,pz,inside\n0,0,0,1\n0,0,0,0\n2,0,0,0\n2,0,0,true\n1,0,0,1\n1,1,1,0\n");
+    const auto r = must("judge points.csv --scene cube.toml --rows" + into(scratch), scratch.path());
+    CHECK(outcomes_in(scratch / "out/points/file.points.f64.csv") ==
+          std::vector<std::string>{"agree", "false_outside", "agree", "false_inside", "on_surface", "on_surface"});
+    CHECK(has(r.out, "first false inside: point 3, 0x1p+1,0x0p+0,0x0p+0"));
+    scratch.write("cube.obj", cube + "f 1 2 7\n");
+    const auto open = run("judge points.csv --scene cube.toml" + into(scratch), scratch.path());
+    CHECK(open.code == 2);
+    CHECK(has(open.err, "3 edges have an odd number of faces"));
+}
+
+TEST_CASE("judge: options of first hits, and scenes without a mesh, are refused for answers about a surface") {
+    const Scratch scratch;
+    scratch.write("points.csv", "px,py,pz,inside\n0,0,0,1\n");
+    for (const auto& [words, why] :
+         {std::pair("-i triangle.woop --scene mesh-grid-vertices", "says that its records are points"),
+          {"--facing front --scene mesh-grid-vertices", "is about rays"},
+          {"--sphere 0,0,0,1", "give --scene with a scene of [[mesh]] tables"},
+          {"--scene near-benign", "give --scene with a scene of [[mesh]] tables"}}) {
+        const auto r = run("judge points.csv " + std::string(words) + into(scratch), scratch.path());
+        INFO(words << r.err);
+        CHECK(r.code == 2);
+        CHECK(has(r.err, why));
+    }
+}
+
 }  // namespace test_judge

@@ -47,7 +47,9 @@ const Row rows[] = {
      "--pixels csv -o out",
      15, true},
     {"map spheres-on-floor --size 32x16 -i sphere.two_step+box.signs -f f32 -f f64 -f p16 -o out", 4},
+    {"map near-benign --size 18x14 -i sphere.press -f f32 --pictures all --figure png,svg,pdf -o out", 7},
     {"sweep distance.toml -i '*press*' -o out", 5},
+    {"sweep distance.toml -i '*press*' --figure svg,pdf -o out", 7},
     {"sweep distance.toml --steps 5 --set views=2 -f f32 -f f64 -o out", 3, true},
     {"sweep distance.toml -i sphere.schoolbook -i sphere.unified -f f32 --metric culprit --metric cancellation "
      "--metric "

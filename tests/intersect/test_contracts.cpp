@@ -82,7 +82,7 @@ TEST_CASE("the seed's forms come first, and every form has the contract it docum
     CHECK(names_where([](const Info& f) { return f.touching == intersect::Touching::miss; }, Shape::box) ==
           Names{"box.baseline", "box.exclusive"});
     CHECK(names_where([](const Info& f) { return f.at_origin == intersect::AtOrigin::miss; }, Shape::triangle) ==
-          Names{"triangle.undivided", "triangle.woop", "triangle.woop_double", "triangle.pbrt",
+          Names{"triangle.undivided", "triangle.woop", "triangle.woop_double", "triangle.woop_once", "triangle.pbrt",
                 "triangle.baldwin_weber"});
 }
 

@@ -67,7 +67,19 @@ private:
     }
     [[nodiscard]] bool lets_light_through(std::int32_t truly) const {
         return !claims([&](std::int32_t s) { return s == truly || are_neighbours(s, truly); }) && counts_otherwise() &&
-               !is_beside_border(truly);
+               !passes_border(truly);
+    }
+    /// True if the line passes nearest to a border edge in one of the triangles that the ray truly meets first.
+    [[nodiscard]] bool passes_border(std::int32_t truly) const {
+        const culling::CandidateLists& candidates = *of_.inputs.candidates;
+        const Truth first = truth_at(truly);
+        return std::ranges::any_of(candidates.of(ray_), [&](std::uint32_t k) {
+            const auto primitive = static_cast<std::int32_t>(k);
+            if (!in_mesh(primitive) || !mesh_.has_border(face(primitive))) return false;
+            const Truth there = truth_at(primitive);
+            return there.is_hit() && compare(there.t, first.t) == 0 &&
+                   crossing::is_beside_border(of_.inputs.rays[ray_], triangle(primitive), mesh_, face(primitive));
+        });
     }
     [[nodiscard]] Truth truth_at(std::int32_t primitive) const {
         return of_.band.truth_of_primitive(ray_, static_cast<std::size_t>(primitive), of_.convention);
@@ -105,15 +117,6 @@ private:
                    const Truth here = truth_at(s);
                    return here.is_hit() && compare(here.t, there.t) < 0;
                });
-    }
-    /// True if an edge that the line passes nearest to belongs to one face alone.
-    [[nodiscard]] bool is_beside_border(std::int32_t truly) const {
-        const std::size_t one = face(truly);
-        if (!mesh_.has_border(one)) return false;
-        const unsigned nearest = crossing::nearest_edges(of_.inputs.rays[ray_], triangle(truly));
-        for (std::size_t k = 0; k < 3; ++k)
-            if ((nearest >> k & 1U) != 0 && mesh_.is_border(one, k)) return true;
-        return false;
     }
     /// Number of crossings of the surface at some of its triangles. Triangles that are one crossing with another one
     /// form a group, and each group counts once.

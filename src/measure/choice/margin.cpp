@@ -173,7 +173,11 @@ std::optional<Found> look_at_rays(const ChoiceRequest& request, const evaluate::
 std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluate::TestedForm& row, int pixels) {
     Look look;
     if (request.scene) {
-        look = [&, thin = with_smaller_picture(*request.scene, pixels)](Growth way, double factor) {
+        // Far away, rounding reaches all triangles of a mesh: a form is asked about each of them by each ray.
+        constexpr std::size_t most_pairs = 1 << 24;
+        const std::size_t faces = request.scene->mesh ? request.scene->mesh->faces.size() : 1;
+        const int few = std::min(pixels, static_cast<int>(std::max<std::size_t>(most_pairs / faces, 64)));
+        look = [&, thin = with_smaller_picture(*request.scene, few)](Growth way, double factor) {
             return look_at_scene(request, row, thin, way, factor);
         };
     } else {
@@ -191,10 +195,12 @@ std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluat
 std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& row,
                                         truth::TruthLimit limit, int pixels) {
     constexpr std::size_t most_asked = 1 << 16;
-    const std::size_t primitives = scene.primitive_count();
-    if (primitives == 0 || primitives > offset::most_primitives || !offset::can_be_asked(*row.form))
+    constexpr std::size_t most_near = 64;  // triangles of a mesh near a point: no more are asked
+    const std::size_t faces = scene.mesh ? scene.mesh->faces.size() : 0, beside = scene.primitive_count() - faces;
+    if (beside + faces == 0 || beside > offset::most_primitives || !offset::can_be_asked(*row.form))
         return std::nullopt;
-    const auto affordable = static_cast<int>(std::clamp<std::size_t>(most_asked / primitives, 64, 65536));
+    const std::size_t asked = beside + std::min(faces, most_near);
+    const auto affordable = static_cast<int>(std::clamp<std::size_t>(most_asked / asked, 64, 65536));
     const scene::file::Scene thin = with_smaller_picture(scene, std::min(pixels, affordable));
     const offset::OffsetStudy request{
         .scene = thin, .rows = {{row}}, .strategies = offset::all_strategies(), .limit = limit, .quiet = false};

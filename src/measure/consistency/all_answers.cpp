@@ -60,18 +60,25 @@ AllAnswers answers_of(const FormKernels& asked, const RayBlock& rays, std::span<
 bool tells_t(const intersect::Info& info) { return info.roots != intersect::Roots::none; }
 
 std::vector<std::uint8_t> meets_before_end(const FormKernels& asked, const RayBlock& rays,
-                                           std::span<const Primitive<double>> primitives) {
-    std::vector<std::uint8_t> meets(rays.size());
-    for (const Primitive<double>& primitive : primitives) {
-        const bool told = takes_tmax(primitive.shape);
-        const bool both = asked.form.of(primitive.shape).info->roots == intersect::Roots::both;
-        const AllAnswers a = answers_of(asked, rays, std::span(&primitive, 1));
-        for (std::size_t i = 0; i < meets.size(); ++i) {
-            const auto ahead = [end = rays.tmax[i]](double t) { return t > 0 && t < end; };
-            const bool any = told || ahead(a.t[i]) || (both && ahead(a.far[i]));
-            meets[i] |= static_cast<std::uint8_t>(a.hit[i] != 0 && any);
-        }
+                                           const Primitive<double>& primitive) {
+    std::vector<std::uint8_t> meets;
+    const bool told = takes_tmax(primitive.shape);
+    const bool both = asked.form.of(primitive.shape).info->roots == intersect::Roots::both;
+    const AllAnswers a = answers_of(asked, rays, std::span(&primitive, 1));
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const auto ahead = [end = rays.tmax[i]](double t) { return t > 0 && t < end; };
+        const bool any = told || ahead(a.t[i]) || (both && ahead(a.far[i]));
+        meets.push_back(static_cast<std::uint8_t>(a.hit[i] != 0 && any));
     }
+    return meets;
+}
+
+std::vector<std::uint8_t> meets_before_end(const RowOnBand& on, const RayBlock& all) {
+    std::vector<std::uint8_t> meets(all.size());
+    on.by_primitive(all, [&](const Primitive<double>& primitive, const RayBlock& rays, const auto& places) {
+        const std::vector<std::uint8_t> one = meets_before_end(on.form, rays, primitive);
+        for (std::size_t k = 0; k < places.size(); ++k) meets[places[k]] |= one[k];
+    });
     return meets;
 }
 
@@ -83,20 +90,21 @@ void check_packs(const RowOnBand& on, PixelCheckResults& out) {
         if (!software || isa == intersect::simd::Isa::scalar)
             widths.emplace_back(*on.row.form, on.row.format, on.form.stop, isa);
     }
-    for (const Primitive<double>& primitive : on.primitives) {
+    on.by_primitive(on.rays(), [&](const Primitive<double>& primitive, const RayBlock& rays, const auto& places) {
         const std::span<const Primitive<double>> one(&primitive, 1);
-        const AllAnswers alone = answers_of(on.form, on.rays(), one, Calls::one_by_one);
+        const AllAnswers alone = answers_of(on.form, rays, one, Calls::one_by_one);
         for (const FormKernels& width : widths) {
-            const AllAnswers together = answers_of(width, on.rays(), one);
-            for (std::size_t i = 0; i < on.pixels(); ++i) {
+            const AllAnswers together = answers_of(width, rays, one);
+            for (std::size_t k = 0; k < places.size(); ++k) {
+                const std::size_t i = places[k];
                 if (is_disagreement(out.results[i])) continue;
                 const Ray<double> ray = on.inputs.rays[i];
-                out.set(i, compare_answers(info, alone, together, i), [&] {
+                out.set(i, compare_answers(info, alone, together, k), [&] {
                     return TwoRays{i, on.shown(ray, HUGE_VAL), on.shown(ray, HUGE_VAL)};
                 });
             }
         }
-    }
+    });
 }
 
 }  // namespace lostbits::measure::consistency

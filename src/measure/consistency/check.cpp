@@ -1,11 +1,25 @@
 #include "measure/consistency/check.hpp"
 
 #include <algorithm>
+#include <numeric>
+
+#include "measure/offset/offsets.hpp"
 
 namespace lostbits::measure::consistency {
 
 using intersect::table::Intersector;
 using scene::file::Scene;
+
+namespace {
+
+/// The tree over the triangles of a large mesh; null for scenes whose primitives are all tested.
+std::shared_ptr<const culling::PrimitiveIndex> tree_of(const truth::Band& band, const FloatFormat& format,
+                                                       const scene::rays::PrimitiveList<double>& primitives) {
+    if (primitives.size() <= offset::most_primitives || !primitives.mesh() || !band.culler()) return nullptr;
+    return band.culler()->for_own_truth(format, primitives);
+}
+
+}  // namespace
 
 RowOnBand::RowOnBand(const Scene& of, const evaluate::TestedForm& asked, const truth::Band& on)
     : scene(of),
@@ -13,14 +27,68 @@ RowOnBand::RowOnBand(const Scene& of, const evaluate::TestedForm& asked, const t
       band(on),
       form(*asked.form, asked.format, on.stop()),
       inputs(on.inputs_for(asked.format, *asked.form->info)),
-      primitives(inputs.primitives.all()),
-      closest(answer::evaluate(*asked.form, inputs)) {}
+      closest(answer::evaluate(*asked.form, inputs)),
+      tree_(tree_of(on, asked.format.parameters, inputs.primitives)) {}
 
 scene::rays::RayGroup RowOnBand::shown(const Ray<double>& ray, double tmax) const {
     scene::rays::RayGroup group = scene::rays::group_of(ray);
-    if (std::ranges::all_of(primitives, takes_tmax, &Primitive<double>::shape)) group.rays.tmax = {tmax};
-    if (primitives.size() <= truth::Band::most_given) group.primitives = primitives;
+    const bool few = inputs.primitives.size() <= truth::Band::most_given;
+    std::vector<Primitive<double>> primitives;
+    if (few || inputs.primitives.mesh() == nullptr) primitives = inputs.primitives.all();
+    if (!primitives.empty() && std::ranges::all_of(primitives, takes_tmax, &Primitive<double>::shape))
+        group.rays.tmax = {tmax};
+    if (few) group.primitives = primitives;
     return group;
+}
+
+RowOnBand::NearRay RowOnBand::near(std::span<const Ray<double>> rays) const {
+    NearRay near;
+    if (tree_) {
+        std::vector<std::uint32_t> found;
+        for (const Ray<double>& ray : rays) {
+            tree_->candidates(ray, found);
+            near.indices.insert(near.indices.end(), found.begin(), found.end());
+        }
+        std::ranges::sort(near.indices);
+        near.indices.erase(std::ranges::unique(near.indices).begin(), near.indices.end());
+    } else {
+        near.indices.resize(inputs.primitives.size());
+        std::iota(near.indices.begin(), near.indices.end(), 0U);
+    }
+    for (const std::uint32_t k : near.indices) near.primitives.push_back(inputs.primitives[k]);
+    return near;
+}
+
+RowOnBand::RaysOfPrimitives::RaysOfPrimitives(const RowOnBand& on, const scene::rays::RayBlock& all)
+    : on_(on), all_(all) {
+    if (!on.tree_) {
+        places_.resize(all.size());
+        std::iota(places_.begin(), places_.end(), std::size_t{0});
+        return;
+    }
+    std::vector<std::pair<std::uint32_t, std::size_t>> pairs;
+    std::vector<std::uint32_t> found;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        on.form.stop.check();
+        on.tree_->candidates(all[i], found);
+        for (const std::uint32_t k : found) pairs.emplace_back(k, i);
+    }
+    std::ranges::sort(pairs);
+    for (const auto& [primitive, ray] : pairs) {
+        if (primitives_.empty() || primitives_.back() != primitive) runs_.emplace_back(places_.size(), 0);
+        primitives_.push_back(primitive), places_.push_back(ray);
+        runs_.back().second = places_.size();
+    }
+}
+
+scene::rays::RayBlock RowOnBand::RaysOfPrimitives::some(std::span<const std::size_t> places) const {
+    scene::rays::RayBlock rays;
+    for (const std::size_t i : places) {
+        rays.push(all_[i]);
+        rays.push_range(all_, i);
+    }
+    rays.set_as_list();
+    return rays;
 }
 
 namespace {

@@ -4,14 +4,17 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "intersect/process/stop_token.hpp"
 #include "intersect/simd/packed.hpp"
 #include "measure/answer/answers.hpp"
+#include "measure/culling/culling.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/truth/missing.hpp"
 #include "scene/rays/rays.hpp"
@@ -110,13 +113,6 @@ AllAnswers answers_of(const FormKernels& asked, const scene::rays::RayBlock& ray
 /// True if the form answers t, which an end can be compared with.
 bool tells_t(const intersect::Info& info);
 
-/// For each ray, 1 if the form meets any of the primitives before the ray's `tmax`, as in a shadow test. Forms that
-/// take the end of a ray (boxes) decide by themselves. For other forms a primitive counts if it is hit and its t, or
-/// the far side if the form answers that, lies in 0 < t < tmax. A near side that differs from t does not count: the
-/// form itself has rejected it.
-std::vector<std::uint8_t> meets_before_end(const FormKernels& asked, const scene::rays::RayBlock& rays,
-                                           std::span<const Primitive<double>> primitives);
-
 /// A form in a format over the pixels of a band: the input of every check.
 struct RowOnBand {
     RowOnBand(const scene::file::Scene& of, const evaluate::TestedForm& asked, const truth::Band& on);
@@ -126,7 +122,6 @@ struct RowOnBand {
     const truth::Band& band;
     FormKernels form;
     truth::FormatInputs inputs;
-    std::vector<Primitive<double>> primitives;
     answer::Answers closest;  ///< answers as in a map
 
     /// Rays of the pixels, for the form's kind of direction.
@@ -134,9 +129,58 @@ struct RowOnBand {
     [[nodiscard]] std::size_t pixels() const { return closest.hit.size(); }
     [[nodiscard]] const FloatFormat& format() const { return row.format.parameters; }
     [[nodiscard]] bool is_unit() const { return row.form->info->direction == intersect::Direction::unit; }
+    /// The primitives that a ray may meet: all, or those of a large mesh that a tree finds. With the index of each.
+    struct NearRay {
+        std::vector<std::uint32_t> indices;
+        std::vector<Primitive<double>> primitives;
+    };
+    [[nodiscard]] NearRay near(const Ray<double>& ray) const { return near(std::span(&ray, 1)); }
+    /// The primitives that any of the rays may meet.
+    [[nodiscard]] NearRay near(std::span<const Ray<double>> rays) const;
+    /// Calls `act(primitive, rays, places)` for each primitive that any of the rays may meet, with those rays and their
+    /// places among `all`.
+    template <class Act>
+    void by_primitive(const scene::rays::RayBlock& all, const Act& act) const {
+        const RaysOfPrimitives pairs(*this, all);
+        for (std::size_t k = 0; k < pairs.size(); ++k) pairs.call(k, act);
+    }
     /// A ray, its end and all primitives; without primitives if there are too many.
     [[nodiscard]] scene::rays::RayGroup shown(const Ray<double>& ray, double tmax) const;
+
+private:
+    /// The rays that each primitive may be met by.
+    class RaysOfPrimitives {
+    public:
+        RaysOfPrimitives(const RowOnBand& on, const scene::rays::RayBlock& all);
+        [[nodiscard]] std::size_t size() const { return on_.tree_ ? runs_.size() : on_.inputs.primitives.size(); }
+        template <class Act>
+        void call(std::size_t k, const Act& act) const {
+            if (!on_.tree_) return act(on_.inputs.primitives[k], all_, places_);
+            const auto [begin, end] = runs_[k];
+            const std::span<const std::size_t> places = std::span(places_).subspan(begin, end - begin);
+            act(on_.inputs.primitives[primitives_[begin]], some(places), places);
+        }
+
+    private:
+        [[nodiscard]] scene::rays::RayBlock some(std::span<const std::size_t> places) const;
+
+        const RowOnBand& on_;
+        const scene::rays::RayBlock& all_;
+        std::vector<std::size_t> places_;                        ///< of rays; without a tree those of all
+        std::vector<std::uint32_t> primitives_;                  ///< for each of them
+        std::vector<std::pair<std::size_t, std::size_t>> runs_;  ///< begin and end of each primitive's rays
+    };
+
+    std::shared_ptr<const culling::PrimitiveIndex> tree_;  ///< for large meshes; null: all primitives are tested
 };
+
+/// For each ray, 1 if the form meets the primitive, or any that the ray may meet, before the ray's `tmax`, as in a
+/// shadow test. Forms that take the end of a ray (boxes) decide by themselves. For other forms a primitive counts if it
+/// is hit and its t, or the far side if the form answers that, lies in 0 < t < tmax. A near side that differs from t
+/// does not count: the form itself has rejected it.
+std::vector<std::uint8_t> meets_before_end(const FormKernels& asked, const scene::rays::RayBlock& rays,
+                                           const Primitive<double>& primitive);
+std::vector<std::uint8_t> meets_before_end(const RowOnBand& on, const scene::rays::RayBlock& rays);
 
 struct Check {
     std::string_view name;    ///< `reverse`

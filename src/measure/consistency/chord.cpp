@@ -73,15 +73,17 @@ struct BallOnRay {
     [[nodiscard]] double end() const { return middle + std::max(middle, 2 * half); }
 };
 
-/// The primitive at the pixel. If there is none, the one ahead that the ray passes nearest to.
+/// The primitive at the pixel. If there is none, the one ahead that the ray passes nearest to; of a large mesh, only if
+/// it comes near its box.
 std::optional<std::size_t> primitive_of(const RowOnBand& on, std::size_t i) {
     const Truth truth = on.band.truth(i, on.row.convention());
     if (truth.is_hit()) return static_cast<std::size_t>(truth.object);
     std::optional<std::size_t> nearest;
     double least = HUGE_VAL;
-    for (std::size_t k = 0; k < on.primitives.size(); ++k) {
-        const BallOnRay around(on.inputs.rays[i], on.primitives[k]);
-        if (around.is_ahead() && around.aside < least) least = around.aside, nearest = k;
+    const RowOnBand::NearRay near = on.near(on.inputs.rays[i]);
+    for (std::size_t k = 0; k < near.indices.size(); ++k) {
+        const BallOnRay around(on.inputs.rays[i], near.primitives[k]);
+        if (around.is_ahead() && around.aside < least) least = around.aside, nearest = near.indices[k];
     }
     return nearest;
 }
@@ -91,7 +93,7 @@ std::optional<EitherEnd> segment_of(const RowOnBand& on, std::size_t i) {
     const auto k = primitive_of(on, i);
     if (!k) return std::nullopt;
     const Ray<double> ray = on.inputs.rays[i];
-    const BallOnRay around(ray, on.primitives[*k]);
+    const BallOnRay around(ray, on.inputs.primitives[*k]);
     if (!around.is_ahead()) return std::nullopt;
     const Vec<double> p = ray.origin;
     Vec<double> q{0, 0, 0}, way{0, 0, 0};
@@ -102,7 +104,7 @@ std::optional<EitherEnd> segment_of(const RowOnBand& on, std::size_t i) {
             way[axis] = as_double(end - static_cast<T>(p[axis]));
         }
     });
-    const EitherEnd ends{{p, way}, {q, Vec<double>(-way.x, -way.y, -way.z)}, on.primitives[*k]};
+    const EitherEnd ends{{p, way}, {q, Vec<double>(-way.x, -way.y, -way.z)}, on.inputs.primitives[*k]};
     if (!truth::is_proper(ends.forth) || !truth::is_proper(ends.back)) return std::nullopt;
     return ends;
 }

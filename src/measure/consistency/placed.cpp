@@ -1,10 +1,12 @@
 // Compares a primitive under a matrix with the same primitive without one.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "intersect/table/sets.hpp"
 #include "intersect/transform/spaced.hpp"
 #include "measure/consistency/check.hpp"
+#include "measure/offset/offsets.hpp"
 
 namespace lostbits::measure::consistency {
 
@@ -84,10 +86,10 @@ const Intersector& form_for(const Intersector& form) {
 }
 
 /// The primitives changed to the other way where possible, and unchanged elsewhere. Empty if none can be changed.
-std::vector<Primitive<double>> in_other_place(const RowOnBand& on) {
+std::vector<Primitive<double>> in_other_place(const RowOnBand& on, const std::vector<Primitive<double>>& primitives) {
     bool any = false;
     std::vector<Primitive<double>> others;
-    for (const Primitive<double>& primitive : on.primitives) {
+    for (const Primitive<double>& primitive : primitives) {
         const auto other =
             primitive.placed ? image_of(primitive, on.format()) : std::optional(under_matrix(primitive, on.format()));
         any = any || other;
@@ -96,8 +98,24 @@ std::vector<Primitive<double>> in_other_place(const RowOnBand& on) {
     return any ? others : std::vector<Primitive<double>>{};
 }
 
-truth::Band band_of(const RowOnBand& on, const std::vector<Primitive<double>>& primitives) {
-    return truth::Band(scene::rays::RayGroup{.rays = on.inputs.rays, .primitives = primitives}, {.stop = on.form.stop});
+/// The rays of the band among other primitives, and the index of these.
+struct BandAmong {
+    std::unique_ptr<culling::Culler> culler = {};
+    std::unique_ptr<truth::Band> band;
+
+    BandAmong(const RowOnBand& on, const std::vector<Primitive<double>>& primitives) {
+        if (primitives.size() > offset::most_primitives)
+            culler = std::make_unique<culling::Culler>(scene::rays::PrimitiveList<double>(primitives), on.inputs.rays);
+        scene::rays::RayGroup group{.rays = on.inputs.rays, .primitives = primitives};
+        band = std::make_unique<truth::Band>(std::move(group), truth::TruthLimit{.stop = on.form.stop}, culler.get());
+    }
+};
+
+/// All primitives, or those of a large mesh that a ray of the band may meet.
+std::vector<Primitive<double>> primitives_of(const RowOnBand& on) {
+    std::vector<Ray<double>> rays;
+    for (std::size_t i = 0; i < on.pixels(); ++i) rays.push_back(on.inputs.rays[i]);
+    return on.near(rays).primitives;
 }
 
 }  // namespace
@@ -105,9 +123,10 @@ truth::Band band_of(const RowOnBand& on, const std::vector<Primitive<double>>& p
 void check_placed(const RowOnBand& on, PixelCheckResults& out) {
     out.apart.assign(on.pixels(), truth::missing);
     out.excess.assign(on.pixels(), truth::missing);
-    const std::vector<Primitive<double>> others = in_other_place(on);
+    const std::vector<Primitive<double>> primitives = primitives_of(on), others = in_other_place(on, primitives);
     if (others.empty()) return;
-    const truth::Band here = band_of(on, on.primitives), there = band_of(on, others);
+    const BandAmong as_given(on, primitives), in_other(on, others);
+    const truth::Band &here = *as_given.band, &there = *in_other.band;
     const Intersector& form = form_for(*on.row.form);
     const bool unit = form.info->direction == intersect::Direction::unit;
     const auto answers = answer::evaluate(form, there.inputs_for(on.row.format, *form.info));

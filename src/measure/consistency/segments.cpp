@@ -62,8 +62,9 @@ bool is_ray(const SegmentInTwoWays& s) {
 CheckResult check_result_of_segment(const RowOnBand& on, const SegmentInTwoWays& s, bool first, bool second) {
     if (first == second) return CheckResult::agree;
     const intersect::Convention convention = on.row.convention();
-    const auto one = truly_meets_before(s.by_difference, s.difference_end, on.primitives, convention);
-    const auto other = truly_meets_before(s.by_unit, s.unit_end, on.primitives, convention);
+    const auto one =
+        truly_meets_before(s.by_difference, s.difference_end, on.near(s.by_difference).primitives, convention);
+    const auto other = truly_meets_before(s.by_unit, s.unit_end, on.near(s.by_unit).primitives, convention);
     if (one == Truth::Decision::unresolved || other == Truth::Decision::unresolved) return CheckResult::unresolved;
     return check_result_of(first, second, one == Truth::Decision::hit, other == Truth::Decision::hit);
 }
@@ -86,8 +87,7 @@ void compare_segments(const RowOnBand& on, const From& from, EndOfSegment end, P
         second.push(s.by_unit);
         second.tmax.push_back(s.unit_end);
     }
-    const auto one = meets_before_end(on.form, first, on.primitives),
-               other = meets_before_end(on.form, second, on.primitives);
+    const auto one = meets_before_end(on, first), other = meets_before_end(on, second);
     for (std::size_t k = 0; k < pixels.size(); ++k) {
         const SegmentInTwoWays& s = segments[k];
         out.set(pixels[k], check_result_of_segment(on, s, one[k] != 0, other[k] != 0), [&] {
@@ -105,7 +105,7 @@ void compare_with_ends(const RowOnBand& on, const End& end, bool expected, Pixel
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (on.closest.hit[i] != 0) rays.tmax[i] = end(on.closest.t[i]);
     }
-    const auto meets = meets_before_end(on.form, rays, on.primitives);
+    const auto meets = meets_before_end(on, rays);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (on.closest.hit[i] == 0 || std::isnan(rays.tmax[i])) continue;
         const CheckResult how = (meets[i] != 0) == expected ? CheckResult::agree

@@ -131,7 +131,8 @@ MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& among, const
         if (by && (by->by == Passage::By::outside || by->by == Passage::By::in_plane)) continue;
         const Truth truth = find_truth(ray, triangle, limit, {}, range);
         if (!by || truth.decision == Truth::Decision::unresolved) found.is_resolved = false;
-        else if (truth.is_hit()) found.in_order.push_back({k, 0, truth.t, by->front, by->by == Passage::By::rim});
+        else if (truth.is_hit())
+            found.in_order.push_back({k, 0, truth.t, truth.distance, by->front, by->by == Passage::By::rim});
     }
     const auto order = [&](const MeshCrossing& a, const MeshCrossing& b) {
         if (const int apart = compare(a.t, b.t); apart != 0) return apart;
@@ -166,6 +167,15 @@ unsigned nearest_edges(const Ray<double>& ray, const Primitive<double>& triangle
             [facing](const auto& shape, const auto& its) { return find_nearest_edges<E>(shape, its, facing); });
     });
     return found.value_or(all);
+}
+
+bool is_beside_border(const Ray<double>& ray, const Primitive<double>& triangle, const scene::triangle::Mesh& mesh,
+                      std::size_t face) {
+    if (!mesh.has_border(face)) return false;
+    const unsigned nearest = nearest_edges(ray, triangle);
+    for (std::size_t k = 0; k < 3; ++k)
+        if ((nearest >> k & 1U) != 0 && mesh.is_border(face, k)) return true;
+    return false;
 }
 
 PointInMesh place_in_mesh(const Vec<double>& point, const Triangles& mesh, TruthLimit limit) {

@@ -7,6 +7,7 @@
 
 #include "measure/culling/culling.hpp"
 #include "measure/truth/truth.hpp"
+#include "shapes/triangle/mesh/mesh.hpp"
 
 namespace lostbits::measure::crossing {
 
@@ -19,10 +20,11 @@ struct Triangles {
 /// A point at which a ray meets a triangle, its rim included.
 struct MeshCrossing {
     std::uint32_t triangle = 0;
-    int place = 0;        ///< in the order of t, from 0; crossings at the same t have the same place
-    truth::Certified t;   ///< in lengths of the direction
-    bool front = false;   ///< the ray comes from the side on which the corners run counter-clockwise
-    bool at_rim = false;  ///< it passes through an edge or a vertex
+    int place = 0;              ///< in the order of t, from 0; crossings at the same t have the same place
+    truth::Certified t;         ///< in lengths of the direction
+    truth::Certified distance;  ///< t |d|
+    bool front = false;         ///< the ray comes from the side on which the corners run counter-clockwise
+    bool at_rim = false;        ///< it passes through an edge or a vertex
 };
 
 /// Crossings of one ray.
@@ -44,6 +46,10 @@ std::optional<int> facing_of(const Ray<double>& ray, const Primitive<double>& tr
 /// Bit k stands for the edge opposite to corner k. Several edges may be exactly as near. All edges if the line does not
 /// cross the plane, or if no precision decides.
 unsigned nearest_edges(const Ray<double>& ray, const Primitive<double>& triangle);
+
+/// True if an edge that the line passes nearest to, among those of a face that it meets, belongs to this face alone.
+bool is_beside_border(const Ray<double>& ray, const Primitive<double>& triangle, const scene::triangle::Mesh& mesh,
+                      std::size_t face);
 
 /// Position of a point relative to a mesh.
 struct PointInMesh {

@@ -1,5 +1,8 @@
 #include "measure/culling/box_tree.hpp"
 
+#include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -138,14 +141,18 @@ std::shared_ptr<const BoxTree> BoxTree::make(const PrimitiveList<double>& primit
     tree->relative_ = 0x1p-40 + std::min(widest, 0x1p-5);
     tree->reach_ = 1.75 * reach + 0x1p-149;
     tree->behind_ = std::ldexp(growth_of_all, -shift);
-    tree->nodes_.reserve(tree->order_.size());
-    tree->build(boxes, 0, static_cast<std::uint32_t>(tree->order_.size()));
-    tree->nodes_.shrink_to_fit();
+    const auto count = static_cast<std::uint32_t>(tree->order_.size());
+    tree->nodes_.resize(nodes_over(count));
+    // Isolated: a thread that waits here takes no other work, which might wait for this tree.
+    tbb::this_task_arena::isolate([&] { tree->build(boxes, 0, 0, count); });
     return tree;
 }
 
-void BoxTree::build(const std::vector<Corners>& boxes, std::uint32_t begin, std::uint32_t end) {
-    const std::size_t here = nodes_.size();
+std::uint32_t BoxTree::nodes_over(std::uint32_t count) {
+    return count <= most_in_leaf ? 1 : 1 + nodes_over(count / 2) + nodes_over(count - count / 2);
+}
+
+void BoxTree::build(const std::vector<Corners>& boxes, std::uint32_t here, std::uint32_t begin, std::uint32_t end) {
     Corners all = boxes[order_[begin]], middles;
     for (std::size_t k = 0; k < 3; ++k) middles[k] = HUGE_VALF, middles[k + 3] = -HUGE_VALF;
     const auto middle = [&boxes](std::uint32_t primitive, std::size_t k) {
@@ -158,7 +165,7 @@ void BoxTree::build(const std::vector<Corners>& boxes, std::uint32_t begin, std:
             middles[k + 3] = std::max(middles[k + 3], middle(order_[i], k));
         }
     }
-    nodes_.push_back({all, begin, end - begin});
+    nodes_[here] = {all, begin, end - begin};
     if (end - begin <= most_in_leaf) return;
     std::size_t axis = 0;
     for (std::size_t k = 1; k < 3; ++k)
@@ -166,9 +173,12 @@ void BoxTree::build(const std::vector<Corners>& boxes, std::uint32_t begin, std:
     const std::uint32_t half = begin + (end - begin) / 2;
     const auto before = [&](std::uint32_t a, std::uint32_t b) { return middle(a, axis) < middle(b, axis); };
     std::nth_element(order_.begin() + begin, order_.begin() + half, order_.begin() + end, before);
-    build(boxes, begin, half);
-    nodes_[here] = {all, static_cast<std::uint32_t>(nodes_.size()), 0};
-    build(boxes, half, end);
+    const std::uint32_t other = here + 1 + nodes_over(half - begin);
+    nodes_[here] = {all, other, 0};
+    const auto build_one = [&] { build(boxes, here + 1, begin, half); };
+    const auto build_other = [&] { build(boxes, other, half, end); };
+    if (end - begin > 1U << 14) tbb::parallel_invoke(build_one, build_other);
+    else build_one(), build_other();
 }
 
 double BoxTree::least_distance(const Vec<double>& p, std::uint32_t i) const {
@@ -182,6 +192,21 @@ double BoxTree::least_distance(const Vec<double>& p, std::uint32_t i) const {
         size += std::fabs(x);
     }
     return std::ldexp(length(beside) * (1 - 0x1p-40) - 0x1p-40 * size, shift_);
+}
+
+void BoxTree::within(const Vec<double>& p, double distance, std::vector<std::uint32_t>& found) const {
+    found = asked_each_;
+    std::vector<std::uint32_t> later;
+    if (!nodes_.empty()) later.push_back(0);
+    while (!later.empty()) {
+        const std::uint32_t i = later.back();
+        later.pop_back();
+        if (least_distance(p, i) > distance) continue;
+        const Node& node = nodes_[i];
+        for (std::uint32_t k = 0; k < node.count; ++k) found.push_back(order_[node.next + k]);
+        if (node.count == 0) later.insert(later.end(), {i + 1, node.next});
+    }
+    std::ranges::sort(found);
 }
 
 namespace {
@@ -258,6 +283,7 @@ void BoxTree::find_met(const Ray<double>& ray, std::vector<std::uint32_t>& found
         if (node.count > 0) {
             for (std::uint32_t k = 0; k < node.count; ++k) found.push_back(order_[node.next + k]);
         } else {
+            __builtin_prefetch(&nodes_[node.next]);
             later[waiting++] = node.next;
             later[waiting++] = i + 1;
         }

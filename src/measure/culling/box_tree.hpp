@@ -45,13 +45,17 @@ public:
     /// answers of forms to it are measured on small scenes.
     static constexpr std::size_t most_for_no_ray = 1024;
 
-    /// Nothing where no primitive has a box, and where more than `most_asked_each` have none; but for those of meshes,
-    /// whose cracks are told by their candidates. `format` null: for the truth. `bounds` enters for forms of primitives
-    /// with a length alone; where it is not finite these are without a box.
+    /// Returns nothing if no primitive has a box, or if more than `most_asked_each` have none. Meshes always have a
+    /// tree, because their cracks are found among its candidates. `format` null: for the truth. `bounds` matters only
+    /// to forms of primitives with a length; if it is not finite, these have no box.
     static std::shared_ptr<const BoxTree> make(const scene::rays::PrimitiveList<double>& primitives,
                                                const RayBounds& bounds, const FloatFormat* format);
 
     void candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const override;
+
+    /// Fills `found` with every primitive that has a point within `distance` of p, and perhaps others, in ascending
+    /// order.
+    void within(const Vec<double>& p, double distance, std::vector<std::uint32_t>& found) const;
 
     /// The primitive of the least `distance(primitive)`, the first of those with the same: distances of p from their
     /// surfaces, or from their insides, known to 2^-40 (|p| + R). The first primitive where p is not finite.
@@ -90,7 +94,10 @@ private:
     };
     static constexpr std::size_t most_in_leaf = 4;
 
-    void build(const std::vector<Corners>& boxes, std::uint32_t begin, std::uint32_t end);
+    /// Number of nodes of a tree over that many primitives.
+    static std::uint32_t nodes_over(std::uint32_t count);
+    /// Builds node `here` and those below it, over the primitives from `begin` to `end` in `order_`.
+    void build(const std::vector<Corners>& boxes, std::uint32_t here, std::uint32_t begin, std::uint32_t end);
     void find_met(const Ray<double>& ray, std::vector<std::uint32_t>& found) const;
     /// How far p is from the box of node i, less the margin of distances.
     [[nodiscard]] double least_distance(const Vec<double>& p, std::uint32_t i) const;

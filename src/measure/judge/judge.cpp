@@ -277,13 +277,6 @@ private:
     JudgeResult result_;
 };
 
-std::string file_word(const std::string& name) {
-    std::string word = "file.";
-    for (const char c : name)
-        word += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ? c : '_';
-    return word;
-}
-
 }  // namespace
 
 void JudgeResult::append(JudgeResult&& after) {
@@ -334,8 +327,15 @@ JudgeResult run_judge(Dump& dump, const JudgeRequest& request, const ShowJudged&
     return Run(dump, request, show).run();
 }
 
+std::string name_of_answers(const std::string& name) {
+    std::string word = "file.";
+    for (const char c : name)
+        word += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ? c : '_';
+    return word;
+}
+
 FileForm::FileForm(const std::string& name, Shape shape, const intersect::Info& info)
-    : name_(file_word(name)), info_(info) {
+    : name_(name_of_answers(name)), info_(info) {
     info_.name = name_;
     info_.title = "the answers of a file";
     info_.source = "a file";

@@ -16,11 +16,14 @@
 
 namespace lostbits::measure::judge {
 
+/// `file.NAME`, with `_` in place of characters that file names should not have.
+std::string name_of_answers(const std::string& name);
+
 /// Answers of a file as a row: a name and a contract, without a form to evaluate.
 class FileForm {
 public:
-    /// Named `file.NAME`, with `_` in place of characters that file names should not have. `info` is the contract. Its
-    /// texts are not used, and a file without a t has `Roots::none`.
+    /// Named by `name_of_answers`. `info` is the contract. Its texts are not used, and a file without a t has
+    /// `Roots::none`.
     FileForm(const std::string& name, Shape shape, const intersect::Info& info);
     FileForm(const FileForm&) = delete;
     FileForm& operator=(const FileForm&) = delete;

@@ -66,7 +66,7 @@ class TypedPoint {
 public:
     using S = typename StoredAs<T>::type;
 
-    TypedPoint(const PointWork& work, const FormHit& met) : work_(work), met_(met) {
+    TypedPoint(const PointWork& work, const FormHit& met) : work_(work), met_(met), own_(work.primitives_[met.own]) {
         const Ray<T> ray = lift_ray<T>(met.ray);
         const T t = static_cast<T>(met.t);
         const Vec<T> there = moved<T>(ray.origin, t, ray.direction);
@@ -174,7 +174,7 @@ private:
     [[nodiscard]] const std::vector<Departure<T>>& ways(Side side) const {
         return ways_[static_cast<std::size_t>(side)];
     }
-    [[nodiscard]] const Primitive<double>& own() const { return work_.primitives_[met_.own]; }
+    [[nodiscard]] const Primitive<double>& own() const { return own_; }
     [[nodiscard]] const FarSides& sides_ahead(Side side) const { return far_[static_cast<std::size_t>(side)]; }
     /// True if rays to a side go into the primitive. If it has no inside, rays to either side leave it.
     [[nodiscard]] bool enters(Side side) const { return side == Side::inside && has_inside(own().shape); }
@@ -218,11 +218,23 @@ private:
             add(ahead.wall < r.tmax && (!r.asks_own || is_behind_wall(side, line)), Fault::lost_occluder);
         }
         const double jump = distance(r.ray.origin, p_) + r.tmin * length(r.ray.direction);
-        for (std::size_t k = 0; k < work_.primitives_.size() && jump > 0; ++k) {
-            const Primitive<double>& other = work_.primitives_[k];
-            if (k == met_.own || least_distance(p_, other) > 1.001 * jump) continue;
-            find_faults_with(other, line, r);
+        if (jump > 0) find_faults_near(1.001 * jump, line, r);
+    }
+
+    /// Finds the faults with all other primitives within a distance of p.
+    void find_faults_near(double distance, const HalfLine& line, NewRay& r) const {
+        const auto look = [&](std::size_t k) {
+            if (k == met_.own) return;
+            const Primitive<double> other = work_.primitives_[k];
+            if (!(least_distance(p_, other) > distance)) find_faults_with(other, line, r);
+        };
+        if (work_.near_ == nullptr) {
+            for (std::size_t k = 0; k < work_.primitives_.size(); ++k) look(k);
+            return;
         }
+        std::vector<std::uint32_t> near;
+        work_.near_->within(p_, distance, near);
+        for (const std::uint32_t k : near) look(k);
     }
 
     /// Finds the faults with a neighbour whose surface may lie between p and the start of the ray.
@@ -277,6 +289,7 @@ private:
 
     const PointWork& work_;
     const FormHit& met_;
+    Primitive<double> own_;
     std::optional<Leaving<T>> leaving_;
     Vec<double> p_{0, 0, 0}, n_{0, 0, 0};
     std::array<std::vector<Departure<T>>, 2> ways_;

@@ -8,10 +8,12 @@
 #include <string_view>
 #include <vector>
 
+#include "measure/culling/box_tree.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/offset/leaving.hpp"
 #include "measure/offset/strategy.hpp"
 #include "measure/study/sums.hpp"
+#include "scene/rays/primitive_list.hpp"
 
 namespace lostbits::measure::offset {
 
@@ -91,9 +93,11 @@ struct FormHit {
 /// Measures points of one form in one format. The scene's primitives and light are numbers of the format.
 class PointWork {
 public:
-    PointWork(const evaluate::TestedForm& row, HitPoint point, std::span<const Primitive<double>> primitives,
-              std::optional<Vec<double>> light, std::span<const Strategy* const> strategies)
-        : row_(row), point_(point), primitives_(primitives), light_(light), strategies_(strategies) {}
+    /// `near` finds primitives near a point; null: each is looked at.
+    PointWork(const evaluate::TestedForm& row, HitPoint point, const scene::rays::PrimitiveList<double>& primitives,
+              const culling::BoxTree* near, std::optional<Vec<double>> light,
+              std::span<const Strategy* const> strategies)
+        : row_(row), point_(point), primitives_(primitives), near_(near), light_(light), strategies_(strategies) {}
 
     /// Measures both sides. The index of a strategy in `by_strategy` is side·strategies + its own index. False where
     /// the computed point or its normal is not finite: nothing is filled in then. With `quiet`, the quiet offset is
@@ -116,7 +120,8 @@ public:
 private:
     const evaluate::TestedForm& row_;
     HitPoint point_;
-    std::span<const Primitive<double>> primitives_;
+    const scene::rays::PrimitiveList<double>& primitives_;
+    const culling::BoxTree* near_;
     std::optional<Vec<double>> light_;
     std::span<const Strategy* const> strategies_;
 

@@ -26,9 +26,9 @@ public:
         : study_(study),
           row_(row),
           inputs_(band.inputs_for(row.row.format, *row.row.form->info)),
-          primitives_(inputs_.primitives.all()),
           answers_(answer::evaluate(*row.row.form, inputs_)),
-          work_(row_.row, row_.point, primitives_, light(), study.strategies),
+          near_(tree_of(band, row.row.format.parameters, inputs_.primitives)),
+          work_(row_.row, row_.point, inputs_.primitives, near_.get(), light(), study.strategies),
           truth_(band) {
         const std::size_t n = band.pixels(), m = study.strategies.size();
         out_.y0 = band.y0();
@@ -71,6 +71,12 @@ public:
     [[nodiscard]] OffsetBand take() { return std::move(out_); }
 
 private:
+    /// The tree over the primitives in the format; null if they are few, or spheres.
+    static std::shared_ptr<const culling::BoxTree> tree_of(const Band& band, const FloatFormat& format,
+                                                           const scene::rays::PrimitiveList<double>& primitives) {
+        const auto index = band.culler() ? band.culler()->for_own_truth(format, primitives) : nullptr;
+        return std::dynamic_pointer_cast<const culling::BoxTree>(index);
+    }
     [[nodiscard]] std::optional<Vec<double>> light() const {
         if (!study_.scene.appearance.light) return std::nullopt;
         return picture::input_appearance(study_.scene, row_.row.format.parameters).light;
@@ -125,7 +131,7 @@ private:
                 if (s.first[f] || !ray.has(static_cast<Fault>(f))) continue;
                 const auto pixel = static_cast<int>(i);
                 s.first[f] = BadRay{pixel % out_.width, out_.y0 + pixel / out_.width, answers_.object[i], ray,
-                                    primitives_[static_cast<std::size_t>(answers_.object[i])]};
+                                    inputs_.primitives[static_cast<std::size_t>(answers_.object[i])]};
             }
         }
     }
@@ -133,8 +139,8 @@ private:
     const OffsetStudy& study_;
     const OffsetRow& row_;
     truth::FormatInputs inputs_;
-    std::vector<Primitive<double>> primitives_;
     answer::Answers answers_;
+    std::shared_ptr<const culling::BoxTree> near_;
     PointWork work_;
     const Band& truth_;
     OffsetBand out_;
@@ -143,11 +149,12 @@ private:
 }  // namespace
 
 void require_few_primitives(const Scene& scene) {
-    if (scene.primitive_count() <= most_primitives) return;
+    const std::size_t beside = scene.primitive_count() - (scene.mesh ? scene.mesh->faces.size() : 0);
+    if (beside <= most_primitives) return;
     throw InputError(
-        fmt::format("scene {} has {} primitives, and every ray is tested against all of them; {} is the most: try a "
-                    "part of the scene",
-                    scene.id, scene.primitive_count(), most_primitives));
+        fmt::format("scene {} has {} primitives beside its meshes, and every ray is tested against all of them; {} is "
+                    "the most: try a part of the scene",
+                    scene.id, beside, most_primitives));
 }
 
 bool can_be_asked(const intersect::table::Intersector& form) {

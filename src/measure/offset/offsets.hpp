@@ -122,7 +122,7 @@ struct OffsetStudy {
 const std::vector<std::string_view>& usual_forms();
 inline constexpr std::string_view usual_format = "f32";
 
-/// Most primitives of a scene: each point is compared with all of them.
+/// Most primitives of a scene beside its meshes: each point is compared with all of them.
 inline constexpr std::size_t most_primitives = 1000;
 /// InputError for a scene with more primitives; the message names it.
 void require_few_primitives(const scene::file::Scene& scene);

@@ -83,7 +83,10 @@ Scene with_smaller_picture(const Scene& scene, int pixels) {
 }
 
 SceneWork::SceneWork(const Scene& scene, truth::TruthLimit limit)
-    : scene_(with_smaller_picture(scene, timed_pixels)), band_(scene_, 0, scene_.height, limit), rays_(band_.pixels()) {
+    : scene_(with_smaller_picture(scene, timed_pixels)),
+      culler_(std::make_unique<culling::Culler>(scene_)),
+      band_(scene_, 0, scene_.height, limit, culler_.get()),
+      rays_(band_.pixels()) {
     choose_primitives({}, scene_.primitive_count());
 }
 

@@ -45,6 +45,7 @@ private:
     std::shared_ptr<Store<S>> store(const evaluate::TestedForm& row);
 
     scene::file::Scene scene_ = {};
+    std::unique_ptr<culling::Culler> culler_ = {};  ///< of the scene; null for a sample of a file
     truth::Band band_;
     std::size_t rays_;
     double hit_rate_ = 0;

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "intersect/process/parallel.hpp"
+#include "measure/culling/culling.hpp"
 #include "measure/shard/share.hpp"
 #include "measure/study/sums.hpp"
 #include "measure/truth/band.hpp"
@@ -73,9 +74,10 @@ std::vector<typename S::Summary> run_share(const S& study, const ShowBand<S>& sh
     const int lines = lines_of_band(scene.width, S::pixels_together);
     const auto bands = study.share.of_units(static_cast<std::uint64_t>((scene.height + lines - 1) / lines));
     auto all = begin_all(study);
+    culling::Culler culler(scene);
     for (std::uint64_t unit = bands.first; unit < bands.last; ++unit) {
         const int y0 = static_cast<int>(unit) * lines;
-        const truth::Band band(scene, y0, std::min(scene.height, y0 + lines), truth_limit(study.limit));
+        const truth::Band band(scene, y0, std::min(scene.height, y0 + lines), truth_limit(study.limit), &culler);
         const auto& shared = study.prepare(band);
         intersect::process::in_parallel(std::size_t{0}, study.rows.size(), [&](std::size_t row) {
             const typename S::Band found = study.measure(shared, row, all[row]);

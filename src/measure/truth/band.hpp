@@ -69,6 +69,8 @@ public:
     [[nodiscard]] std::shared_ptr<const scene::rays::RayGroup> given(std::size_t i, std::set<int> primitives) const;
     static constexpr std::size_t most_given = 64;
 
+    /// Indices of its primitives; null if there are none.
+    [[nodiscard]] culling::Culler* culler() const { return culler_; }
     [[nodiscard]] int y0() const { return y0_; }
     [[nodiscard]] int rows() const { return rows_; }
     [[nodiscard]] intersect::process::StopToken stop() const { return limit_.stop; }

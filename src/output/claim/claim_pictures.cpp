@@ -9,6 +9,7 @@
 #include "output/attribution/explain_text.hpp"
 #include "output/consistency/consistency_files.hpp"
 #include "output/file/escape.hpp"
+#include "output/image/figure.hpp"
 #include "output/map/map_files.hpp"
 #include "output/offset/offset_files.hpp"
 #include "output/picture/render_files.hpp"
@@ -59,17 +60,22 @@ std::vector<const measure::metric::Metric*> drawn_metrics() {
     return all;
 }
 
-std::string picture_link(const std::string& title, const std::string& file) {
-    return fmt::format("![{}](pictures/{})\n", file::markdown_text(title), file::markdown_path(file));
+std::filesystem::path picture_path(const ShownSubject& shown, const std::string& file) {
+    return shown.folder / "pictures" / file;
+}
+
+std::string picture_link(const ShownSubject& shown, const std::string& title, const std::string& file) {
+    const std::string name = image::figure_path(picture_path(shown, file)).filename().string();
+    return fmt::format("![{}](pictures/{})\n", file::markdown_text(title), file::markdown_path(name));
 }
 
 /// The sheet of a study.
 template <class View>
 std::string sheet_of(const ShownSubject& shown, const typename View::Study& study, const char* ending) {
     const std::string file = study.scene.id + ending;
-    study::StudyFiles<View> sheet(study, {.folder = {}, .sheet_alone = shown.folder / "pictures" / file});
+    study::StudyFiles<View> sheet(study, {.folder = {}, .sheet_alone = picture_path(shown, file)});
     sheet.finish(measure::study::run_study(study, sheet.show()));
-    return picture_link(study.scene.title, file);
+    return picture_link(shown, study.scene.title, file);
 }
 
 /// The marches along a scene's first pixel, sample by sample, if all claims are about those; otherwise the picture of
@@ -91,10 +97,9 @@ std::string picture_of(const SceneSubject& on, const ShownSubject& shown) {
                                                        .limit = {.stop = shown.run.stop}};
     const std::string file = scene.id + ".png";
     map::MapFiles sheet(
-        request,
-        {.folder = {}, .drawn = request.metrics, .named = scene.id, .sheet_alone = shown.folder / "pictures" / file});
+        request, {.folder = {}, .drawn = request.metrics, .named = scene.id, .sheet_alone = picture_path(shown, file)});
     sheet.finish(measure::evaluate::evaluate_rows(request, sheet.shows()));
-    return picture_link(scene.title, file);
+    return picture_link(shown, scene.title, file);
 }
 
 /// The pictures of a rendered scene, with all stages that its claims name.
@@ -171,7 +176,8 @@ SweepPlots plots_of(const std::vector<const Claim*>& claims) {
 
 /// The pictures of a sweep, as Markdown.
 std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
-    const auto& [folder, claims, run] = shown;
+    const auto& claims = shown.claims;
+    const auto& run = shown.run;
     const std::vector<TestedForm> rows = rows_of(claims);
     const auto path = scene::sweep::find_sweep(on.name, run.data_dir);
     // The claims are about small ranges, but a picture would need the whole axis.
@@ -187,8 +193,8 @@ std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
             if (std::ranges::none_of(rows, [&](const TestedForm& r) { return r.judged == judged; })) continue;
             const std::string picture =
                 judged ? fmt::format("{}.{}.png", file.id, intersect::convention_name(judged)) : file.id + ".png";
-            sweep::write_case_matrix(folder / "pictures" / picture, request, cases, judged);
-            text += picture_link(file.title, picture);
+            sweep::write_case_matrix(picture_path(shown, picture), request, cases, judged);
+            text += picture_link(shown, file.title, picture);
         }
         return text;
     }
@@ -202,8 +208,8 @@ std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
         for (std::size_t r = 0; r < rows.size(); ++r) {
             const std::string file =
                 fmt::format("{}.{}.{}.png", sweep.id, rows[r].form->info->name, rows[r].format.name);
-            sweep::write_plane_picture(folder / "pictures" / file, request, steps, r);
-            text += picture_link(fmt::format("{} in {}", rows[r].form->info->name, rows[r].format.name), file);
+            sweep::write_plane_picture(picture_path(shown, file), request, steps, r);
+            text += picture_link(shown, fmt::format("{} in {}", rows[r].form->info->name, rows[r].format.name), file);
         }
         return text;
     }
@@ -213,8 +219,8 @@ std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
     for (const Format& format : sweep::formats_of(measured)) {
         const auto show = [&](const char* what) {
             const std::string file = fmt::format("{}.{}.{}.png", sweep.id, what, format.name);
-            text += picture_link(fmt::format("{}: {}, {}", sweep.title, what, format.name), file);
-            return folder / "pictures" / file;
+            text += picture_link(shown, fmt::format("{}: {}, {}", sweep.title, what, format.name), file);
+            return picture_path(shown, file);
         };
         if (plots.median) sweep::write_lost_bits_plot(show("lost_bits_p50"), measured, format, 0.5);
         if (plots.tail) sweep::write_lost_bits_plot(show("lost_bits_p99"), measured, format, 0.99);

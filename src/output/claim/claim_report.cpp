@@ -96,10 +96,11 @@ std::string row_text(const Claim& c, const ClaimResult& r) {
     const std::string what = c.operations.empty() ? file::markdown_text(quantity(c))
                                                   : fmt::format("{} of {}", c.metric, in_code(c.operations));
     const std::string place = words_of(c).place;
+    const std::string words = c.quotation.empty() ? "" : " <br> \"" + file::markdown_text(c.quotation) + "\"";
     const std::string says = c.criterion ? "; says " + file::markdown_text(c.criterion->text) : "";
     return fmt::format(
-        "| {}{} | {}{} | {} | {} = {}{} | {} |\n", verdict, all.empty() ? "" : ": " + all,
-        file::markdown_text(c.statement), c.note.empty() ? "" : " <br> *" + file::markdown_text(c.note) + "*",
+        "| {}{} | {}{}{} | {} | {} = {}{} | {} |\n", verdict, all.empty() ? "" : ": " + all,
+        file::markdown_text(c.statement), words, c.note.empty() ? "" : " <br> *" + file::markdown_text(c.note) + "*",
         file::markdown_text(fmt::format("{}{}{}", c.tested(), " " + c.format, place.empty() ? "" : ", " + place)), what,
         number + bounds_text(r) + spread_text(r), says, file::markdown_code(c.id));
 }
@@ -111,17 +112,19 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
     file::AtomicFile readme(folder / "README.md");
     const CountsBySource counts = count_verdicts(claims, results);
     const std::size_t other = claims.size() - counts.all.confirmed();
+    const auto quoted = std::ranges::count_if(claims, [](const Claim& c) { return !c.quotation.empty(); });
     std::string text = fmt::format(
         "# What the sources say, and what we measured\n\nMade by `lostbits check{} --report reports`; do not edit. "
         "{} claims, each a sentence or a part of one{}: {}. A statement is qualified if it is true under a condition "
-        "that its source does not state. The verdicts on {} follow from what the statement says about the number "
+        "that its source does not state. Words of the source, found there by a second person, stand below {} of the "
+        "sentences. The verdicts on {} follow from what the statement says about the number "
         "(\"says = 0\"); the others only describe a number. Every number was measured by the run that made this "
         "page; a test makes the page again and compares. `lostbits report` makes the same page for a browser, where "
         "each claim links to its pixels or its plot.\n\nClaims about random rays were measured on several draws. All "
         "must lie in the claim's interval, which is the range over 32 draws, widened by half on either side (in "
         "logarithms for onsets and fractions).\n{}",
         draws_option(results), claims.size(),
-        other == 0 ? "" : fmt::format(", of which {} failed or could not be measured", other), counts.text(),
+        other == 0 ? "" : fmt::format(", of which {} failed or could not be measured", other), counts.text(), quoted,
         counts.all.with_criterion, screenshots_in(folder));
     for (const ClaimSubject& subject : subjects_of(claims)) {
         text += fmt::format("\n## {}\n\n", file::markdown_text(subject.name));

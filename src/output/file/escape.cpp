@@ -103,6 +103,18 @@ bool is_entity(std::string_view line, std::size_t at) {
 
 }  // namespace
 
+std::string html(std::string_view text) {
+    std::string out;
+    for (const char c : xml_text(text)) {
+        if (c == '&') out += "&amp;";
+        else if (c == '<') out += "&lt;";
+        else if (c == '>') out += "&gt;";
+        else if (c == '"') out += "&quot;";
+        else out += c;
+    }
+    return out;
+}
+
 std::string markdown_text(std::string_view text) {
     const std::string line = plain_line(text);
     std::string out;

@@ -1,6 +1,5 @@
-// Escapes text that users wrote: one function per kind of output. Others are `quoted_field` (csv.hpp), `html`
-// (page/text.hpp), `shell_word` (intersect/process/child.hpp), the names in `\mathit`
-// (measure/attribution/tape_text.hpp) and nlohmann's JSON.
+// Escapes text that users wrote: one function per kind of output. Others are `quoted_field` (csv.hpp), `shell_word`
+// (intersect/process/child.hpp), the names in `\mathit` (measure/attribution/tape_text.hpp) and nlohmann's JSON.
 #pragma once
 
 #include <string>
@@ -22,6 +21,9 @@ namespace lostbits::output::file {
 /// lines (U+061C, U+200E, U+200F, U+2028 to U+202E, U+2066 to U+2069); and every byte that is not UTF-8. A carriage
 /// return, which readers turn into a line feed, becomes a line feed.
 [[nodiscard]] std::string xml_text(std::string_view text);
+
+/// For HTML and SVG, in text and in quoted attributes: `xml_text` with &, <, > and quotes as entities.
+[[nodiscard]] std::string html(std::string_view text);
 
 /// For a line of Markdown. The text cannot make a tag, a link, a line break or the end of a table cell. Emphasis stays.
 [[nodiscard]] std::string markdown_text(std::string_view text);

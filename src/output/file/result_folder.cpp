@@ -50,7 +50,7 @@ std::string name_in(const fs::path& folder, const fs::path& path) {
 
 /// True for files that people take for results of this program.
 bool looks_like_a_result(const fs::path& path) {
-    constexpr std::array<std::string_view, 4> endings{".png", ".csv", ".exr", ".html"};
+    constexpr std::array<std::string_view, 6> endings{".png", ".svg", ".pdf", ".csv", ".exr", ".html"};
     return std::ranges::find(endings, path.extension().string()) != endings.end() ||
            path.filename() == "datapackage.json";
 }
@@ -353,6 +353,13 @@ void add_generator(const fs::path& path, std::vector<std::pair<std::string, std:
         const auto is_it = [name = name](const auto& entry) { return entry.first == name; };
         if (std::ranges::none_of(attributes, is_it)) attributes.emplace_back(name, value);
     }
+}
+
+std::vector<std::string> figures_in(const fs::path& path) {
+    if (path.extension() == ".svg") return {"svg"};
+    std::string name;
+    const ResultFolder* const owner = ResultFolder::owner_of(path, name);
+    return owner == nullptr || owner->rules_.figures.empty() ? std::vector<std::string>{"png"} : owner->rules_.figures;
 }
 
 std::optional<Provenance> provenance_of(const fs::path& path) {

@@ -26,8 +26,9 @@ struct ResultFolderRules {
     /// Others keep files there on purpose. Results that no list names are allowed. Results of other commands of this
     /// program stay, and stay on the list.
     bool shared = false;
-    bool keep = false;     ///< files that the earlier run listed stay: this run continues it
-    bool resumes = false;  ///< a stopped run leaves its state, and `--resume` continues from it
+    bool keep = false;                      ///< files that the earlier run listed stay: this run continues it
+    bool resumes = false;                   ///< a stopped run leaves its state, and `--resume` continues from it
+    std::vector<std::string> figures = {};  ///< kinds of pictures: png, svg, pdf; empty: png
 };
 
 /// A folder of results that this run owns for the lifetime of the object.
@@ -73,6 +74,7 @@ private:
     friend void forget_result(const std::filesystem::path& path);
     friend bool is_in_own_folder(const std::filesystem::path& path);
     friend std::optional<Provenance> provenance_of(const std::filesystem::path& path);
+    friend std::vector<std::string> figures_in(const std::filesystem::path& path);
     static ResultFolder* owner_of(const std::filesystem::path& path, std::string& name);
     void refuse_strange_results() const;
     void refuse_strange_list() const;
@@ -124,6 +126,10 @@ void forget_result(const std::filesystem::path& path);
 /// Adds the attributes `lostbits:command`, `lostbits:program` and `lostbits:forms` of the run whose folder the path is
 /// in. Skips empty ones and those that `attributes` already has.
 void add_generator(const std::filesystem::path& path, std::vector<std::pair<std::string, std::string>>& attributes);
+
+/// The kinds of pictures that the run writes whose folder the path is in, at least one: png unless `--figure` names
+/// others. A path that ends in .svg asks for that kind alone.
+[[nodiscard]] std::vector<std::string> figures_in(const std::filesystem::path& path);
 
 /// The run whose folder the path is in; nothing if it is in none.
 [[nodiscard]] std::optional<Provenance> provenance_of(const std::filesystem::path& path);

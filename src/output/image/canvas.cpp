@@ -43,49 +43,168 @@ std::size_t fitting_prefix(std::string_view text, int size, bool bold, int width
 
 }  // namespace
 
-Canvas::Canvas(int width, int height, Rgb8 colour)
-    : width_(std::max(width, 0)),
-      height_(std::max(height, 0)),
-      pixels_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), colour) {}
+namespace {
 
-std::span<const Rgb8> Canvas::row(int y) const {
-    const auto w = static_cast<std::size_t>(width_);
-    return std::span(pixels_).subspan(static_cast<std::size_t>(y) * w, w);
+PixelBox common(const PixelBox& a, const PixelBox& b) {
+    const int x = std::max(a.x, b.x), y = std::max(a.y, b.y);
+    return {x, y, std::max(std::min(a.x + a.width, b.x + b.width) - x, 0),
+            std::max(std::min(a.y + a.height, b.y + b.height) - y, 0)};
 }
 
-void Canvas::set(int x, int y, Rgb8 colour) noexcept {
-    if (x < 0 || y < 0 || x >= width_ || y >= height_) return;
-    pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)] = colour;
+PixelBox moved(PixelBox box, int x, int y) {
+    box.x += x;
+    box.y += y;
+    return box;
 }
 
-void Canvas::fill(int x, int y, int width, int height, Rgb8 colour) noexcept {
-    for (int j = y; j < y + height; ++j) {
-        for (int i = x; i < x + width; ++i) set(i, j, colour);
+/// Pixels that figures reach. Limits the work, because a marker covers only a few of a large page.
+PixelBox reached(const std::vector<Figure>& figures, const PixelBox& seen) {
+    double left = seen.x + seen.width, right = seen.x, top = seen.y + seen.height, foot = seen.y;
+    for (const Figure& figure : figures) {
+        const double reach = figure.thickness / 2 + 1;
+        for (const Point& p : figure.points) {
+            left = std::min(left, p.x - reach);
+            right = std::max(right, p.x + reach);
+            top = std::min(top, p.y - reach);
+            foot = std::max(foot, p.y + reach);
+        }
     }
+    PixelBox box{std::max(seen.x, static_cast<int>(std::floor(left))),
+                 std::max(seen.y, static_cast<int>(std::floor(top)))};
+    box.width = std::min(seen.x + seen.width, static_cast<int>(std::ceil(right))) - box.x;
+    box.height = std::min(seen.y + seen.height, static_cast<int>(std::ceil(foot))) - box.y;
+    return box;
 }
 
-void Canvas::frame(int x, int y, int width, int height, Rgb8 colour) noexcept {
+/// Paints marks into pixels.
+class Painter {
+public:
+    Painter(std::vector<Rgb8>& pixels, int width) : pixels_(pixels), width_(width) {}
+
+    void paint(const CanvasMark& mark) {
+        std::visit([&](const auto& shape) { put(shape, mark); }, mark.shape);
+    }
+
+private:
+    Rgb8& at(int x, int y) {
+        return pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+    }
+
+    void put(const CanvasMark::Fill& fill, const CanvasMark& mark) {
+        for (const PixelBox& box : fill.boxes)
+            for (int y = box.y; y < box.y + box.height; ++y) std::fill_n(&at(box.x, y), box.width, mark.colour);
+    }
+
+    void put(const CanvasMark::Line& line, const CanvasMark& mark) {
+        blend_in({line.x, line.y, line.text.width, line.text.height}, line.text.coverage, mark, 1);
+    }
+
+    void put(const CanvasMark::Coat& coat, const CanvasMark& mark) {
+        const PixelBox box = reached(coat.figures, mark.seen);
+        if (box.width > 0 && box.height > 0)
+            blend_in(box, image_backend().cover(coat.figures, box), mark, coat.opacity);
+    }
+
+    void put(const CanvasMark::Field& field, const CanvasMark& mark) {
+        const PixelBox box = common(field.box, mark.seen);
+        const auto sample = [&](int x, int y) {
+            const std::int64_t column = std::int64_t{x - field.box.x} * field.columns / field.box.width,
+                               row = std::int64_t{y - field.box.y} * field.rows() / field.box.height;
+            return field.samples[static_cast<std::size_t>(row * field.columns + column)];
+        };
+        for (int y = box.y; y < box.y + box.height; ++y)
+            for (int x = box.x; x < box.x + box.width; ++x) at(x, y) = sample(x, y);
+    }
+
+    /// Blends the mark's colour into each pixel of the box, weighted by its coverage.
+    void blend_in(const PixelBox& box, std::span<const std::uint8_t> coverage, const CanvasMark& mark, double opacity) {
+        const PixelBox part = common(box, mark.seen);
+        for (int y = part.y; y < part.y + part.height; ++y) {
+            for (int x = part.x; x < part.x + part.width; ++x) {
+                const double covered = coverage[static_cast<std::size_t>((y - box.y) * box.width + x - box.x)];
+                if (covered == 0) continue;
+                const int c = static_cast<int>(std::lround(covered * opacity));
+                Rgb8& p = at(x, y);
+                p = {blend(p.r, mark.colour.r, c), blend(p.g, mark.colour.g, c), blend(p.b, mark.colour.b, c)};
+            }
+        }
+    }
+
+    std::vector<Rgb8>& pixels_;
+    int width_;
+};
+
+}  // namespace
+
+Canvas::Canvas(int width, int height, Rgb8 paper)
+    : width_(std::max(width, 0)), height_(std::max(height, 0)), paper_(paper) {}
+
+std::vector<Rgb8> Canvas::pixels() const {
+    std::vector<Rgb8> pixels(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), paper_);
+    Painter painter(pixels, width_);
+    for (const CanvasMark& mark : marks_) painter.paint(mark);
+    return pixels;
+}
+
+void Canvas::fill(int x, int y, int width, int height, Rgb8 colour) {
+    const PixelBox box = common({x, y, width, height}, bounds());
+    if (box.width == 0 || box.height == 0) return;
+    CanvasMark* const last = marks_.empty() ? nullptr : &marks_.back();
+    auto* const same = last ? std::get_if<CanvasMark::Fill>(&last->shape) : nullptr;
+    if (same && last->colour == colour && last->data == about_) same->boxes.push_back(box);
+    else marks_.push_back({CanvasMark::Fill{{box}}, colour, bounds(), about_});
+}
+
+void Canvas::frame(int x, int y, int width, int height, Rgb8 colour) {
     fill(x - 1, y - 1, width + 2, 1, colour);
     fill(x - 1, y + height, width + 2, 1, colour);
     fill(x - 1, y, 1, height, colour);
     fill(x + width, y, 1, height, colour);
 }
 
-void Canvas::ink(const PixelBox& box, std::span<const std::uint8_t> coverage, Rgb8 colour, double opacity) noexcept {
-    for (int j = std::max(0, -box.y); j < std::min(box.height, height_ - box.y); ++j) {
-        for (int i = std::max(0, -box.x); i < std::min(box.width, width_ - box.x); ++i) {
-            const double covered = coverage[static_cast<std::size_t>(j * box.width + i)];
-            if (covered == 0) continue;
-            const int c = static_cast<int>(std::lround(covered * opacity));
-            Rgb8& p = pixels_[static_cast<std::size_t>((box.y + j) * width_ + box.x + i)];
-            p = {blend(p.r, colour.r, c), blend(p.g, colour.g, c), blend(p.b, colour.b, c)};
-        }
-    }
+void Canvas::text(int x, int y, const TextBitmap& text, Rgb8 colour) {
+    if (text.width > 0) marks_.push_back({CanvasMark::Line{x, y, text}, colour, bounds(), about_});
 }
 
-void Canvas::picture(int x, int y, const Canvas& other) noexcept {
-    for (int j = 0; j < other.height(); ++j) {
-        for (int i = 0; i < other.width(); ++i) set(x + i, y + j, other.row(j)[static_cast<std::size_t>(i)]);
+void Canvas::field(const PixelBox& box, int columns, std::vector<Rgb8> samples) {
+    if (box.width > 0 && box.height > 0)
+        marks_.push_back({CanvasMark::Field{box, columns, std::move(samples)}, {}, bounds(), about_});
+}
+
+void Canvas::coat(const PixelBox& box, std::vector<Figure> figures, Rgb8 colour, double opacity) {
+    if (!figures.empty())
+        marks_.push_back({CanvasMark::Coat{std::move(figures), opacity}, colour, common(box, bounds()), about_});
+}
+
+namespace {
+
+void move(CanvasMark::Line& line, int x, int y) {
+    line.x += x;
+    line.y += y;
+}
+
+void move(CanvasMark::Coat& coat, int x, int y) {
+    for (Figure& figure : coat.figures)
+        for (Point& point : figure.points) point = {point.x + x, point.y + y};
+}
+
+void move(CanvasMark::Field& field, int x, int y) { field.box = moved(field.box, x, y); }
+
+}  // namespace
+
+void Canvas::picture(int x, int y, const Canvas& other) {
+    for (const CanvasMark& mark : other.marks_) {
+        if (const auto* const filled = std::get_if<CanvasMark::Fill>(&mark.shape)) {
+            for (const PixelBox& box : filled->boxes) fill(box.x + x, box.y + y, box.width, box.height, mark.colour);
+            continue;
+        }
+        CanvasMark& copy = marks_.emplace_back(mark);
+        copy.seen = common(moved(mark.seen, x, y), bounds());
+        std::visit(
+            [&](auto& shape) {
+                if constexpr (requires { move(shape, x, y); }) move(shape, x, y);
+            },
+            copy.shape);
     }
 }
 
@@ -97,27 +216,6 @@ void Stroke::area(std::span<const Point> above, std::span<const Point> below) {
     Figure between{{above.begin(), above.end()}};
     between.points.insert(between.points.end(), below.rbegin(), below.rend());
     figures_.push_back(std::move(between));
-}
-
-void Stroke::paint(Canvas& canvas, Rgb8 colour, double opacity) {
-    // Limits the work to the reached pixels, because a marker covers only a few of a large page.
-    double left = box_.x + box_.width, right = box_.x, top = box_.y + box_.height, foot = box_.y;
-    for (const Figure& figure : figures_) {
-        const double reach = figure.thickness / 2 + 1;
-        for (const Point& p : figure.points) {
-            left = std::min(left, p.x - reach);
-            right = std::max(right, p.x + reach);
-            top = std::min(top, p.y - reach);
-            foot = std::max(foot, p.y + reach);
-        }
-    }
-    PixelBox reached{std::max(box_.x, static_cast<int>(std::floor(left))),
-                     std::max(box_.y, static_cast<int>(std::floor(top)))};
-    reached.width = std::min(box_.x + box_.width, static_cast<int>(std::ceil(right))) - reached.x;
-    reached.height = std::min(box_.y + box_.height, static_cast<int>(std::ceil(foot))) - reached.y;
-    if (reached.width > 0 && reached.height > 0)
-        canvas.ink(reached, image_backend().cover(figures_, reached), colour, opacity);
-    figures_.clear();
 }
 
 namespace {
@@ -208,12 +306,6 @@ Canvas heading(std::string_view title, std::span<const std::string> subtitle, in
     return out;
 }
 
-void save_png(const std::filesystem::path& path, const Canvas& canvas) {
-    const auto png = image_backend().open_png(path, canvas.width(), canvas.height());
-    png->write_rows(canvas.height(), canvas.pixels());
-    png->close();
-}
-
 Canvas colour_bar(const ColourScale& scale, std::string_view unit, int height) {
     const int unit_height = style::line_height(style::text_size) + 4;
     const int label_half = image_backend().render_text("0", style::text_size).height / 2;
@@ -229,9 +321,9 @@ Canvas colour_bar(const ColourScale& scale, std::string_view unit, int height) {
     }
     Canvas out(width, height);
     out.text(0, 0, unit_text, style::ink);
-    for (int y = 0; y < bar_height; ++y) {
-        out.fill(1, top + y, ramp_width, 1, scale.at(1 - static_cast<double>(y) / (bar_height - 1)));
-    }
+    std::vector<Rgb8> ramp;
+    for (int y = 0; y < bar_height; ++y) ramp.push_back(scale.at(1 - static_cast<double>(y) / (bar_height - 1)));
+    out.field({1, top, ramp_width, bar_height}, 1, std::move(ramp));
     out.frame(1, top, ramp_width, bar_height, style::line);
     for (std::size_t i = 0; i < ticks.size(); ++i) {
         const int y = top + static_cast<int>((1 - ticks[i].position) * (bar_height - 1) + 0.5);

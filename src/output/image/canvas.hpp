@@ -1,11 +1,12 @@
-// A picture in memory, text and lines on it, and the parts that heatmaps and contact sheets share.
+// A drawing in memory, text and lines on it, and the parts that heatmaps and contact sheets share.
 #pragma once
 
-#include <filesystem>
-#include <optional>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "output/image/colour.hpp"
@@ -33,30 +34,76 @@ inline constexpr int line_height(int size) { return size + (size + 2) / 3; }
 inline constexpr int digit_rise(int size) { return size * 73 / 200; }
 }  // namespace style
 
-/// Pixels row by row. Anything drawn outside is cut off.
+/// What marks show, for a script on a page. An SVG has it as attributes of a group around the marks.
+struct MarkData {
+    std::string keys;               ///< rows that they show, with blanks between them; empty: none
+    std::vector<double> x, y = {};  ///< positions on the canvas: of a point; of steps; of the edges of cells
+};
+
+/// One thing that is drawn on a canvas. Every kind of file is made of the same marks.
+struct CanvasMark {
+    /// Rectangles of whole pixels.
+    struct Fill {
+        std::vector<PixelBox> boxes;
+    };
+    /// A line of text; its upper left corner.
+    struct Line {
+        int x, y;
+        TextBitmap text;
+    };
+    /// Figures that are painted together.
+    struct Coat {
+        std::vector<Figure> figures;
+        double opacity;
+    };
+    /// Samples row by row, stretched to the box; a sample is a flat rectangle.
+    struct Field {
+        PixelBox box;
+        int columns;
+        std::vector<Rgb8> samples;
+
+        [[nodiscard]] int rows() const { return static_cast<int>(samples.size()) / columns; }
+    };
+    std::variant<Fill, Line, Coat, Field> shape;
+    Rgb8 colour;    ///< of all but a field
+    PixelBox seen;  ///< anything outside is cut off
+    std::shared_ptr<const MarkData> data = {};
+};
+
+/// A drawing of whole pixels in size: the marks in the order in which they are drawn. Anything outside is cut off.
 class Canvas {
 public:
-    Canvas(int width, int height, Rgb8 colour = style::page);
+    Canvas(int width, int height, Rgb8 paper = style::page);
 
     [[nodiscard]] int width() const noexcept { return width_; }
     [[nodiscard]] int height() const noexcept { return height_; }
-    [[nodiscard]] std::span<const Rgb8> row(int y) const;
-    [[nodiscard]] std::span<const Rgb8> pixels() const noexcept { return pixels_; }
+    [[nodiscard]] Rgb8 paper() const noexcept { return paper_; }
+    [[nodiscard]] std::span<const CanvasMark> marks() const noexcept { return marks_; }
 
-    void set(int x, int y, Rgb8 colour) noexcept;
-    void fill(int x, int y, int width, int height, Rgb8 colour) noexcept;
+    /// The drawing as pixels, row by row.
+    [[nodiscard]] std::vector<Rgb8> pixels() const;
+
+    void fill(int x, int y, int width, int height, Rgb8 colour);
     /// Draws a line one pixel wide just outside the rectangle.
-    void frame(int x, int y, int width, int height, Rgb8 colour) noexcept;
-    /// Blends `colour` into each pixel of the box, weighted by `coverage`.
-    void ink(const PixelBox& box, std::span<const std::uint8_t> coverage, Rgb8 colour, double opacity = 1) noexcept;
-    void text(int x, int y, const TextBitmap& text, Rgb8 colour) noexcept {
-        ink({x, y, text.width, text.height}, text.coverage, colour);
-    }
-    void picture(int x, int y, const Canvas& other) noexcept;
+    void frame(int x, int y, int width, int height, Rgb8 colour);
+    void text(int x, int y, const TextBitmap& text, Rgb8 colour);
+    /// Draws samples row by row, `columns` in a row, each as a rectangle of the box.
+    void field(const PixelBox& box, int columns, std::vector<Rgb8> samples);
+    /// Blends `colour` into the pixels of the box that the figures cover.
+    void coat(const PixelBox& box, std::vector<Figure> figures, Rgb8 colour, double opacity = 1);
+    /// The marks that follow show this, until the next call.
+    void about(MarkData data) { about_ = std::make_shared<const MarkData>(std::move(data)); }
+    void about_nothing() { about_ = nullptr; }
+    /// Draws the marks of `other`, cut off at its edges, without its paper.
+    void picture(int x, int y, const Canvas& other);
 
 private:
+    [[nodiscard]] PixelBox bounds() const noexcept { return {0, 0, width_, height_}; }
+
     int width_, height_;
-    std::vector<Rgb8> pixels_;
+    Rgb8 paper_;
+    std::vector<CanvasMark> marks_;
+    std::shared_ptr<const MarkData> about_;
 };
 
 /// One coat of one colour. Figures are collected and painted together, so that a line that crosses itself and the joint
@@ -76,16 +123,15 @@ public:
     /// Adds the area between two polylines.
     void area(std::span<const Point> above, std::span<const Point> below);
 
-    /// Blends `colour` into the canvas and forgets the figures.
-    void paint(Canvas& canvas, Rgb8 colour, double opacity = 1);
+    /// Draws the figures on the canvas and forgets them.
+    void paint(Canvas& canvas, Rgb8 colour, double opacity = 1) {
+        canvas.coat(box_, std::exchange(figures_, {}), colour, opacity);
+    }
 
 private:
     PixelBox box_;
     std::vector<Figure> figures_;
 };
-
-/// Writes the pixels as a PNG. Throws the errors of `ImageBackend::open_png`.
-void save_png(const std::filesystem::path& path, const Canvas& canvas);
 
 /// Breaks `text` into lines of at most `width` pixels, between words if possible, and inside a word only if the word is
 /// wider.

@@ -54,27 +54,23 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
         std::max(thumb_height_ + 2 + 3 + static_cast<int>(spec_.note_lines) * note_line, bar_a_line ? line_bar : 0) +
         style::gap;
     block_height_ = head_ + static_cast<int>(spec_.formats.size()) * row_height_;
-    const int grid_height = static_cast<int>(blocks) * (block_height_ + block_gap) - block_gap;
     grid_width_ = row_label_width_ + style::gap + columns_ * (cell_width_ + style::gap);
 
     int content = grid_width_;
-    int bar_width = 0, bar_height = 0;
+    int bar_width = 0;
     for (const ColourScale& scale : spec_.scales) {
         const int one = std::clamp(block_height_ - style::gap - static_cast<int>(spec_.note_lines) * note_line,
                                    style::least_bar, style::most_bar);
         bars_.push_back(
             colour_bar(scale, spec_.unit, bar_a_line ? std::max(line_bar, thumb_height_ + unit_height) : one));
         bar_width = std::max(bar_width, bars_.back().width());
-        bar_height = bars_.back().height();
     }
     if (!bars_.empty()) content += style::gap + bar_width;
     content = std::max(content, style::least_content);
     heading_ = heading(spec_.title, spec_.subtitle, content);
     legend_.emplace(spec_.legend, content);
     page_width_ = content + 2 * style::margin;
-    page_height_ = style::margin + heading_.height() + style::gap + std::max(grid_height, bar_a_line ? 0 : bar_height) +
-                   legend_->height() + style::margin;
-    png_ = image_backend().open_png(path, page_width_, page_height_);
+    files_ = std::make_unique<FigureFiles>(path);
 }
 
 ContactSheet::Cell& ContactSheet::cell(std::size_t form, std::size_t format) {
@@ -100,12 +96,7 @@ void ContactSheet::set_note(std::size_t form, std::size_t format, std::string no
 void ContactSheet::draw_cell(Canvas& page, int x, int y, const Cell& cell) const {
     page.frame(x + 1, y + 1, thumb_width_, thumb_height_, style::line);
     if (cell.thumbnail && cell.thumbnail->complete()) {
-        const auto& pixels = cell.thumbnail->pixels();
-        for (int j = 0; j < thumb_height_; ++j) {
-            for (int i = 0; i < thumb_width_; ++i) {
-                page.set(x + 1 + i, y + 1 + j, pixels[static_cast<std::size_t>(j * thumb_width_ + i)]);
-            }
-        }
+        page.field({x + 1, y + 1, thumb_width_, thumb_height_}, thumb_width_, cell.thumbnail->pixels());
     } else {
         const auto text = fit_text("not in this format", style::small_size, false, thumb_width_ - 4);
         page.text(x + 1 + (thumb_width_ - text.width) / 2, y + 1 + (thumb_height_ - text.height) / 2, text,
@@ -140,47 +131,96 @@ std::vector<TextBitmap> ContactSheet::note_of(std::string_view note) const {
     return lines;
 }
 
+int ContactSheet::page_height(std::size_t columns) const {
+    const int blocks = (static_cast<int>(columns) + columns_ - 1) / columns_,
+              grid = blocks * (block_height_ + block_gap) - block_gap,
+              bar = bars_.size() == 1 ? bars_.front().height() : 0;
+    return style::margin + heading_.height() + style::gap + std::max(grid, bar) + legend_->height() + style::margin;
+}
+
+bool ContactSheet::are_alike(std::size_t a, std::size_t b) const {
+    for (std::size_t first = 0; first < cells_.size(); first += spec_.forms.size()) {
+        const Cell &one = cells_[first + a], &other = cells_[first + b];
+        const bool is_drawn = one.thumbnail && one.thumbnail->complete();
+        if (one.note != other.note || is_drawn != (other.thumbnail && other.thumbnail->complete())) return false;
+        if (is_drawn && one.thumbnail->pixels() != other.thumbnail->pixels()) return false;
+    }
+    return true;
+}
+
+std::vector<ContactSheet::Alike> ContactSheet::columns_of(std::span<const std::size_t> order) const {
+    std::vector<Alike> columns;
+    for (std::size_t place = 0; place < spec_.forms.size(); ++place) {
+        const std::size_t form = order.empty() ? place : order[place];
+        const auto same = std::ranges::find_if(
+            columns, [&](const Alike& column) { return spec_.collapses && are_alike(column.front(), form); });
+        if (same == columns.end()) columns.push_back({form});
+        else same->push_back(form);
+    }
+    return columns;
+}
+
 /// Draws one bar beside the first block, or one beside each line of every block, as high as its thumbnails.
-void ContactSheet::draw_bars(Canvas& page, int top) const {
+void ContactSheet::draw_bars(Canvas& page, int top, std::size_t columns) const {
     const int x = style::margin + grid_width_ + style::gap;
     if (bars_.size() == 1) return page.picture(x, top, bars_.front());
     for (std::size_t line = 0; line < bars_.size(); ++line) {
         const int y = top + head_ - unit_height + static_cast<int>(line) * row_height_;
-        for (std::size_t form = 0; form < spec_.forms.size(); form += static_cast<std::size_t>(columns_)) {
-            const int block = static_cast<int>(form) / columns_;
+        for (std::size_t column = 0; column < columns; column += static_cast<std::size_t>(columns_)) {
+            const int block = static_cast<int>(column) / columns_;
             page.picture(x, y + block * (block_height_ + block_gap), bars_[line]);
         }
     }
 }
 
-void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order) {
+/// Draws the names of the forms and their cells.
+void ContactSheet::draw_column(Canvas& page, int x, int y, const Alike& forms) {
+    const auto names = name_lines(spec_.forms[forms.front()], cell_width_);
+    for (std::size_t i = 0; i < names.size(); ++i)
+        page.text(x, y + static_cast<int>(i) * name_line, names[i], style::ink);
+    if (forms.size() > 1) {
+        std::string same = "same:";
+        for (const std::size_t form : std::span(forms).subspan(1)) same += " " + spec_.forms[form];
+        page.text(x, y + static_cast<int>(names.size()) * name_line,
+                  fit_text(forms.size() > 3 ? "same: " + std::to_string(forms.size() - 1) + " more forms" : same,
+                           style::small_size, false, cell_width_),
+                  style::soft_ink);
+    }
+    for (std::size_t format = 0; format < spec_.formats.size(); ++format)
+        draw_cell(page, x, y + head_ + static_cast<int>(format) * row_height_, cell(forms.front(), format));
+}
+
+void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order,
+                          std::string_view headline) {
     if (!order.empty() && order.size() != spec_.forms.size())
         throw std::logic_error("contact sheet: the order does not have every form");
-    Canvas page(page_width_, page_height_);
+    if (!headline.empty()) {
+        spec_.subtitle.insert(spec_.subtitle.begin(), spec_.title);
+        heading_ = heading(headline, spec_.subtitle, heading_.width());
+    }
+    const auto columns = columns_of(order);
+    if (columns.size() < spec_.forms.size()) {  // the names of forms that share a column are a line of their own
+        head_ += name_line;
+        block_height_ += name_line;
+    }
+    Canvas page(page_width_, page_height(columns.size()));
     page.picture(style::margin, style::margin, heading_);
     const int top = style::margin + heading_.height() + style::gap;
-    const auto per_block = static_cast<std::size_t>(columns_);
-    for (std::size_t place = 0; place < spec_.forms.size(); ++place) {
-        const std::size_t form = order.empty() ? place : order[place];
-        const int x = style::margin + row_label_width_ + style::gap +
-                      static_cast<int>(place % per_block) * (cell_width_ + style::gap);
-        const int block_y = top + static_cast<int>(place / per_block) * (block_height_ + block_gap);
-        const auto names = name_lines(spec_.forms[form], cell_width_);
-        for (std::size_t i = 0; i < names.size(); ++i)
-            page.text(x, block_y + static_cast<int>(i) * name_line, names[i], style::ink);
-        for (std::size_t format = 0; format < spec_.formats.size(); ++format) {
-            const int y = block_y + head_ + static_cast<int>(format) * row_height_;
-            if (place % per_block == 0) {
-                const auto label = image_backend().render_text(spec_.formats[format], style::text_size, true);
-                page.text(style::margin, y + (thumb_height_ - label.height) / 2, label, style::ink);
-            }
-            draw_cell(page, x, y, cell(form, format));
+    for (std::size_t place = 0; place < columns.size(); ++place) {
+        const int across = static_cast<int>(place) % columns_,
+                  y = top + static_cast<int>(place) / columns_ * (block_height_ + block_gap);
+        draw_column(page, style::margin + row_label_width_ + style::gap + across * (cell_width_ + style::gap), y,
+                    columns[place]);
+        for (std::size_t format = 0; format < spec_.formats.size() && across == 0; ++format) {
+            const auto label = image_backend().render_text(spec_.formats[format], style::text_size, true);
+            page.text(style::margin,
+                      y + head_ + static_cast<int>(format) * row_height_ + (thumb_height_ - label.height) / 2, label,
+                      style::ink);
         }
     }
-    draw_bars(page, top);
-    page.picture(style::margin, page_height_ - style::margin - legend_->height(), legend_->draw(legend));
-    png_->write_rows(page_height_, page.pixels());
-    png_->close();
+    draw_bars(page, top, columns.size());
+    page.picture(style::margin, page.height() - style::margin - legend_->height(), legend_->draw(legend));
+    files_->save(page);
 }
 
 }  // namespace lostbits::output::image

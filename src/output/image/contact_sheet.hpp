@@ -13,7 +13,7 @@
 
 #include "output/image/canvas.hpp"
 #include "output/image/colour.hpp"
-#include "output/image/image.hpp"
+#include "output/image/figure.hpp"
 
 namespace lostbits::output::image {
 
@@ -73,13 +73,14 @@ struct SheetSpec {
     std::vector<LegendEntry> legend;        ///< every class that may occur, with the widest count that it may get
     bool categories = false;                ///< colours are names, so cells are not averaged
     std::size_t note_lines = 4;             ///< number of lines of small text under each cell
+    bool collapses = false;                 ///< forms whose cells and texts are all the same share a column
 };
 
 /// A grid of thumbnails: forms across and formats down, in blocks of at most seven forms. Different cells may be filled
 /// concurrently, each by one thread. A cell that is never finished is drawn empty, as `not in this format`.
 class ContactSheet {
 public:
-    /// Opens `path`. Throws EnvironmentError, and std::logic_error for a sheet without cells.
+    /// Opens the files of the picture `path`. Throws EnvironmentError, and std::logic_error for a sheet without cells.
     ContactSheet(const std::filesystem::path& path, SheetSpec spec);
 
     /// Adds rows to the field of one cell, as in Thumbnail::add_rows.
@@ -89,29 +90,37 @@ public:
     /// letters each. Longer lines are wrapped, and a text of more lines is shortened.
     void set_note(std::size_t form, std::size_t format, std::string note);
 
-    /// Draws the page and gives the file its final name. `legend` is as for HeatmapWriter::finish. `order` lists the
-    /// indices of the forms in the order in which they are drawn; empty: the given order.
-    void finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order = {});
+    /// Draws the page and gives the files their final names. `legend` is as for HeatmapWriter::finish. `order` lists
+    /// the indices of the forms in the order in which they are drawn; empty: the given order. `headline` says what the
+    /// sheet shows; it stands above the title of the spec. Empty: none.
+    void finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order = {},
+                std::string_view headline = {});
 
 private:
     struct Cell {
         std::optional<Thumbnail> thumbnail;
         std::string note;
     };
+    /// Forms that share a column, the first of which is drawn.
+    using Alike = std::vector<std::size_t>;
     Cell& cell(std::size_t form, std::size_t format);
+    [[nodiscard]] bool are_alike(std::size_t a, std::size_t b) const;
+    [[nodiscard]] std::vector<Alike> columns_of(std::span<const std::size_t> order) const;
+    [[nodiscard]] int page_height(std::size_t columns) const;
+    void draw_column(Canvas& page, int x, int y, const Alike& forms);
     [[nodiscard]] std::vector<TextBitmap> note_of(std::string_view note) const;
     void draw_cell(Canvas& page, int x, int y, const Cell& cell) const;
 
     SheetSpec spec_;
     std::vector<Cell> cells_;  // by format
     int thumb_width_, thumb_height_;
-    void draw_bars(Canvas& page, int top) const;
+    void draw_bars(Canvas& page, int top, std::size_t columns) const;
     int columns_ = 1, cell_width_ = 0, row_label_width_ = 0, head_ = 0, row_height_ = 0, block_height_ = 0;
-    int page_width_ = 0, page_height_ = 0, grid_width_ = 0;
+    int page_width_ = 0, grid_width_ = 0;
     Canvas heading_{0, 0};
     std::vector<Canvas> bars_;  // one per scale
     std::optional<Legend> legend_;
-    std::unique_ptr<PngWriter> png_;
+    std::unique_ptr<FigureFiles> files_;
 };
 
 }  // namespace lostbits::output::image

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "output/file/result_folder.hpp"
+
 namespace lostbits::output::image {
 namespace {
 
@@ -34,10 +36,15 @@ HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec
     legend_.emplace(spec_.legend, content);
     caption_lines_ = static_cast<int>(wrap_text(spec_.widest_caption, style::text_size, false, content).size());
     const int head_height = style::margin + head.height() + (head.height() > 0 ? style::gap : 0);
+    top_ = Canvas(page_width_, head_height);
+    top_.picture(style::margin, style::margin, head);
+    auto kinds = file::figures_in(path);
+    const bool has_png = std::erase(kinds, "png") > 0;
+    if (!kinds.empty()) others_ = std::make_unique<FigureFiles>(path, kinds);
+    if (!has_png) return;
     png_ = image_backend().open_png(path, page_width_, head_height + body_height_ + foot_height());
-    Canvas top(page_width_, head_height);
-    top.picture(style::margin, style::margin, head);
-    png_->write_rows(top.height(), top.pixels());
+    png_->write_rows(top_.height(), top_.pixels());
+    bar_pixels_ = bar_.pixels();
     const std::vector<Rgb8> rim(static_cast<std::size_t>(spec_.width), style::line);
     put_body_row(rim);
 }
@@ -54,7 +61,8 @@ void HeatmapWriter::put_body_row(std::span<const Rgb8> samples) {
     } else {
         out += field_width_ + 2;
     }
-    if (body_y_ < bar_.height()) std::ranges::copy(bar_.row(body_y_), out + style::gap);
+    if (body_y_ < bar_.height())
+        std::copy_n(bar_pixels_.begin() + std::ptrdiff_t{body_y_} * bar_.width(), bar_.width(), out + style::gap);
     png_->write_rows(1, line_);
     ++body_y_;
 }
@@ -65,8 +73,9 @@ void HeatmapWriter::write_rows(std::span<const Rgb8> samples) {
     if (samples.size() / width > static_cast<std::size_t>(spec_.height - rows_)) {
         throw std::logic_error("heatmap: more rows than the field has");
     }
+    if (others_) field_.insert(field_.end(), samples.begin(), samples.end());
     for (; !samples.empty(); samples = samples.subspan(width)) {
-        for (int i = 0; i < factor_; ++i) put_body_row(samples.first(width));
+        for (int i = 0; i < factor_ && png_; ++i) put_body_row(samples.first(width));
         ++rows_;
     }
 }
@@ -82,9 +91,6 @@ int HeatmapWriter::caption_height() const {
 
 void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view caption) {
     if (rows_ != spec_.height) throw std::logic_error("heatmap: rows are lacking");
-    const std::vector<Rgb8> rim(static_cast<std::size_t>(spec_.width), style::line);
-    put_body_row(rim);
-    while (body_y_ < body_height_) put_body_row({});
     Canvas foot(page_width_, foot_height());
     const auto lines = wrap_text_into(caption, style::text_size, page_width_ - 2 * style::margin,
                                       static_cast<std::size_t>(caption_lines_));
@@ -92,8 +98,24 @@ void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view
         foot.text(style::margin, style::gap + static_cast<int>(i) * style::line_height(style::text_size), lines[i],
                   style::ink);
     foot.picture(style::margin, style::gap + caption_height(), legend_->draw(legend));
+    if (others_) save_others(foot);
+    if (!png_) return;
+    const std::vector<Rgb8> rim(static_cast<std::size_t>(spec_.width), style::line);
+    put_body_row(rim);
+    while (body_y_ < body_height_) put_body_row({});
     png_->write_rows(foot.height(), foot.pixels());
     png_->close();
+}
+
+void HeatmapWriter::save_others(const Canvas& foot) {
+    Canvas page(page_width_, top_.height() + body_height_ + foot.height());
+    page.picture(0, 0, top_);
+    const PixelBox box{style::margin + 1, top_.height() + 1, field_width_, field_height_};
+    page.frame(box.x, box.y, box.width, box.height, style::line);
+    page.field(box, spec_.width, std::move(field_));
+    page.picture(box.x + field_width_ + 1 + style::gap, top_.height(), bar_);
+    page.picture(0, top_.height() + body_height_, foot);
+    others_->save(page);
 }
 
 }  // namespace lostbits::output::image

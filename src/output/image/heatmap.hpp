@@ -11,7 +11,7 @@
 
 #include "output/image/canvas.hpp"
 #include "output/image/colour.hpp"
-#include "output/image/image.hpp"
+#include "output/image/figure.hpp"
 
 namespace lostbits::output::image {
 
@@ -27,8 +27,9 @@ struct HeatmapSpec {
         {};  ///< space for the lines above the legend, whose text is known at the end; empty: none
 };
 
-/// Streams a field into a PNG. Fields narrower than 384 samples are enlarged by a whole factor with nearest neighbour,
-/// so that one sample is one visible square. Memory does not grow with the height. For one thread at a time.
+/// Streams a field into a picture. Fields narrower than 384 samples are enlarged by a whole factor with nearest
+/// neighbour, so that one sample is one visible square. Memory does not grow with the height, unless an SVG or a PDF is
+/// asked for. For one thread at a time.
 class HeatmapWriter {
 public:
     /// Opens `path` and writes the heading. Throws EnvironmentError, and std::logic_error for a field without samples.
@@ -45,6 +46,7 @@ public:
 
 private:
     void put_body_row(std::span<const Rgb8> samples);
+    void save_others(const Canvas& foot);
 
     HeatmapSpec spec_;
     [[nodiscard]] int foot_height() const;
@@ -54,10 +56,12 @@ private:
     int caption_lines_ = 0;
     int rows_ = 0;    // rows of the field that were taken
     int body_y_ = 0;  // rows of the body that were written
-    Canvas bar_{0, 0};
+    Canvas top_{0, 0}, bar_{0, 0};
     std::optional<Legend> legend_;
-    std::vector<Rgb8> line_;
-    std::unique_ptr<PngWriter> png_;
+    std::vector<Rgb8> line_, bar_pixels_;
+    std::unique_ptr<PngWriter> png_;       // null if no PNG is asked for
+    std::unique_ptr<FigureFiles> others_;  // the other kinds, which are written at the end
+    std::vector<Rgb8> field_;              // for these
 };
 
 }  // namespace lostbits::output::image

@@ -34,10 +34,16 @@ struct ExrSpec {
     std::vector<std::pair<std::string, std::string>> attributes;  ///< `lostbits:scene`, ...; written as strings
 };
 
+/// Texts that a picture records about itself: keyword and text.
+using FileWords = std::vector<std::pair<std::string, std::string>>;
+
+/// The run that made the file, if it is in a run's own folder: `Software`, `lostbits:command`, `lostbits:forms`.
+[[nodiscard]] FileWords words_about(const std::filesystem::path& path);
+
 /// Description of a PNG file.
 struct PngSpec {
     int width = 0, height = 0;
-    std::vector<std::pair<std::string, std::string>> words;  ///< text chunks: keyword and text
+    FileWords words;  ///< text chunks
 };
 
 /// Writes one RGB PNG file from top to bottom, 8 bits, sRGB.
@@ -53,12 +59,22 @@ public:
     virtual void close() = 0;
 };
 
+/// Letters of one size on one baseline, for files that keep text as text.
+struct TextRun {
+    std::string text;  ///< UTF-8
+    int size;          ///< pixels per em
+    double x, y;       ///< start of the baseline, from the upper left corner of the line
+    double width;
+};
+
 /// A line of text as coverage, 0 (paper) to 255 (ink), row by row. All lines of one size have the same height and
 /// baseline.
 struct TextBitmap {
     int width = 0, height = 0;
     int baseline = 0;  ///< rows from the top to the baseline
     std::vector<std::uint8_t> coverage;
+    std::vector<TextRun> runs = {};     ///< an exponent is a run of its own
+    bool bold = false, turned = false;  ///< turned: by 90 degrees counterclockwise; `runs` are those of the level line
 };
 
 /// A position on a canvas. Pixel (i, j) covers i..i+1 by j..j+1, so its middle is at i + 1/2.
@@ -76,6 +92,7 @@ struct Figure {
 /// A rectangle of pixels of a canvas, given by its corner.
 struct PixelBox {
     int x = 0, y = 0, width = 0, height = 0;
+    friend bool operator==(const PixelBox&, const PixelBox&) = default;
 };
 
 /// One channel as read back, bit for bit.
@@ -100,6 +117,8 @@ struct PngImage {
     std::vector<Rgb8> pixels;
 };
 
+class Canvas;
+
 /// Functions of the module. They may be called from several threads.
 class ImageBackend {
 public:
@@ -109,6 +128,15 @@ public:
     /// file::ResultFolder) the file records what made it, in the text chunks `lostbits:command` and `Software`. Throws
     /// EnvironmentError, and std::logic_error for a picture without pixels.
     [[nodiscard]] std::unique_ptr<PngWriter> open_png(const std::filesystem::path& path, int width, int height);
+    /// The same for a file that is open already.
+    [[nodiscard]] std::unique_ptr<PngWriter> open_png(std::unique_ptr<file::AtomicFile> file, int width, int height);
+
+    /// The bytes of a PNG of these pixels, without texts about it.
+    [[nodiscard]] std::string png_bytes(int width, int height, std::span<const Rgb8> pixels);
+
+    /// Writes a PDF of one page, where a pixel is 1/96 inch and text is text in an embedded font. The same drawing
+    /// gives the same bytes. Throws EnvironmentError.
+    virtual void write_pdf(file::ByteSink& sink, const Canvas& canvas, const FileWords& words) = 0;
 
     /// `steps` (at least 2) colours of the ramp from low to high: viridis, inferno, magma, plasma or turbo. Throws
     /// InputError for another name.
@@ -137,7 +165,7 @@ protected:
 };
 
 /// Version of this header; increase it with every change. A module of another build is then refused and not misread.
-inline constexpr int image_module_abi = 5;
+inline constexpr int image_module_abi = 6;
 
 /// The module, loaded on the first call; later calls cost nothing. It is searched at $LOSTBITS_IMAGE_MODULE (if set,
 /// only there), beside the program, in `../lib/lostbits` and in `src/output` next to it. Throws EnvironmentError that

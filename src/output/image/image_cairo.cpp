@@ -1,14 +1,20 @@
-// Drawing with Cairo in the image module: text in a font given by its file, and lines and polygons. Both are returned
-// as coverage. It is computed from whole numbers without any setting of the user's, so it is the same on every machine.
+// Drawing with Cairo in the image module. Text in a font given by its file, lines and polygons are returned as
+// coverage. It is computed from whole numbers without any setting of the user's, so it is the same on every machine. A
+// drawing can also become a PDF.
 #include <cairo-ft.h>
+#include <cairo-pdf.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <exception>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
+#include <string>
+#include <variant>
 #include <vector>
 
 #include "number/error.hpp"
@@ -67,6 +73,8 @@ FT_Face open_font(bool bold) {
         "forms, or raise `ulimit -n` and `ulimit -v`");
 }
 
+std::mutex font_mutex;  // FreeType's faces are not safe for threads
+
 /// FreeType's own hinting in greys, which is crisper at 9 to 18 pixels. Lives as long as the module.
 cairo_scaled_font_t* make_font(int size, bool bold) {
     cairo_font_options_t* options = cairo_font_options_create();
@@ -96,27 +104,27 @@ struct Letters {
     cairo_scaled_font_t* font;
     std::unique_ptr<cairo_glyph_t, void (*)(cairo_glyph_t*)> glyphs;
     int count;
-    double advance;
+    TextRun run;
 };
 
 Letters lay_out(cairo_scaled_font_t* font, std::string_view utf8, const Point& from) {
     cairo_glyph_t* made = nullptr;
     int count = 0;
-    const auto glyphs_of = [&](std::string_view text) {
+    std::string text(utf8);
+    const auto glyphs_of_text = [&] {
         return cairo_scaled_font_text_to_glyphs(font, from.x, from.y, text.data(), static_cast<int>(text.size()), &made,
                                                 &count, nullptr, nullptr, nullptr);
     };
-    cairo_status_t status = glyphs_of(utf8);
+    cairo_status_t status = glyphs_of_text();
     if (status == CAIRO_STATUS_INVALID_STRING) {
-        std::string plain(utf8);
         std::ranges::replace_if(
-            plain, [](char c) { return static_cast<unsigned char>(c) > 0x7F; }, '?');
-        status = glyphs_of(plain);
+            text, [](char c) { return static_cast<unsigned char>(c) > 0x7F; }, '?');
+        status = glyphs_of_text();
     }
     check(status);
     cairo_text_extents_t extents;
     cairo_scaled_font_glyph_extents(font, made, count, &extents);
-    return {font, {made, cairo_glyph_free}, count, extents.x_advance};
+    return {font, {made, cairo_glyph_free}, count, {std::move(text), 0, from.x, from.y, extents.x_advance}};
 }
 
 /// Number of letters after the `^` at an index that are the exponent of a power of 2 or 10 standing alone. 0 if there
@@ -142,24 +150,42 @@ std::size_t exponent_after(std::string_view text, std::size_t place) {
     return ends_a_name(before) || begins_one(text.substr(digits)) ? 0 : digits;
 }
 
+/// Paints figures one after the other.
+void draw_figures(cairo_t* pen, std::span<const Figure> figures) {
+    cairo_set_line_cap(pen, CAIRO_LINE_CAP_ROUND);
+    cairo_set_line_join(pen, CAIRO_LINE_JOIN_ROUND);
+    for (const Figure& figure : figures) {
+        for (const Point& p : figure.points) cairo_line_to(pen, p.x, p.y);
+        if (figure.thickness > 0) {
+            cairo_set_line_width(pen, figure.thickness);
+            cairo_set_dash(pen, figure.dashes.data(), static_cast<int>(figure.dashes.size()), 0);
+            cairo_stroke(pen);
+        } else {
+            cairo_fill(pen);
+        }
+    }
+}
+
 }  // namespace
 
 TextBitmap cairo_text(std::string_view utf8, int size, bool bold) {
     const KeepsFloatingPoint same;
-    static std::mutex mutex;
-    const std::lock_guard lock(mutex);
+    const std::lock_guard lock(font_mutex);
     // The box of DejaVu Sans in em. A common line box keeps the baselines of different words level. Digits are 0.73 em
     // high, so raised digits stay inside.
     TextBitmap out;
     out.baseline = static_cast<int>(std::ceil(0.93 * size));
     out.height = out.baseline + static_cast<int>(std::ceil(0.24 * size));
     const int small = std::max(size * 3 / 4, style::smallest_size - 1), rise = size * 2 / 5;
+    out.bold = bold;
     std::vector<Letters> line;
     double pen = 0;
     const auto add = [&](std::string_view text, int letters, double above) {
         if (text.empty()) return;
         line.push_back(lay_out(font_of(letters, bold), text, {pen, out.baseline - above}));
-        pen += line.back().advance;
+        pen += line.back().run.width;
+        out.runs.push_back(line.back().run);
+        out.runs.back().size = letters;
     };
     std::size_t from = 0;
     for (std::size_t at = utf8.find('^'); at != std::string_view::npos; at = utf8.find('^', at + 1)) {
@@ -187,19 +213,148 @@ std::vector<std::uint8_t> cairo_coverage(std::span<const Figure> figures, const 
     cairo_translate(pen, -box.x, -box.y);
     cairo_set_antialias(pen, CAIRO_ANTIALIAS_BEST);
     cairo_set_tolerance(pen, 0.01);  // markers are circles of three pixels
-    cairo_set_line_cap(pen, CAIRO_LINE_CAP_ROUND);
-    cairo_set_line_join(pen, CAIRO_LINE_JOIN_ROUND);
-    for (const Figure& figure : figures) {
-        for (const Point& p : figure.points) cairo_line_to(pen, p.x, p.y);
-        if (figure.thickness > 0) {
-            cairo_set_line_width(pen, figure.thickness);
-            cairo_set_dash(pen, figure.dashes.data(), static_cast<int>(figure.dashes.size()), 0);
-            cairo_stroke(pen);
-        } else {
-            cairo_fill(pen);
-        }
-    }
+    draw_figures(pen, figures);
     return paper.coverage();
+}
+
+namespace {
+
+constexpr double points_per_pixel = 0.75;  // 72 points and 96 pixels are an inch
+
+/// A page of a PDF. The bytes go to the sink, whose first error is kept: Cairo calls it from C.
+class PdfPage {
+public:
+    PdfPage(file::ByteSink& sink, const Canvas& canvas, const FileWords& words)
+        : sink_(sink),
+          surface_(cairo_pdf_surface_create_for_stream(&PdfPage::take, this, canvas.width() * points_per_pixel,
+                                                       canvas.height() * points_per_pixel),
+                   cairo_surface_destroy) {
+        // Cairo writes the time of day if no date is given.
+        cairo_pdf_surface_set_metadata(surface_.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
+        for (const auto& [keyword, text] : words)
+            cairo_pdf_surface_set_metadata(surface_.get(), entry_of(keyword), text.c_str());
+        const std::unique_ptr<cairo_t, void (*)(cairo_t*)> pen(cairo_create(surface_.get()), cairo_destroy);
+        pen_ = pen.get();
+        cairo_scale(pen_, points_per_pixel, points_per_pixel);
+        set_colour(canvas.paper());
+        cairo_paint(pen_);
+        for (const CanvasMark& mark : canvas.marks()) {
+            cairo_save(pen_);
+            cairo_rectangle(pen_, mark.seen.x, mark.seen.y, mark.seen.width, mark.seen.height);
+            cairo_clip(pen_);
+            set_colour(mark.colour);
+            std::visit([&](const auto& shape) { put(shape, mark); }, mark.shape);
+            cairo_restore(pen_);
+        }
+        const cairo_status_t drawn = cairo_status(pen_);
+        cairo_surface_finish(surface_.get());
+        if (failure_) std::rethrow_exception(failure_);
+        check(drawn);
+        check(cairo_surface_status(surface_.get()));
+    }
+
+private:
+    static cairo_pdf_metadata_t entry_of(std::string_view keyword) {
+        return keyword == "Software"           ? CAIRO_PDF_METADATA_CREATOR
+               : keyword == "lostbits:command" ? CAIRO_PDF_METADATA_SUBJECT
+                                               : CAIRO_PDF_METADATA_KEYWORDS;
+    }
+
+    static cairo_status_t take(void* page, const unsigned char* bytes, unsigned length) noexcept {
+        auto& self = *static_cast<PdfPage*>(page);
+        try {
+            if (!self.failure_) self.sink_.write(std::as_bytes(std::span(bytes, length)));
+        } catch (...) {
+            self.failure_ = std::current_exception();
+        }
+        return self.failure_ ? CAIRO_STATUS_WRITE_ERROR : CAIRO_STATUS_SUCCESS;
+    }
+
+    void set_colour(Rgb8 c, double opacity = 1) {
+        cairo_set_source_rgba(pen_, c.r / 255.0, c.g / 255.0, c.b / 255.0, opacity);
+    }
+
+    void put(const CanvasMark::Fill& fill, const CanvasMark& /*mark*/) {
+        for (const PixelBox& box : fill.boxes) cairo_rectangle(pen_, box.x, box.y, box.width, box.height);
+        cairo_fill(pen_);
+    }
+
+    /// Figures that overlap are one coat: they are painted opaquely, and the whole is then blended.
+    void put(const CanvasMark::Coat& coat, const CanvasMark& mark) {
+        const bool blended = coat.opacity < 1 && coat.figures.size() > 1;
+        if (blended) cairo_push_group(pen_);
+        else set_colour(mark.colour, coat.opacity);
+        draw_figures(pen_, coat.figures);
+        if (!blended) return;
+        cairo_pop_group_to_source(pen_);
+        cairo_paint_with_alpha(pen_, coat.opacity);
+    }
+
+    void put(const CanvasMark::Field& field, const CanvasMark& /*mark*/) {
+        const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> samples(
+            cairo_image_surface_create(CAIRO_FORMAT_RGB24, field.columns, field.rows()), cairo_surface_destroy);
+        check(cairo_surface_status(samples.get()));
+        unsigned char* row = cairo_image_surface_get_data(samples.get());
+        const int stride = cairo_image_surface_get_stride(samples.get());
+        auto sample = field.samples.begin();
+        for (int y = 0; y < field.rows(); ++y, row += stride) {
+            for (int x = 0; x < field.columns; ++x, ++sample) {
+                const std::uint32_t word = std::uint32_t{sample->r} << 16 | std::uint32_t{sample->g} << 8 | sample->b;
+                std::memcpy(row + 4 * x, &word, sizeof word);
+            }
+        }
+        cairo_surface_mark_dirty(samples.get());
+        cairo_translate(pen_, field.box.x, field.box.y);
+        cairo_scale(pen_, static_cast<double>(field.box.width) / field.columns,
+                    static_cast<double>(field.box.height) / field.rows());
+        cairo_set_source_surface(pen_, samples.get(), 0, 0);
+        cairo_pattern_set_filter(cairo_get_source(pen_), CAIRO_FILTER_NEAREST);
+        cairo_rectangle(pen_, 0, 0, field.columns, field.rows());
+        cairo_fill(pen_);
+    }
+
+    void put(const CanvasMark::Line& line, const CanvasMark& /*mark*/) {
+        cairo_translate(pen_, line.x, line.y);
+        if (line.text.turned) {
+            cairo_translate(pen_, 0, line.text.height);
+            cairo_rotate(pen_, -std::acos(0.0));
+        }
+        for (const TextRun& run : line.text.runs) put(run, line.text.bold);
+    }
+
+    /// Letters without hinting are narrower or wider by some percent. They are set at the distances of the picture.
+    void put(const TextRun& run, bool bold) {
+        cairo_set_font_face(pen_, cairo_scaled_font_get_font_face(font_of(style::text_size, bold)));
+        cairo_set_font_size(pen_, run.size);
+        cairo_glyph_t* glyphs = nullptr;
+        cairo_text_cluster_t* clusters = nullptr;
+        int count = 0, cluster_count = 0;
+        cairo_text_cluster_flags_t flags{};
+        const int bytes = static_cast<int>(run.text.size());
+        cairo_scaled_font_t* const font = cairo_get_scaled_font(pen_);
+        check(cairo_scaled_font_text_to_glyphs(font, 0, 0, run.text.data(), bytes, &glyphs, &count, &clusters,
+                                               &cluster_count, &flags));
+        cairo_text_extents_t extents;
+        cairo_scaled_font_glyph_extents(font, glyphs, count, &extents);
+        const double wider = extents.x_advance > 0 ? run.width / extents.x_advance : 1;
+        for (int i = 0; i < count; ++i) glyphs[i] = {glyphs[i].index, run.x + glyphs[i].x * wider, run.y};
+        cairo_show_text_glyphs(pen_, run.text.data(), bytes, glyphs, count, clusters, cluster_count, flags);
+        cairo_text_cluster_free(clusters);
+        cairo_glyph_free(glyphs);
+    }
+
+    file::ByteSink& sink_;
+    std::exception_ptr failure_;
+    std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> surface_;
+    cairo_t* pen_ = nullptr;
+};
+
+}  // namespace
+
+void cairo_pdf(file::ByteSink& sink, const Canvas& canvas, const FileWords& words) {
+    const KeepsFloatingPoint same;
+    const std::lock_guard lock(font_mutex);
+    const PdfPage page(sink, canvas, words);
 }
 
 }  // namespace lostbits::output::image

@@ -1,5 +1,6 @@
 #include <dlfcn.h>
 
+#include <cstring>
 #include <mutex>
 #include <stdexcept>
 #include <system_error>
@@ -70,14 +71,53 @@ ImageBackend& image_backend() {
     return *backend;
 }
 
+FileWords words_about(const fs::path& path) {
+    const auto provenance = file::provenance_of(path);
+    if (!provenance) return {};
+    FileWords words{{"Software", provenance->program}, {"lostbits:command", provenance->command}};
+    if (!provenance->forms.empty()) words.emplace_back("lostbits:forms", file::words_of_forms(*provenance));
+    return words;
+}
+
 std::unique_ptr<PngWriter> ImageBackend::open_png(const fs::path& path, int width, int height) {
     if (width <= 0 || height <= 0) throw std::logic_error(path.string() + ": a PNG without pixels");
-    PngSpec spec{width, height, {}};
-    if (const auto provenance = file::provenance_of(path)) {
-        spec.words = {{"Software", provenance->program}, {"lostbits:command", provenance->command}};
-        if (!provenance->forms.empty()) spec.words.emplace_back("lostbits:forms", file::words_of_forms(*provenance));
+    return open_png(std::make_unique<file::AtomicFile>(path), width, height);
+}
+
+std::unique_ptr<PngWriter> ImageBackend::open_png(std::unique_ptr<file::AtomicFile> file, int width, int height) {
+    const fs::path path = file->path();
+    if (width <= 0 || height <= 0) throw std::logic_error(path.string() + ": a PNG without pixels");
+    return make_png(std::move(file), path.string(), {width, height, words_about(path)});
+}
+
+namespace {
+
+/// Keeps the bytes in memory.
+class MemorySink final : public file::ByteSink {
+public:
+    explicit MemorySink(std::string& bytes) : bytes_(bytes) {}
+    void write(std::span<const std::byte> more) override {
+        if (at_ + more.size() > bytes_.size()) bytes_.resize(at_ + more.size());
+        std::memcpy(bytes_.data() + at_, more.data(), more.size());
+        at_ += more.size();
     }
-    return make_png(std::make_unique<file::AtomicFile>(path), path.string(), spec);
+    void seek(std::int64_t offset) override { at_ = static_cast<std::size_t>(offset); }
+    [[nodiscard]] std::int64_t tell() const noexcept override { return static_cast<std::int64_t>(at_); }
+    void commit() override {}
+
+private:
+    std::string& bytes_;
+    std::size_t at_ = 0;
+};
+
+}  // namespace
+
+std::string ImageBackend::png_bytes(int width, int height, std::span<const Rgb8> pixels) {
+    std::string bytes;
+    const auto png = make_png(std::make_unique<MemorySink>(bytes), "picture in memory", {width, height, {}});
+    png->write_rows(height, pixels);
+    png->close();
+    return bytes;
 }
 
 const ExrChannel* ExrImage::find(std::string_view name) const {

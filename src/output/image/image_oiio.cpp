@@ -203,6 +203,9 @@ public:
     std::vector<std::uint8_t> cover(std::span<const Figure> figures, const PixelBox& box) override {
         return cairo_coverage(figures, box);
     }
+    void write_pdf(file::ByteSink& sink, const Canvas& canvas, const FileWords& words) override {
+        cairo_pdf(sink, canvas, words);
+    }
     std::vector<std::string> exr_parts(const std::filesystem::path& path) override;
     ExrImage read_exr(const std::filesystem::path& path, std::size_t part) override;
     PngImage read_png(const std::filesystem::path& path) override;

@@ -11,6 +11,7 @@
 
 #include "output/attribution/explain_command.hpp"
 #include "output/file/number_text.hpp"
+#include "output/map/finding.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
 
@@ -98,7 +99,8 @@ pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
              .unit = alone ? "lost bits" : std::string(sheet.paint.metric().unit),
              .legend = {},
              .categories = !sheet.paint.scale(),
-             .note_lines = cell_note_lines}};
+             .note_lines = cell_note_lines,
+             .collapses = !alone}};
 }
 
 /// Adds the columns row by row, in the order in which they are drawn.
@@ -185,7 +187,10 @@ pixel::SheetEnd MapPictures::end_of(std::size_t sheet, const std::vector<FormSum
         cells.push_back({d.place.across, &summary});
         nothing_hit &= summary.count(Outcome::agree_miss) == summary.rays;
     }
-    return {best_first(sheets_[sheet].forms.size(), cells, lost_), nothing_hit ? ": no ray hits anything" : ""};
+    // The sheet of a claim stands below the claim's sentence.
+    const bool has_headline = options_.sheet_alone.empty() && sheets_[sheet].paint.metric().name == "lost_bits";
+    return {best_first(sheets_[sheet].forms.size(), cells, lost_), nothing_hit ? ": no ray hits anything" : "",
+            has_headline ? finding_in_words(request_, summaries) : ""};
 }
 
 void MapPictures::finish(const std::vector<FormSummary>& summaries) {

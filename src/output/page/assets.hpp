@@ -11,7 +11,5 @@ struct Asset {
 };
 
 extern const Asset page_style, page_script;
-/// uPlot if node_modules had it when the program was configured, otherwise empty.
-extern const Asset plot_style, plot_script, plot_licence;
 
 }  // namespace lostbits::output::page

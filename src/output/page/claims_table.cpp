@@ -81,7 +81,6 @@ std::optional<Place> place_in(const SweepSubject& on, const Claim& c, const Repo
     const std::string id = std::filesystem::path(on.name).stem().string();
     const auto part = std::ranges::find(report.sweeps, id, &SweepPart::id);
     if (part == report.sweeps.end() || !has_row(*part, c)) return {};
-    if (part->kind == SweepPart::Kind::line && plot_script.text.empty()) return Place{"sweep-" + id, ""};
     std::string view = fmt::format("sweep={}&form={}&format={}", id, c.form, c.format);
     const std::string column = c.onset == "lost_bits" ? "lost_bits_" + c.statistic
                                : c.onset.empty()      ? c.metric
@@ -177,6 +176,13 @@ std::string rests_on(const Claim& c, const ClaimResult& r, const Word& word) {
     return text.empty() ? "" : fmt::format("<br><small class=\"evidence\">{}: {}</small>", word.text, html(text));
 }
 
+/// `Shirley, section 9.3: <q>ignore hits</q> &middot; `: the source and its words. Empty if the claim is our own.
+std::string source_text(const Claim& c) {
+    if (!c.is_sourced()) return "";
+    const std::string quoted = c.quotation.empty() ? "" : fmt::format(": <q>{}</q>", html(c.quotation));
+    return html(c.source) + quoted + " &middot; ";
+}
+
 std::string claim_row(const Claim& c, const ClaimResult& r, const Report& report) {
     const Word word = word_of(c, r);
     std::string text = fmt::format(
@@ -184,8 +190,7 @@ std::string claim_row(const Claim& c, const ClaimResult& r, const Report& report
         word.style, sort_keys(word, r), html(claim::words_of(c).command), word.text, html(c.statement));
     if (!c.note.empty()) text += fmt::format("<br><em>{}</em>", html(c.note));
     text += rests_on(c, r, word);
-    text += fmt::format("<br><small>{}{}<code>{}</code></small></td>", c.source == "-" ? "" : html(c.source),
-                        c.source == "-" ? "" : " &middot; ", html(c.id));
+    text += fmt::format("<br><small>{}<code>{}</code></small></td>", source_text(c), html(c.id));
     return text + fmt::format(
                       "<td>{}</td><td data-name=\"quantity\">{}</td><td class=\"n\" data-name=\"measured\">{}</td><td "
                       "class=\"n\" data-name=\"expected\">{} to {}</td></tr>\n",

@@ -35,9 +35,6 @@ private:
 /// line breaks.
 [[nodiscard]] std::string pack(std::string_view bytes);
 
-/// RFC 4648, with padding.
-[[nodiscard]] std::string base64(std::string_view bytes);
-
 /// `a` − `b` of two bit patterns of `width` bytes, folded so that small differences of either sign become small
 /// numbers: 0, −1, 1, −2, … become 0, 1, 2, 3, ….
 [[nodiscard]] constexpr std::uint64_t folded_difference(std::uint64_t a, std::uint64_t b, int width) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <sstream>
 
+#include "output/file/base64.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/page/assets.hpp"
@@ -27,48 +28,37 @@ std::string hash_source(const Asset& asset) {
     std::string bytes;
     for (std::size_t i = 0; i + 1 < asset.sha256.size(); i += 2)
         bytes += static_cast<char>(std::stoi(std::string(asset.sha256.substr(i, 2)), nullptr, 16));
-    return fmt::format("'sha256-{}'", base64(bytes));
+    return fmt::format("'sha256-{}'", file::base64(bytes));
 }
 
 /// Nothing may be fetched, and only the scripts and styles built into the program may run.
 std::string policy() {
-    std::string scripts = hash_source(page_script), styles = hash_source(page_style);
-    if (!plot_script.text.empty()) {
-        scripts = fmt::format("{} {}", scripts, hash_source(plot_script));
-        styles = fmt::format("{} {}", styles, hash_source(plot_style));
-    }
     return fmt::format(
-        "default-src 'none'; script-src {}; style-src {}; img-src data:; base-uri 'none'; form-action 'none'", scripts,
-        styles);
+        "default-src 'none'; script-src {}; style-src {}; img-src data:; base-uri 'none'; form-action 'none'",
+        hash_source(page_script), hash_source(page_style));
 }
 
 std::string image(const Picture& p) {
-    return p.png.empty() ? std::string()
-                         : fmt::format("<img{} alt=\"{}\" src=\"data:image/png;base64,{}\">\n",
-                                       p.is_plot ? " class=\"plotted\"" : "", html(p.alt), base64(p.png));
+    return p.png.empty()
+               ? std::string()
+               : fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", html(p.alt), file::base64(p.png));
 }
 
-std::string images(const std::vector<Picture>& pictures) {
+std::string without_scripts(const Picture& picture) { return fmt::format("<noscript>{}</noscript>\n", image(picture)); }
+
+/// Every reader sees the chart; the script finds it by its name.
+std::string figure(const Chart& c) {
+    return c.svg.empty() ? std::string()
+                         : fmt::format(
+                               "<figure class=\"chart{}\" data-chart=\"{}\" role=\"group\" "
+                               "aria-label=\"{}\">{}</figure>\n",
+                               c.is_plot ? " plotted" : "", html(c.name), html(c.alt), c.svg);
+}
+
+std::string figures(const std::vector<Chart>& charts) {
     std::string text;
-    for (const Picture& p : pictures) text += image(p);
+    for (const Chart& c : charts) text += figure(c);
     return text;
-}
-
-std::string without_scripts(const std::vector<Picture>& pictures) {
-    return fmt::format("<noscript>{}</noscript>\n", images(pictures));
-}
-
-/// Pictures for readers without scripts, or for every reader if uPlot is missing.
-std::string instead_of_plots(const std::vector<Picture>& pictures) {
-    return plot_script.text.empty() ? images(pictures) : without_scripts(pictures);
-}
-
-/// Tells every reader why the plots are pictures, and how to change that.
-std::string why_no_plots() {
-    if (!plot_script.text.empty()) return "";
-    return "<p class=\"no-plots\">The plots are pictures because uPlot was missing when lostbits was built. To draw "
-           "interactive plots with the numbers of each point, install npm, and run <code>./run</code> (or <code>npm ci "
-           "--omit=dev</code>, and build again) in the lostbits folder.</p>\n";
 }
 
 /// Colours of the PNGs: the ramp, the outcomes, and a hit without a value.
@@ -98,6 +88,7 @@ Json index_json(const Report& report) {
                     {"title", s.title},
                     {"note", s.note},
                     {"kind", kind_names[static_cast<std::size_t>(s.kind)]},
+                    {"charts", array_of(s.charts, [](const Chart& c) { return c.name; })},
                     {"rows", s.rows}};
     });
     json["statistics"] = sweep_statistics;
@@ -133,19 +124,15 @@ std::string maps_body(const std::vector<MapPart>& maps) {
     std::string text = "<div id=\"map-view\" hidden></div>\n";
     for (const MapPart& m : maps)
         text +=
-            part("scene-" + m.id, named(m.title, m.id), about(m.note, m.source) + m.table + without_scripts({m.sheet}));
+            part("scene-" + m.id, named(m.title, m.id), about(m.note, m.source) + m.table + without_scripts(m.sheet));
     return text;
 }
 
 std::string sweeps_body(const std::vector<SweepPart>& sweeps) {
     if (sweeps.empty()) return "";
-    const auto is_line = [](const SweepPart& s) { return s.kind == SweepPart::Kind::line; };
     std::string text = "<div id=\"sweep-view\" hidden></div>\n";
-    if (std::ranges::any_of(sweeps, is_line)) text += why_no_plots();
     for (const SweepPart& s : sweeps)
-        text += part("sweep-" + s.id, named(s.title, s.id),
-                     about(s.note, s.source) + s.table +
-                         (is_line(s) ? instead_of_plots(s.pictures) : without_scripts(s.pictures)));
+        text += part("sweep-" + s.id, named(s.title, s.id), about(s.note, s.source) + s.table + figures(s.charts));
     return text;
 }
 
@@ -158,10 +145,10 @@ std::string machine_of(const Report& report) {
 
 std::string trades_body(const Report& report) {
     if (report.trades.empty()) return "";
-    std::string text =
-        fmt::format("<p>{}</p>\n<div id=\"trade-view\" hidden></div>\n", machine_of(report)) + why_no_plots();
+    std::string text = fmt::format("<p>{}</p>\n<div id=\"trade-view\" hidden></div>\n", machine_of(report));
     for (const TradePart& t : report.trades)
-        text += part("", html(t.shape), fmt::format("<pre>{}</pre>", html(t.words)) + instead_of_plots(t.pictures));
+        text +=
+            part("trade-" + t.shape, html(t.shape), fmt::format("<pre>{}</pre>", html(t.words)) + figures(t.charts));
     return text;
 }
 
@@ -170,7 +157,7 @@ std::string choices_body(const Report& report) {
     std::string text =
         fmt::format("<p>Every form and format, measured on the scene's own rays. {}</p>\n", machine_of(report));
     for (const ChoicePart& c : report.choices)
-        text += part("", named(c.requirement, c.scene), preformatted(html(c.words)) + image(c.front) + c.table);
+        text += part("", named(c.requirement, c.scene), preformatted(html(c.words)) + figure(c.front) + c.table);
     return text;
 }
 
@@ -198,7 +185,7 @@ std::string mends_body(const Report& report) {
         for (const std::string& change : m.changes) changes += fmt::format("<li>{}</li>\n", html(change));
         text += part(
             "", named(m.form + ": " + m.requirement, m.scene),
-            fmt::format("<ul>\n{}</ul>\n", changes) + m.table + image(m.front) + preformatted(with_diffs(m.words)));
+            fmt::format("<ul>\n{}</ul>\n", changes) + m.table + figure(m.front) + preformatted(with_diffs(m.words)));
     }
     return text;
 }
@@ -227,6 +214,19 @@ std::string offsets_body(const std::vector<OffsetPart>& offsets) {
 constexpr const char* what_it_is =
     "This page shows where ray intersectors lose significand bits, and which of their operations lose them. Every form "
     "answered the same rays in each format, and each answer is compared with the proved true answer.";
+
+/// What each map shows: a row for each scene.
+std::string results_table(const std::vector<MapPart>& maps) {
+    if (maps.empty()) return "";
+    std::string text =
+        "<table id=\"results\">" + header_row({"scene", "result", "forms and formats that decide a ray wrongly"});
+    for (const MapPart& m : maps)
+        text += fmt::format(
+            "<tr><th scope=\"row\"><a class=\"jump\" href=\"#scene-{0}\" data-view=\"scene={0}\">{1}"
+            "</a></th><td>{2}</td><td class=\"n\">{3} of {4}</td></tr>\n",
+            html(m.id), html(m.title), html(m.finding), m.faulty, m.rows.size());
+    return text + "</tbody></table>\n";
+}
 
 /// Says what to do with it first.
 std::string what_to_do(const Report& report) {
@@ -301,10 +301,10 @@ std::string body_of(const Report& report) {
         text += fmt::format("<section id=\"{}\"><h2>{}</h2>\n{}</section>\n", s.id, s.title, s.body);
     }
     return fmt::format(
-        "<header><h1>lostbits report</h1>\n<p id=\"opening\">{} {}</p>\n<nav>{}</nav>\n<noscript><p>Without scripts "
+        "<header><h1>lostbits report</h1>\n<p id=\"opening\">{} {}</p>\n{}<nav>{}</nav>\n<noscript><p>Without scripts "
         "this page shows tables and contact sheets. With scripts it shows every pixel.</p></noscript></header>\n"
         "<main>\n{}</main>\n",
-        what_it_is, what_to_do(report), links, text);
+        what_it_is, what_to_do(report), results_table(report.maps), links, text);
 }
 
 }  // namespace
@@ -320,16 +320,12 @@ std::string page(const Report& report) {
     if (!report.program.empty())
         text += fmt::format("<meta name=\"generator\" content=\"{}\">\n", html(report.program));
     text += fmt::format("<style>{}</style>\n", page_style.text);
-    if (!plot_style.text.empty()) text += fmt::format("<style>{}</style>\n", plot_style.text);
     text += "</head><body>\n" + body_of(report);
     text += fmt::format("<script type=\"application/json\" id=\"index\">{}</script>\n", text_of(index_json(report)));
     for (const MapPart& m : report.maps) {
         for (const Blob& b : m.blobs) text += blob(b.name, b.packed);
     }
     for (const SweepPart& s : report.sweeps) text += blob("sweep:" + s.id, pack(text_of(s.json)));
-    if (!plot_script.text.empty())
-        text += fmt::format("<!-- The plots are drawn by uPlot:\n{}-->\n<script>{}</script>\n", plot_licence.text,
-                            plot_script.text);
     text += fmt::format("<script>{}</script>\n</body></html>\n", page_script.text);
     return text;
 }

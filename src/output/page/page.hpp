@@ -20,13 +20,21 @@ namespace lostbits::output::page {
 /// A PNG and a text that describes it.
 struct Picture {
     std::string alt;
-    std::string png;       ///< its bytes
-    bool is_plot = false;  ///< lines or points on paper; colours only tell them apart
+    std::string png;  ///< its bytes
 };
 
-/// Lets `draw` write a file and reads it back. EnvironmentError if it cannot be read back.
-[[nodiscard]] Picture picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw,
-                              bool is_plot = false);
+/// An SVG, a text that describes it, and a name for the page's script: `lost_bits_p99.f32`.
+struct Chart {
+    std::string alt;
+    std::string svg;
+    std::string name = {};
+    bool is_plot = true;  ///< lines or points on paper; colours only tell them apart
+};
+
+/// Lets `draw` write a picture and reads it back. EnvironmentError if it cannot be read back.
+[[nodiscard]] Picture picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw);
+[[nodiscard]] Chart chart(std::string alt, const std::function<void(const std::filesystem::path&)>& draw,
+                          std::string name = {}, bool is_plot = true);
 
 struct MapPart {
     std::string id, title, note, source;
@@ -37,6 +45,8 @@ struct MapPart {
     Picture sheet;
     bool own_size = true;                   ///< the scene's own size, so claims are measured on the same rays
     std::vector<std::string> metrics = {};  ///< names of the metrics
+    std::string finding = {};               ///< from `map::finding_in_words`
+    std::size_t faulty = 0;                 ///< number of rows that decide a ray wrongly
 };
 
 /// A sweep along one axis or over a plane, or a file of cases.
@@ -49,14 +59,14 @@ struct SweepPart {
     std::vector<std::string> cases = {};
     Json json = {};  ///< from `sweep_json`, `plane_json` or `case_json`
     std::string table = {};
-    std::vector<Picture> pictures = {};  ///< for readers without scripts; of a line also for readers without uPlot
+    std::vector<Chart> charts = {};
 };
 
 struct TradePart {
     std::string shape;
     Json json;  ///< from `trade_json`
     std::string words;
-    std::vector<Picture> pictures;
+    std::vector<Chart> charts;  ///< named by their sets of rays
 };
 
 /// The form chosen for a scene by a requirement. Its times differ from run to run.
@@ -64,7 +74,7 @@ struct ChoicePart {
     std::string scene, requirement;  ///< id of the scene; `18 correct bits of every hit, no wrong decision`
     std::string words;
     std::string table;  ///< HTML, see `choice_table`
-    Picture front;
+    Chart front;
 };
 
 /// The repair of a form for a scene and a requirement.
@@ -73,7 +83,7 @@ struct MendPart {
     std::vector<std::string> changes;      ///< one sentence for each form that the repair produced
     std::string words;                     ///< from `repair::in_words`
     std::string table;                     ///< HTML, see `mend_table`
-    Picture front;
+    Chart front;
     bool timed = false;  ///< its times differ from run to run
 };
 

@@ -7,9 +7,7 @@
 #include "measure/evaluate/summary_columns.hpp"
 #include "measure/truth/missing.hpp"
 #include "output/attribution/explain_command.hpp"
-#include "output/map/map_colour.hpp"
 #include "output/page/text.hpp"
-#include "output/plot/form_look.hpp"
 #include "output/speed/trade_files.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
@@ -48,7 +46,6 @@ Json row_json(const measure::evaluate::TestedForm& row, const std::vector<const 
             {"format", row.format.name},
             {"precision", row.format.parameters.precision},
             {"from", attribution::where_form_is_from(row.form->info->name)},
-            {"look", plot::form_look(*row.form)},
             {"values", std::move(values)},
             {"outcomes", std::move(outcomes)},
             {"true_hits", std::move(true_hits)}};
@@ -71,12 +68,6 @@ Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<m
         }
         rows.push_back(std::move(row));
     }
-    Json far = Json::object();
-    for (const measure::evaluate::TestedForm& row : request.rows) {
-        if (far.contains(row.format.name)) continue;
-        const auto part = sweep::too_far(request.sweep, row.format.parameters);
-        far[row.format.name] = part ? Json::array({number_json(part->from), number_json(part->to)}) : Json();
-    }
     return {
         {"id", request.sweep.id},
         {"title", request.sweep.title},
@@ -86,25 +77,11 @@ Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<m
         {"spacing", spacing_name(axis.spacing)},
         {"steps", array_of(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
         {"is_drawn", request.sweep.has_random_rays()},
-        {"too_far", std::move(far)},
-        {"too_far_means", sweep::too_far_means},
-        {"gap_means", sweep::gap_means()},
         {"statistics", sweep_statistics},
         {"rows", std::move(rows)}};
 }
 
 namespace {
-
-/// Colours of all grids, as in the PNGs: the scale of lost bits in each format, and the paper that paler colours are
-/// mixed with.
-void add_paint(Json& json, const std::vector<measure::evaluate::TestedForm>& rows) {
-    for (const measure::evaluate::TestedForm& row : rows)
-        json["scales"][row.format.name] =
-            scale_json(map::metric_scale(*measure::metric::find_metric("lost_bits"), row.format.parameters));
-    json["paper"] = colour_json(image::style::page);
-    json["gap_means"] = sweep::gap_means();
-    json["statistics"] = sweep_statistics;
-}
 
 Json axis_json(const scene::sweep::Axis& axis, const std::vector<double>& values) {
     return {{"name", axis.name}, {"label", axis.label}, {"values", array_of(values, number_json)}};
@@ -120,10 +97,8 @@ Json plane_json(const measure::sweep::SweepRequest& request, const std::vector<m
               {"title", request.sweep.title},
               {"kind", "plane"},
               {"is_drawn", request.sweep.has_random_rays()},
-              {"outlined_means", sweep::outlined_means},
-              {"nowhere_outlined", sweep::nowhere_outlined},
               {"axes", Json::array({axis_json(axes[0], plane.x), axis_json(axes[1], plane.y)})}};
-    add_paint(json, request.rows);
+    json["statistics"] = sweep_statistics;
     Json& rows = json["rows"] = Json::array();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const auto at = [&](std::size_t cell) -> const FormSummary& {
@@ -142,12 +117,9 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
               {"title", file.title},
               {"kind", "cases"},
               {"cases", names},
-              {"right_means", sweep::right_means(file)},
               {"within_means", sweep::within_means(file)},
-              {"numbers_mean", sweep::numbers_mean},
-              {"right", colour_json(sweep::case_right_colour)},
               {"conventions", array_of(file.conventions, intersect::convention_name)}};
-    add_paint(json, request.rows);
+    json["statistics"] = sweep_statistics;
     Json& rows = json["rows"] = Json::array();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const auto at = [&](std::size_t cell) -> const FormSummary& { return cases[cell][r]; };
@@ -227,7 +199,6 @@ Json trade_json(const measure::speed::TradeRequest& request, const measure::spee
     Json parts = Json::array();
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto all = speed::pareto_points_of(request, result, s);
-        const auto beaten = measure::speed::dominated(all);
         Json points = Json::array();
         for (std::size_t k = 0; k < all.size(); ++k) {
             const measure::speed::TradeKernel& kernel = request.kernels[k];
@@ -236,14 +207,11 @@ Json trade_json(const measure::speed::TradeRequest& request, const measure::spee
                               {"registers", speed::registers_of(kernel)},
                               {"time_ns", number_json(all[k].time_ns)},
                               {"kept_bits", number_json(all[k].kept_bits)},
-                              {"wrong_fraction", number_json(all[k].wrong_fraction)},
-                              {"dominated", static_cast<bool>(beaten[k])}});
+                              {"wrong_fraction", number_json(all[k].wrong_fraction)}});
         }
         parts.push_back({{"name", sets[s].name}, {"title", sets[s].title}, {"points", std::move(points)}});
     }
-    return {{"shape", name_of(request.shape)},
-            {"axes", Json::array({speed::time_title, speed::kept_title})},
-            {"sets", std::move(parts)}};
+    return {{"shape", name_of(request.shape)}, {"sets", std::move(parts)}};
 }
 
 }  // namespace lostbits::output::page

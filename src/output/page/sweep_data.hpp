@@ -13,7 +13,7 @@
 
 namespace lostbits::output::page {
 
-/// Columns of a sweep's samples.csv that the page plots.
+/// Columns of a sweep's samples.csv that the page shows.
 inline constexpr std::array<std::string_view, 7> sweep_statistics{
     "lost_bits_p50",     "lost_bits_p99",      "lost_bits_max",      "excess_bits_p99",
     "inherent_bits_p99", "false_hit_fraction", "false_miss_fraction"};
@@ -43,7 +43,7 @@ inline constexpr std::array<std::string_view, 7> sweep_statistics{
 [[nodiscard]] std::string onset_table(const measure::sweep::SweepRequest& request,
                                       const std::vector<measure::sweep::Onset>& onsets);
 
-/// Points of a trade for each set of rays: time, kept bits, wrong decisions and the Pareto front.
+/// Points of a trade for each set of rays: time, kept bits and wrong decisions.
 [[nodiscard]] Json trade_json(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result);
 
 }  // namespace lostbits::output::page

@@ -4,22 +4,9 @@
 
 #include <cmath>
 
-#include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::page {
-
-std::string html(std::string_view text) {
-    std::string out;
-    for (const char c : file::xml_text(text)) {
-        if (c == '&') out += "&amp;";
-        else if (c == '<') out += "&lt;";
-        else if (c == '>') out += "&gt;";
-        else if (c == '"') out += "&quot;";
-        else out += c;
-    }
-    return out;
-}
 
 std::string header_row(const std::vector<std::string>& names) {
     std::string text = "<thead><tr>";

@@ -6,12 +6,12 @@
 #include <string_view>
 #include <vector>
 
+#include "output/file/escape.hpp"
 #include "output/image/colour.hpp"
 
 namespace lostbits::output::page {
 
-/// Writes &, <, > and quotes as entities.
-[[nodiscard]] std::string html(std::string_view text);
+using file::html;
 
 /// A rounded number for display that carries the exact one: `<data value="12.818665731680333">12.82</data>`. NaN is a
 /// dash.

@@ -118,7 +118,7 @@ void ColumnWriter::finish(const std::vector<SheetEnd>& ends) {
         const SheetEnd end = ends.empty() ? SheetEnd{} : ends[s];
         auto legend = sheet_legend(s, false);
         if (!legend.empty()) legend.front().label += end.remark;
-        sheets_[s]->finish(legend, end.order);
+        sheets_[s]->finish(legend, end.order, end.headline);
     }
 }
 

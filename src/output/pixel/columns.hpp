@@ -72,6 +72,7 @@ struct SceneFilesOptions {
 struct SheetEnd {
     std::vector<std::size_t> order = {};  ///< order of its cells across; see `ContactSheet::finish`
     std::string remark = {};              ///< appended to the first entry of its legend
+    std::string headline = {};            ///< what it shows; see `ContactSheet::finish`
 };
 
 /// The sheets of a scene's columns, and the folder of the columns' own pictures.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "output/image/figure.hpp"
 #include "output/plot/plot_axis.hpp"
 
 namespace lostbits::output::plot {
@@ -104,6 +105,10 @@ void write_matrix_plot(const std::filesystem::path& path, const MatrixPlotSpec& 
                       image::style::ink);
         }
     }
+    image::MarkData cells{spec.keys, {}};
+    for (const int place : places) cells.x.insert(cells.x.end(), {x0 + place + 0.0, x0 + place + cell_width - 1.0});
+    for (std::size_t r = 0; r <= spec.rows.size(); ++r) cells.y.push_back(y0 + static_cast<double>(r) * cell_height);
+    page.about(std::move(cells));
     for (std::size_t r = 0; r < spec.rows.size(); ++r) {
         const int y = y0 + static_cast<int>(r) * cell_height;
         page.text(x0 - beside_label - row_labels[r].width, y + (cell_height - row_labels[r].height) / 2, row_labels[r],
@@ -111,9 +116,10 @@ void write_matrix_plot(const std::filesystem::path& path, const MatrixPlotSpec& 
         for (std::size_t k = 0; k < columns; ++k)
             draw_cell(page, x0 + places[k], y, cell_width, spec.cells[r * columns + k]);
     }
+    page.about_nothing();
     page.picture(x0 + field_width + block_gap, y0, bar);
     page.picture(image::style::margin, below, legend.draw(spec.legend));
-    image::save_png(path, page);
+    image::save_figure(path, page);
 }
 
 namespace {
@@ -159,10 +165,13 @@ int extent(std::size_t cells, int least) {
     return n >= least ? n : (least + n - 1) / n * n;
 }
 
-void hatch(Canvas& canvas, int x, int y, int width, int height) {
-    for (int j = y; j < y + height; ++j) {
-        for (int i = x; i < x + width; ++i) canvas.set(i, j, (i + j) % hatch_pitch == 0 ? hatch_ink : hatch_paper);
-    }
+/// `phase` is the sum of the field's coordinates on the page.
+void hatch(Canvas& field, const image::PixelBox& box, int phase) {
+    std::vector<Rgb8> samples;
+    for (int j = box.y; j < box.y + box.height; ++j)
+        for (int i = box.x; i < box.x + box.width; ++i)
+            samples.push_back((i + j + phase) % hatch_pitch == 0 ? hatch_ink : hatch_paper);
+    field.field(box, box.width, std::move(samples));
 }
 
 /// Draws lines two pixels wide along the inner side of the border of the outlined cells, and a light line outside, so
@@ -229,25 +238,33 @@ void write_plane_plot(const std::filesystem::path& path, const PlanePlotSpec& sp
     const auto pixel = [](double place) { return static_cast<int>(std::lround(place)); };
     const auto column = [&](std::size_t i) { return pixel(frame.across(x.position(x_edges[i]))); };
     const auto row = [&](std::size_t j) { return pixel(frame.up(y.position(y_edges[j]))); };
+    // One picture of all cells, because there may be more of them than pixels.
+    Canvas field(frame.width, frame.height);
     for (std::size_t j = 0; j < spec.y.size(); ++j) {
         for (std::size_t i = 0; i < spec.x.size(); ++i) {
             const PlaneCell& cell = spec.cells[j * spec.x.size() + i];
-            const int x0 = std::min(column(i), frame.x + frame.width - 1);
-            const int y0 = std::min(row(j + 1), frame.y + frame.height - 1);
-            const int w = std::max(column(i + 1) - x0, 1), h = std::max(row(j) - y0, 1);
+            const int x0 = std::min(column(i) - frame.x, frame.width - 1);
+            const int y0 = std::min(row(j + 1) - frame.y, frame.height - 1);
+            const int w = std::max(column(i + 1) - frame.x - x0, 1), h = std::max(row(j) - frame.y - y0, 1);
             if (cell.colour || !std::isnan(cell.value)) {
-                page.fill(x0, y0, w, h, cell.colour ? *cell.colour : spec.scale->map(cell.value));
+                field.fill(x0, y0, w, h, cell.colour ? *cell.colour : spec.scale->map(cell.value));
             } else {
-                hatch(page, x0, y0, w, h);
+                hatch(field, {x0, y0, w, h}, frame.x + frame.y);
             }
         }
     }
+    image::MarkData cells{{}, {}};
+    for (std::size_t i = 0; i < x_edges.size(); ++i) cells.x.push_back(column(i));
+    for (std::size_t j = 0; j < y_edges.size(); ++j) cells.y.push_back(row(j));
+    page.about(std::move(cells));
+    page.field({frame.x, frame.y, frame.width, frame.height}, frame.width, field.pixels());
+    page.about_nothing();
     outline(page, spec, column, row);
     axes.draw(page, frame);
     page.picture(frame.x + frame.width + 1 + image::style::gap, frame.y - 1, bar);
     page.picture(image::style::margin, page.height() - image::style::margin - legend.height(), legend.draw(entries));
 
-    image::save_png(path, page);
+    image::save_figure(path, page);
 }
 
 }  // namespace lostbits::output::plot

@@ -140,10 +140,11 @@ std::vector<PlotLine> plot_lines(std::span<const Series> series) {
                    same(one.high, other.high);
         });
         if (twin == lines.end()) {
-            lines.push_back({&one, one.label, {}, 0, {}});
+            lines.push_back({&one, one.label, {}, 0, {}, one.key});
             alike.push_back(1);
         } else {
             twin->label += ", " + one.label;
+            twin->keys += " " + one.key;
             ++alike[static_cast<std::size_t>(twin - lines.begin())];
             if (!one.dashed && twin->series->dashed) twin->series = &one;
         }

@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "output/image/figure.hpp"
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_axis.hpp"
 #include "scene/toml/counted.hpp"
@@ -179,6 +180,17 @@ public:
         stroke_.paint(canvas, line.colour, band_opacity);
     }
 
+    /// The positions of all steps, for a script.
+    [[nodiscard]] image::MarkData steps() const {
+        image::MarkData data{{}, {}};
+        if (spec_.series.empty()) return data;
+        for (const double x : spec_.series.front().x)
+            data.x.push_back(has_place(x_, x) ? frame_.across(x_.position(x))
+                                              : std::numeric_limits<double>::quiet_NaN());
+        data.y = {static_cast<double>(frame_.y), static_cast<double>(frame_.y + frame_.height)};
+        return data;
+    }
+
     void line(Canvas& canvas, const PlotLine& line, bool markers, std::size_t index) {
         const Series& series = *line.series;
         // Markers of different lines start at different positions, so that they do not pile up where lines meet.
@@ -309,8 +321,13 @@ void write_line_plot(const std::filesystem::path& path, const LinePlotSpec& spec
     labels.draw(page, frame.y - 1, frame.y + frame.height);
     // Draw dashed lines over solid ones, so that both are visible where they agree.
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return !lines[i].dashes.empty(); });
-    for (const auto i : order) plot.line(page, lines[i], markers, i);
+    for (const auto i : order) {
+        if (!lines[i].keys.empty()) page.about({lines[i].keys, {}});
+        plot.line(page, lines[i], markers, i);
+    }
+    page.about(plot.steps());
     axes.draw(page, frame);
+    page.about_nothing();
     if (std::ranges::all_of(lines, [&](const PlotLine& line) { return !end_of(line, x, y); })) {
         const auto text = image::image_backend().render_text(spec.nothing, image::style::text_size);
         page.text(frame.x + (frame.width - text.width) / 2, frame.y + (frame.height - text.height) / 2, text,
@@ -327,7 +344,7 @@ void write_line_plot(const std::filesystem::path& path, const LinePlotSpec& spec
     legend.draw(page, legend_x, frame.y);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
 
-    image::save_png(path, page);
+    image::save_figure(path, page);
 }
 
 }  // namespace lostbits::output::plot

@@ -22,6 +22,7 @@ struct Series {
     /// earlier series has it and there are no more looks than colours. None: the first look that no other series asks
     /// for.
     std::optional<std::size_t> look = {};
+    std::string key = {};  ///< for a script: what the line shows; see `MarkData`
 };
 
 /// A vertical line with a label above the frame: an onset or a prediction.

@@ -23,6 +23,7 @@ struct PlotLine {
     image::Rgb8 colour;
     int marker;  ///< 0 for the first eight families, which need no marker
     std::span<const double> dashes;
+    std::string keys = {};  ///< those of its series
 };
 
 /// One line for each group of series with the same points, in the order of the series. No two lines have the same

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "output/image/figure.hpp"
 #include "output/plot/label_placement.hpp"
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_axis.hpp"
@@ -116,12 +117,15 @@ public:
         for (const auto& p : spec_.points) {
             if (p.faint != faint || !has_place(p, x_, y_)) continue;
             const Rgb8 colour = colour_of(p.colour, p.faint);
+            const Point at = place(p.x, p.y);
+            if (!p.key.empty()) canvas.about({p.key, {at.x}, {at.y}});
             if (!faint) {
                 const std::array<Point, 2> spread{place(p.x_low, p.y), place(p.x_high, p.y)};
                 stroke_.polyline(spread, 1);
                 stroke_.paint(canvas, colour);
             }
-            paint_marker(canvas, stroke_, place(p.x, p.y), {p.marker, colour, p.hollow});
+            paint_marker(canvas, stroke_, at, {p.marker, colour, p.hollow});
+            canvas.about_nothing();
         }
     }
 
@@ -216,7 +220,7 @@ void write_scatter_plot(const std::filesystem::path& path, const ScatterPlotSpec
     keys.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.below() + image::style::gap);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
 
-    image::save_png(path, page);
+    image::save_figure(path, page);
 }
 
 }  // namespace lostbits::output::plot

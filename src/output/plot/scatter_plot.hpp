@@ -21,6 +21,7 @@ struct ScatterPoint {
     bool faint = false;      ///< grey, small and without a name
     bool hollow = false;
     std::string label = {};
+    std::string key = {};  ///< for a script: what the point shows; see `MarkData`
 };
 
 struct ScatterPlotSpec {

@@ -44,7 +44,8 @@ void add_front(plot::ScatterPlotSpec& spec, const std::vector<FrontPoint>& point
                                .hollow = p.hollow,
                                .label = !named            ? std::string()
                                         : p.label.empty() ? map::short_name(*p.row.form->info)
-                                                          : p.label});
+                                                          : p.label,
+                               .key = map::row_name(p.row) + " " + std::to_string(k)});
         if (!beaten[k] && !std::isnan(p.quality.kept_bits)) front.push_back(k);
     }
     std::ranges::stable_sort(front, {}, [&points](std::size_t k) { return points[k].quality.time_ns; });

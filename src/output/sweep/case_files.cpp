@@ -114,6 +114,7 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
             if (request.rows[r].format.name != group.label || request.rows[r].judged != judged) continue;
             group.columns.push_back(map::short_name(*request.rows[r].form->info));
             order.push_back(r);
+            spec.keys += (spec.keys.empty() ? "" : " ") + map::row_name(request.rows[r]);
         }
     }
     for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::wrong_primitive,

@@ -94,6 +94,7 @@ void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, 
         if (request.rows[r].format != format || !quantity.shows(request.rows[r])) continue;
         spec.series.push_back(series_of(sweep.steps, r, map::short_name(*request.rows[r].form->info), quantity.value));
         spec.series.back().look = plot::form_look(*request.rows[r].form);
+        spec.series.back().key = map::row_name(request.rows[r]);
         // The envelope belongs to the problem and not to a form, so any row with hits all along gives it, if its line
         // is drawn to compare it with. A form without t has an envelope but no line.
         const auto& line = spec.series.back().y;

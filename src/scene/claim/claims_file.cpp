@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <iterator>
 #include <limits>
 #include <set>
+#include <sstream>
+#include <string>
 
 #include "number/real.hpp"
 #include "scene/toml/parse_number.hpp"
@@ -39,6 +42,23 @@ template <class E, std::size_t n>
 std::string_view name_in(const std::pair<std::string_view, E> (&names)[n], E value) {
     const auto found = std::ranges::find(names, value, &std::pair<std::string_view, E>::second);
     return found == std::end(names) ? "" : found->first;
+}
+
+/// Reads the source and the words quoted from it. Few words keep a quotation to the point, and to what may be copied.
+void read_source(TableReader& table, Claim& claim) {
+    constexpr std::ptrdiff_t most_words = 12;
+    claim.source = table.string("source");
+    claim.quotation = table.optional_string("quotation").value_or("");
+    if (!table.has("quotation")) return;
+    if (!claim.is_sourced())
+        table.fail_at("quotation", "needs a source; the statement is our own (source = \"-\"), so leave it out");
+    std::istringstream text(claim.quotation);
+    const auto words = std::distance(std::istream_iterator<std::string>(text), std::istream_iterator<std::string>());
+    if (words == 0) table.fail_at("quotation", "is empty; copy the words of the source that say the statement");
+    if (words > most_words)
+        table.fail_at("quotation", fmt::format("has {} words; quote at most {} of the source, those that say the "
+                                               "statement",
+                                               words, most_words));
 }
 
 /// Reads the verdict and, if it is qualified, the condition for it.
@@ -188,7 +208,7 @@ std::vector<Claim> read_claims(const std::filesystem::path& path) {
         claim.id = table.string("id");
         if (!ids.insert(claim.id).second) table.fail_at("id", "is given twice; each id may be used once");
         claim.statement = table.string("statement");
-        claim.source = table.string("source");
+        read_source(table, claim);
         claim.note = table.optional_string("note").value_or("");
         read_verdict(table, claim);
         read_evidence(table, claim);

@@ -12,7 +12,12 @@
 namespace lostbits::scene::dump {
 
 ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& terms, std::size_t records, Chunk& chunk)
-    : layout_(layout), terms_(terms), chunk_(chunk), shape_(layout.primitive()), decides_(layout.has_answers()) {
+    : layout_(layout),
+      terms_(terms),
+      chunk_(chunk),
+      answers_(layout.answers()),
+      shape_(layout.primitive()),
+      decides_(layout.has_answers()) {
     if (layout.has_matrix() && terms.under) shape_ = terms.under->shape;
     rays::RayBlock& rays = chunk.rays;
     for (auto* column : rays.numbers()) column->reserve(records);
@@ -22,6 +27,7 @@ ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& terms, std::s
     if (shape_) chunk.primitives.reserve(records);
     if (decides_) chunk.t.reserve(records), chunk.hit.reserve(records);
     if (layout.has(slot::object)) chunk.object.reserve(records);
+    if (answers_ > AnswerKind::first_hit) chunk.counts.reserve(records);
 }
 
 std::string ChunkWriter::called(std::size_t slot) const {
@@ -48,13 +54,15 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
         const std::string value = is_there(slot) ? fmt::format("is {}", x[slot]) : "is empty";
         return Fault{slot, fmt::format("{} {}; {}", called(slot), value, why)};
     };
-    for (std::size_t s = slot::origin; s < slot::tmax; ++s) {
+    for (std::size_t s = slot::origin; s < (layout_.are_points() ? slot::direction : slot::tmax); ++s) {
         if (!is_there(s) || !std::isfinite(x[s]))
-            return bad(s,
-                       "a ray has six finite numbers; leave this ray out, or write it as a [[case]], which may hold "
-                       "any numbers");
+            return bad(
+                s, layout_.are_points()
+                       ? "a point has three finite numbers; leave this point out"
+                       : "a ray has six finite numbers; leave this ray out, or write it as a [[case]], which may hold "
+                         "any numbers");
     }
-    if (x[3] == 0 && x[4] == 0 && x[5] == 0)
+    if (!layout_.are_points() && x[3] == 0 && x[4] == 0 && x[5] == 0)
         return Fault{slot::direction, "the direction is 0,0,0, so this record is not a ray; leave the record out"};
     if (is_there(slot::tmax) && std::isnan(x[slot::tmax]))
         return bad(slot::tmax, "write where the ray ends, or inf (or nothing) for a ray without end");
@@ -102,6 +110,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
                    "write the number of the primitive that was hit, from 0, or -1 or nothing if none was");
     if (is_there(slot::object) && terms_.primitives && object >= static_cast<double>(*terms_.primitives))
         return bad(slot::object, beyond_the_last(*terms_.primitives));
+    if (answers_ > AnswerKind::first_hit) return find_fault_of_count();
     if (!decides_) return std::nullopt;
     if (const auto fault = find_fault_of_answer()) return fault;
     const bool is_told = layout_.has(slot::object) && !shape_;  // otherwise the primitive is the record's own
@@ -143,6 +152,48 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
                                       called(slot::t), t, t)};
 }
 
+std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_count() {
+    if (answers_ == AnswerKind::all_hits) return find_fault_of_hit_index();
+    const std::size_t s = slot_of(answers_);
+    const double count = numbers_[s], most = answers_ == AnswerKind::crossings ? 0x1p31 - 1 : 1;
+    if (is_there(s) && count >= 0 && count <= most && count == std::floor(count)) return {};
+    return Fault{s, fmt::format("{} {}; write {}", called(s), is_there(s) ? fmt::format("is {}", count) : "is empty",
+                                answers_ == AnswerKind::crossings ? "how often the ray crosses the surface, from 0"
+                                : answers_ == AnswerKind::parity
+                                    ? "1 if the ray crosses the surface an odd number of times, else 0"
+                                    : "1 for a point inside and 0 for one outside")};
+}
+
+std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_hit_index() {
+    const double index = is_there(slot::hit_index) ? numbers_[slot::hit_index] : -1;
+    const auto bad = [this, index](const std::string& why) {
+        return Fault{slot::hit_index, fmt::format("{} is {}; {}", called(slot::hit_index), index, why)};
+    };
+    if (!(index >= -1 && index < 0x1p31 && index == std::floor(index)))
+        return bad("write 0 for the first hit of a ray, 1 for the next and so on, and -1 or nothing for no hit");
+    hits_ = index >= 0;
+    if (const auto before = chunk_.counts.empty() ? std::optional<std::int32_t>() : chunk_.counts.back();
+        index > 0 && before) {
+        if (index != *before + 1.0)
+            return bad(
+                fmt::format("the hit_index before it is {}; the hits of a ray follow each other in the order of "
+                            "their hit_index, from 0",
+                            *before));
+        const Ray<double> ray = chunk_.rays[chunk_.rays.size() - 1];
+        for (int k = 0; k < 3; ++k)
+            if (ray.origin[k] != numbers_[k] || ray.direction[k] != numbers_[k + 3])
+                return bad("the record before it is of another ray; write the same ray in all records of its hits");
+    }
+    if (hits_ && !(is_there(slot::object) && numbers_[slot::object] >= 0))
+        return Fault{slot::object, fmt::format("{} is {}; write the number of the triangle that is hit, from 0",
+                                               called(slot::hit_index), index)};
+    if (hits_ && layout_.has(slot::t) && !is_there(slot::t))
+        return Fault{slot::t, fmt::format("{} is empty, but {} is {}; write the t of the hit, or nan if it is not a "
+                                          "number",
+                                          called(slot::t), called(slot::hit_index), index)};
+    return {};
+}
+
 Range<double> ChunkWriter::range() const {
     return {is_there(slot::tmin) ? numbers_[slot::tmin] : 0, is_there(slot::tmax) ? numbers_[slot::tmax] : HUGE_VAL,
             terms_.open};
@@ -172,6 +223,9 @@ void ChunkWriter::keep() {
         chunk_.hit.push_back(hits_ ? 1 : 0);
         chunk_.t.push_back(hits_ && is_there(slot::t) ? x[slot::t] : 0);
     }
+    if (answers_ == AnswerKind::all_hits)
+        chunk_.counts.push_back(hits_ ? static_cast<std::int32_t>(x[slot::hit_index]) : -1);
+    else if (answers_ > AnswerKind::first_hit) chunk_.counts.push_back(static_cast<std::int32_t>(x[slot_of(answers_)]));
     if (layout_.has(slot::object))
         chunk_.object.push_back(is_there(slot::object) ? static_cast<std::int32_t>(x[slot::object]) : -1);
     there_ = 0;

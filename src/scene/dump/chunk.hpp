@@ -46,10 +46,12 @@ struct Chunk {
     std::vector<double> t = {};                      ///< NaN if a hit has no number, 0 for misses
     std::vector<std::uint8_t> hit = {};              ///< empty if the file has no answers
     std::vector<std::int32_t> object = {};           ///< the primitive that was hit; empty if the file does not say
-    std::vector<std::string> kept = {};              ///< the user's own columns, record by record, if they are kept
-    std::uint64_t rounded = 0;   ///< count of numbers that were rounded, since the format lacks them
-    int digits = 0;              ///< largest number of decimal digits of a number, see `NumberParser::Word`
-    std::uint64_t decimals = 0;  ///< count of numbers that are written with decimal digits
+    /// The hit_index (−1: the ray has no hit), crossings, parity or inside of each record; empty for other answers.
+    std::vector<std::int32_t> counts = {};
+    std::vector<std::string> kept = {};  ///< the user's own columns, record by record, if they are kept
+    std::uint64_t rounded = 0;           ///< count of numbers that were rounded, since the format lacks them
+    int digits = 0;                      ///< largest number of decimal digits of a number, see `NumberParser::Word`
+    std::uint64_t decimals = 0;          ///< count of numbers that are written with decimal digits
 
     [[nodiscard]] std::size_t size() const { return rays.size(); }
 };
@@ -82,6 +84,8 @@ private:
     };
     [[nodiscard]] std::optional<Fault> find_fault();
     [[nodiscard]] std::optional<Fault> find_fault_of_answer();
+    [[nodiscard]] std::optional<Fault> find_fault_of_count();
+    [[nodiscard]] std::optional<Fault> find_fault_of_hit_index();
     [[noreturn]] static void fail(const std::string& place, const std::string& why);
     [[nodiscard]] Primitive<double> primitive() const;  ///< of this record
     [[nodiscard]] Range<double> range() const;          ///< of this record's ray
@@ -92,6 +96,7 @@ private:
     const Layout& layout_;
     const ReadSettings& terms_;
     Chunk& chunk_;
+    AnswerKind answers_;
     double numbers_[slot::count] = {};
     std::uint64_t there_ = 0;
     std::optional<Shape> shape_;  ///< shape of each record's own primitive, or of the one that its matrix applies to

@@ -220,8 +220,9 @@ std::string CsvDump::put(std::string_view word, std::size_t slot, ChunkWriter& w
                 format().name);
         case NumberParser::Kind::not_a_number_word: break;
     }
-    if (slot == slot::hit && (word == "true" || word == "True" || word == "TRUE")) writer.put(slot, 1, true);
-    else if (slot == slot::hit && (word == "false" || word == "False" || word == "FALSE")) writer.put(slot, 0, true);
+    const bool decides = slot == slot::hit || slot == slot::parity || slot == slot::inside;
+    if (decides && (word == "true" || word == "True" || word == "TRUE")) writer.put(slot, 1, true);
+    else if (decides && (word == "false" || word == "False" || word == "FALSE")) writer.put(slot, 0, true);
     else
         return "is not a number; write a decimal such as 4100 or 1e-3, a hexadecimal float such as 0x1.004p+12, nan or "
                "inf";

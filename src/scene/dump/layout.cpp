@@ -33,9 +33,11 @@ std::vector<KnownName> make_known_names() {
     add(slot::t, {"t"});
     add(slot::hit, {"hit"});
     add(slot::object, {"object"});
+    add(slot::hit_index, {"hit_index", "crossings", "parity", "inside"});
     for (std::size_t k = 0; k < matrix_columns.size(); ++k)
         all.push_back({std::string(matrix_columns[k]), slot::matrix + k});
     // Names in the project's own tables and in other programs.
+    add(slot::origin, {"px", "py", "pz"});
     add(slot::origin,
         {"origin_x", "origin_y", "origin_z", "direction_x", "direction_y", "direction_z", "t_max", "t_min"});
     for (const ShapeRow& row : shape_rows)
@@ -148,6 +150,20 @@ void Layout::find_slots(const Complain& complain) {
         const KnownName* const known = find_known(names[c], shapes.chosen);
         found[c].known = known && known->shape && shapes.are_own(*known->shape) ? nullptr : known;
     }
+    const auto has_any = [&found](std::size_t first, std::size_t last) {
+        return std::ranges::any_of(
+            found, [&](const Found& f) { return f.known && f.known->slot >= first && f.known->slot < last; });
+    };
+    // Files of rays and of first hits may have columns of their own with these names.
+    const bool first_hits = has_any(slot::t, slot::object), directions = has_any(slot::direction, slot::tmax);
+    const bool points = !directions && has_any(slot::inside, slot::matrix);
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+        if (found[c].known == nullptr) continue;
+        const std::size_t s = found[c].known->slot;
+        if ((first_hits && (s == slot::crossings || s == slot::parity)) || (directions && s == slot::inside) ||
+            (!points && s < slot::direction && names[c].starts_with('p')))
+            found[c].known = nullptr;
+    }
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         const KnownName* const known = found[c].known;
         if (known == nullptr) continue;
@@ -173,6 +189,7 @@ void Layout::find_slots(const Complain& complain) {
     for (const KnownName& known : known_names()) {
         if (known.shape && shapes.chosen && shapes.are_own(*known.shape)) continue;
         if (known.slot >= slot::matrix && !has_any_of_matrix()) continue;
+        if (known.slot > slot::hit_index && known.slot < slot::matrix) continue;
         if (known.name.size() >= (known.shape ? 4 : 3) && !places_[known.slot]) missing.push_back(known.name);
     }
     for (std::size_t c = 0; c < columns_.size(); ++c) {
@@ -184,7 +201,38 @@ void Layout::find_slots(const Complain& complain) {
     }
 }
 
+AnswerKind Layout::answers() const {
+    if (has(slot::hit_index)) return AnswerKind::all_hits;
+    if (has(slot::inside)) return AnswerKind::inside;
+    if (has(slot::crossings)) return AnswerKind::crossings;
+    if (has(slot::parity)) return AnswerKind::parity;
+    return has_answers() ? AnswerKind::first_hit : AnswerKind::none;
+}
+
+void Layout::require_one_kind(const Complain& complain) const {
+    if (answers() <= AnswerKind::first_hit) return;
+    for (std::size_t s = slot::hit_index, before = slot::count; s < slot::matrix; ++s) {
+        if (!has(s)) continue;
+        if (before < s)
+            complain(index_of(s), fmt::format("\"{}\" and \"{}\" are answers of two kinds; leave one of the two out",
+                                              columns_[index_of(before)].name, columns_[index_of(s)].name));
+        before = s;
+    }
+    const std::string name = columns_[index_of(slot_of(answers()))].name;
+    if (answers() == AnswerKind::all_hits && !has(slot::object))
+        complain(
+            index_of(slot::hit_index),
+            fmt::format("\"{}\" counts the hits of a ray, and no column says what they hit; add object, the number "
+                        "of the triangle",
+                        name));
+    if (primitive_ || has_matrix())
+        complain(0,
+                 fmt::format("\"{}\" is about the surface of a mesh, but each record has {}; leave those columns out",
+                             name, primitive_ ? "a primitive" : "a matrix"));
+}
+
 void Layout::require_whole(const Complain& complain) const {
+    require_one_kind(complain);
     const auto lacks = [&](std::size_t begin, std::size_t end, std::optional<Shape> shape) {
         std::string names;
         for (std::size_t s = begin; s < end; ++s) {
@@ -193,6 +241,12 @@ void Layout::require_whole(const Complain& complain) const {
         }
         return names;
     };
+    if (are_points()) {
+        for (std::size_t k = 0; k < 3; ++k)
+            if (!has(slot::origin + k))
+                complain(0, fmt::format("a point has no p{}; name the columns px,py,pz,inside", "xyz"[k]));
+        return;
+    }
     if (const auto names = lacks(0, slot::tmax, {}); !names.empty()) {
         // Every word of two letters is one edit away from many others, so ask only about columns that are known to be
         // missing.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -12,17 +13,35 @@
 
 namespace lostbits::scene::dump {
 
-/// The numbers of a record that have a meaning, in one row: the ray, its range, its primitive, its answer, and the
-/// matrix of its primitive, row by row.
+/// The numbers of a record that have a meaning, in one row: the ray (or a point, as its origin), its range, its
+/// primitive, its answer, and the matrix of its primitive, row by row.
 namespace slot {
 inline constexpr std::size_t origin = 0, direction = 3, tmax = 6, tmin = 7, primitive = 8;
-inline constexpr std::size_t t = primitive + most_numbers, hit = t + 1, object = t + 2, matrix = t + 3;
+inline constexpr std::size_t t = primitive + most_numbers, hit = t + 1, object = t + 2;
+inline constexpr std::size_t hit_index = t + 3, crossings = t + 4, parity = t + 5, inside = t + 6, matrix = t + 7;
 inline constexpr std::size_t count = matrix + Affine<double>::numbers;
 }  // namespace slot
 
 /// The names of the columns of a matrix, row by row.
 inline constexpr std::array<std::string_view, Affine<double>::numbers> matrix_columns{
     "m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22", "m23"};
+
+/// What the answers of a file are about.
+enum class AnswerKind : std::uint8_t {
+    none,
+    first_hit,  ///< each record is a ray and its first hit
+    all_hits,   ///< each record is one hit of a ray, `hit_index` from 0; records of one ray follow each other
+    crossings,  ///< each record is a ray and how often it crosses the surface
+    parity,     ///< the same modulo 2
+    inside      ///< each record is a point, and 1 if it is inside
+};
+inline constexpr std::array<std::string_view, 6> answer_kind_names{"none",      "first hit", "all hits",
+                                                                   "crossings", "parity",    "inside"};
+
+/// The number that gives the answer of each record, for kinds after `first_hit`.
+constexpr std::size_t slot_of(AnswerKind kind) {
+    return slot::hit_index + static_cast<std::size_t>(kind) - static_cast<std::size_t>(AnswerKind::all_hits);
+}
 
 /// One column of a file.
 struct LayoutColumn {
@@ -35,9 +54,9 @@ struct LayoutColumn {
 class Layout {
 public:
     /// Throws what `complain(column, why)` throws. It complains about a ray of fewer than six numbers, an incomplete
-    /// primitive or matrix, numbers of a sphere and of a box together, a number that is there twice, and a name that
-    /// looks like a misspelling of a known name that is missing. Names are also known in upper case, and with `_hex`
-    /// at the end: of `t` and `t_hex`, the latter is read and the former kept.
+    /// primitive or matrix, numbers of a sphere and of a box together, answers of two kinds, a number that is there
+    /// twice, and a name that looks like a misspelling of a known name that is missing. Names are also known in upper
+    /// case, and with `_hex` at the end: of `t` and `t_hex`, the latter is read and the former kept.
     using Complain = std::function<void(std::size_t column, const std::string& why)>;
     Layout(std::vector<std::string> names, const Complain& complain);
 
@@ -49,6 +68,9 @@ public:
     [[nodiscard]] std::optional<Shape> primitive() const { return primitive_; }
     /// True if each record has the matrix of its primitive.
     [[nodiscard]] bool has_matrix() const { return has(slot::matrix); }
+    [[nodiscard]] AnswerKind answers() const;
+    /// True if the records are points: there are no columns of a direction.
+    [[nodiscard]] bool are_points() const { return answers() == AnswerKind::inside; }
     [[nodiscard]] bool has_answers() const { return has(slot::t) || has(slot::hit); }
     /// True if the answers are decisions without a t.
     [[nodiscard]] bool decides_only() const { return has(slot::hit) && !has(slot::t); }
@@ -58,6 +80,7 @@ public:
 private:
     void find_slots(const Complain& complain);
     void require_whole(const Complain& complain) const;
+    void require_one_kind(const Complain& complain) const;
     [[nodiscard]] bool has_any_of_matrix() const;
 
     std::vector<LayoutColumn> columns_;

@@ -1,6 +1,7 @@
 #include "scene/file/stretch.hpp"
 
 #include <algorithm>
+#include <memory>
 
 #include <mpfr.h>
 
@@ -46,6 +47,43 @@ Real size_of(const Primitive<Real>& primitive) {
     return primitive.placed->is_inverse ? Real(size / times) : Real(size * times);
 }
 
+namespace {
+
+/// A primitive under the matrix of the meshes whose corners are all at a point; what happens to a vertex happens to it.
+Primitive<Real> at_vertex(const Scene& scene, const Vec<double>& v) {
+    Primitive<double> one(scene.mesh->triangle(0));
+    for (std::size_t k = 0; k < one.used().size(); k += 3) one.set_point(k, v);
+    one.placed = scene.mesh_placed;
+    return transformed(one, [](double x) { return Real(x); });
+}
+
+/// The mean of the middles of all triangles of meshes. A matrix transforms the mean as it transforms each.
+Vec<Real> middle_of_mesh(const Scene& scene) {
+    Vec<double> sum(0, 0, 0);
+    for (std::size_t i = 0; i < scene.mesh->faces.size(); ++i) sum = sum + scene.mesh->triangle(i).middle();
+    const Vec<double> middle = sum / static_cast<double>(scene.mesh->faces.size());
+    return middle_of(at_vertex(scene, middle));
+}
+
+/// Applies a change to the matrix of the meshes, or if they have none to their vertices, rounded to doubles.
+template <class Change>
+void change_mesh(Scene& scene, const Change& change) {
+    if (!scene.mesh) return;
+    const auto as_double = [](const Real& x) { return static_cast<double>(x); };
+    if (scene.mesh_placed) {
+        scene.mesh_placed = transformed(*change(at_vertex(scene, {0, 0, 0})).placed, as_double);
+        return;
+    }
+    const auto mesh = std::make_shared<triangle::Mesh>(*scene.mesh);
+    for (Vec<double>& v : mesh->vertices) {
+        const Vec<Real> to = change(at_vertex(scene, v)).point(0);
+        v = Vec<double>(as_double(to.x), as_double(to.y), as_double(to.z));
+    }
+    scene.mesh = mesh;
+}
+
+}  // namespace
+
 Vec<Real> middle_of(const Scene& scene) {
     Vec<Real> sum(Real(0), Real(0), Real(0));
     int count = 0;
@@ -57,6 +95,11 @@ Vec<Real> middle_of(const Scene& scene) {
     if (scene.flake) {
         const Vec<double>& c = scene.flake->centre;
         take({Real(c.x), Real(c.y), Real(c.z)});
+    }
+    if (scene.mesh) {
+        const auto faces = static_cast<int>(scene.mesh->faces.size());
+        sum = sum + Real(faces) * middle_of_mesh(scene);
+        count += faces;
     }
     return (Real(1) / Real(std::max(count, 1))) * sum;
 }
@@ -119,6 +162,7 @@ std::optional<Scene> farther(Scene scene, const Real& k) {
 Scene enlarged(Scene scene, const Real& k) {
     const auto place = [&k](const Vec<Real>& v) { return Vec<Real>(k * v.x, k * v.y, k * v.z); };
     change_primitives(scene, [&k](const Primitive<Real>& primitive) { return std::optional(enlarged(primitive, k)); });
+    change_mesh(scene, [&k](const Primitive<Real>& triangle) { return enlarged(triangle, k); });
     scene.camera.eye = place(scene.camera.eye);
     scene.camera.look_at = place(scene.camera.look_at);
     scene.camera.width = k * scene.camera.width;
@@ -127,6 +171,7 @@ Scene enlarged(Scene scene, const Real& k) {
 }
 
 std::optional<Scene> grown(Scene scene, const Real& k) {
+    if (scene.mesh) return std::nullopt;  // triangles that grow by themselves are no mesh
     const Vec<Real> eye = scene.camera.eye;
     if (!change_primitives(scene, [&](const Primitive<Real>& primitive) { return grown(primitive, eye, k); }))
         return std::nullopt;
@@ -135,6 +180,7 @@ std::optional<Scene> grown(Scene scene, const Real& k) {
 
 Scene moved(Scene scene, const Vec<Real>& by) {
     change_primitives(scene, [&by](const Primitive<Real>& primitive) { return std::optional(moved(primitive, by)); });
+    change_mesh(scene, [&by](const Primitive<Real>& triangle) { return moved(triangle, by); });
     scene.camera.eye = scene.camera.eye + by;
     scene.camera.look_at = scene.camera.look_at + by;
     if (scene.flake)

@@ -12,7 +12,8 @@ namespace lostbits::scene::file {
 Real half_tangent(const Real& degrees);
 Real degrees_of(const Real& half_tangent);
 
-/// The mean of the middles of the primitives, and of the largest sphere of a flake, in world units.
+/// The mean of the middles of the primitives, triangles of meshes included, and of the largest sphere of a flake, in
+/// world units.
 Vec<Real> middle_of(const Scene& scene);
 Vec<Real> middle_of(const Primitive<Real>& primitive);
 
@@ -41,9 +42,10 @@ std::optional<Scene> farther(Scene scene, const Real& k);
 /// flake.
 Scene enlarged(Scene scene, const Real& k);
 /// Scales each primitive about its point nearest to the eye, but not a flake. Returns nothing if the eye is at a
-/// centre.
+/// centre, and for a scene with meshes.
 std::optional<Scene> grown(Scene scene, const Real& k);
-/// Moves everything by a vector: primitives, eye and light. The centre of a flake is rounded to double.
+/// Moves everything by a vector: primitives, eye and light. The centre of a flake and the vertices of meshes are
+/// rounded to double.
 Scene moved(Scene scene, const Vec<Real>& by);
 
 }  // namespace lostbits::scene::file

@@ -105,8 +105,9 @@ TEST_CASE("a form is called the fastest only beyond the noise, and scalar forms 
 }
 
 TEST_CASE("the format in which a form computes is read from its operations") {
-    const std::set<std::string_view> in_double{"sphere.double_inside",   "triangle.pbrt",       "triangle.woop_double",
-                                               "torus.bracketed_double", "torus.double_inside", "tube.mitsuba"};
+    const std::set<std::string_view> in_double{"sphere.double_inside", "triangle.pbrt",          "triangle.woop_double",
+                                               "triangle.woop_once",   "torus.bracketed_double", "torus.double_inside",
+                                               "tube.mitsuba"};
     for (const auto& form : intersect::table::intersectors()) {
         if (form.shape == Shape::sdf) continue;
         INFO(form.info->name);
@@ -136,6 +137,26 @@ TEST_CASE("a scene stretched by 1 is unchanged, and by more shows the same pictu
     CHECK(abs(gap(large->scene) - gap(scene)) < 1e-40);
     CHECK_FALSE(stretched(scene, Growth::view, 1e6));
     CHECK_FALSE(stretched(scene_named("rtg-fig-7-3-4100-oblique"), Growth::view, 2));  // parallel rays
+}
+
+TEST_CASE("a mesh, with a matrix or without, moves with everything else, and does not grow triangle by triangle") {
+    for (const char* const name : {"mesh-icosphere-near", "instance-mesh"}) {
+        Scene scene = test::load(name, 24, 24);
+        scene.inputs = scene::file::Inputs::own;  // so that the farther scene is not rounded to another one
+        const auto there = stretched(scene, Growth::offset, 3);
+        REQUIRE(there);
+        const measure::truth::Band before(scene, 0, scene.height), after(there->scene, 0, scene.height);
+        std::size_t hits = 0, other = 0;
+        for (std::size_t i = 0; i < before.pixels(); ++i) {
+            const measure::truth::Truth a = before.truth(i, {}), b = after.truth(i, {});
+            hits += a.is_hit();
+            other += a.is_hit() != b.is_hit() || (a.is_hit() && std::fabs(a.t.hi / b.t.hi - 1) > 1e-6);
+        }
+        INFO(name);
+        CHECK(hits > 100);
+        CHECK(other == 0);
+        CHECK_FALSE(stretched(scene, Growth::radius, 2));
+    }
 }
 
 TEST_CASE("a requirement holds at the edge of the margin and fails just beyond it") {

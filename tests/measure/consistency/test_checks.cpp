@@ -1,4 +1,5 @@
 // Parts of the consistency checks: any hit before an end, a segment in two ways, a chord from either end.
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -25,7 +26,9 @@ bool meets(std::string_view form, std::string_view format, const Ray<double>& ra
     const FormKernels asked(form_named(form), *find_format(format));
     auto rays = scene::rays::group_of(ray).rays;
     rays.tmax = {end};
-    return meets_before_end(asked, rays, primitives).front() != 0;
+    return std::ranges::any_of(primitives, [&](const Primitive<double>& primitive) {
+        return meets_before_end(asked, rays, primitive).front() != 0;
+    });
 }
 
 /// −h ∓ √(h² − a c), all over a, in 256 bits: another way than that of the library, which takes |f × d|².

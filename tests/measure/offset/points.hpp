@@ -14,14 +14,14 @@ namespace lostbits::test {
 struct ScenePoints {
     scene::file::Scene scene;
     measure::evaluate::TestedForm of;
-    std::vector<Primitive<double>> primitives;
+    scene::rays::PrimitiveList<double> primitives;
     std::vector<measure::offset::FormHit> met;
 
     ScenePoints(const std::string& name, std::string_view form, std::string_view format)
         : scene(load(name)), of(row(form, format)) {
         const measure::truth::Band band(scene, 0, scene.height);
         const auto inputs = band.inputs(of.format, {});
-        primitives = inputs.primitives.all();
+        primitives = inputs.primitives;
         const auto answers = measure::answer::evaluate(*of.form, inputs);
         for (std::size_t i = 0; i < answers.t.size(); ++i) {
             if (answers.hit[i] != 0 && answers.t[i] > 0)

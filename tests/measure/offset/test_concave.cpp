@@ -29,9 +29,9 @@ struct Measured {
     Measured(std::string_view form, const char* format, const Primitive<double>& primitive, const Ray<double>& ray,
              double t, const std::optional<Vec<double>>& light = std::nullopt) {
         const measure::evaluate::TestedForm of = row(form, format);
-        const std::vector<Primitive<double>> primitives{primitive};
+        const scene::rays::PrimitiveList<double> primitives(std::vector{primitive});
         const auto strategies = all_strategies();
-        const PointWork work(of, HitPoint::computed, primitives, light, strategies);
+        const PointWork work(of, HitPoint::computed, primitives, nullptr, light, strategies);
         REQUIRE(work.measure({ray, t, 0}, sides, at));
     }
     [[nodiscard]] const SideOfPoint& on(Side side) const { return sides[static_cast<std::size_t>(side)]; }
@@ -195,10 +195,10 @@ TEST_CASE("offsets: an exit skipped by t_min is lost, even if the ray then start
           "[measure][offset]") {
     // From the outer rim to the axis: out after 2^-11, in again after 2^-10, out after 3/2 of that.
     const Primitive<double> small(Torus<double>{{0, 0, 0}, {0, 0, 1}, 0x1p-11, 0x1p-12});
-    const std::vector<Primitive<double>> primitives{small};
+    const scene::rays::PrimitiveList<double> primitives(std::vector{small});
     const measure::evaluate::TestedForm of = row("torus.closest_approach", "f64");
     const auto strategies = all_strategies();
-    const PointWork work(of, HitPoint::computed, primitives, std::nullopt, strategies);
+    const PointWork work(of, HitPoint::computed, primitives, nullptr, std::nullopt, strategies);
     const double rim = 0x1p-11 + 0x1p-12;
     const auto tmin = std::ranges::find(strategies, "offset.tmin", &Strategy::name);
     bool asked = false;

@@ -61,7 +61,7 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not, also 
             const ScenePoints points(scene, form, format);
             for (const HitPoint point : {HitPoint::computed, HitPoint::projected}) {
                 const auto strategies = all_strategies();
-                const PointWork work(points.of, point, points.primitives, Vec<double>(3, 9, 4), strategies);
+                const PointWork work(points.of, point, points.primitives, nullptr, Vec<double>(3, 9, 4), strategies);
                 for (std::size_t k = 0; k < points.met.size(); k += 7) {
                     std::array<SideOfPoint, 2> sides;
                     std::vector<StrategyAtPoint> at(2 * strategies.size());
@@ -104,9 +104,9 @@ TEST_CASE("faults of respawned rays agree with rational arithmetic", "[measure][
     for (const auto& [scene, form] : scenes) {
         const ScenePoints points(scene, form, "f32");
         const auto strategies = all_strategies();
-        const PointWork work(points.of, HitPoint::computed, points.primitives, std::nullopt, strategies);
+        const PointWork work(points.of, HitPoint::computed, points.primitives, nullptr, std::nullopt, strategies);
         for (std::size_t k = 0; k < points.met.size(); k += 9) {
-            const Primitive<double>& own = points.primitives[points.met[k].own];
+            const Primitive<double> own = points.primitives[points.met[k].own];
             for (const Strategy* s : strategies) {
                 for (const Side side : both_sides) {
                     for (const NewRay& r : work.rays(points.met[k], *s, side)) {

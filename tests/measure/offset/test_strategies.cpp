@@ -126,9 +126,9 @@ TEST_CASE("a small sphere above another is skipped, entered or seen, depending o
     // At the pole of a unit sphere; t is exact, and so is the point.
     const FormHit pole{{{0, 0, 5}, {0, 0, -1}}, 4, 0};
     const auto count = [&](double above, double radius, std::string_view name, Fault fault) {
-        const std::vector<Primitive<double>> primitives{Sphere<double>{{0, 0, 0}, 1},
-                                                        Sphere<double>{{0, 0, above}, radius}};
-        const PointWork work(of, HitPoint::computed, primitives, std::nullopt, strategies);
+        const scene::rays::PrimitiveList<double> primitives(
+            std::vector<Primitive<double>>{Sphere<double>{{0, 0, 0}, 1}, Sphere<double>{{0, 0, above}, radius}});
+        const PointWork work(of, HitPoint::computed, primitives, nullptr, std::nullopt, strategies);
         const auto rays = work.rays(pole, named(name), Side::outside);
         CHECK(rays.size() == 18);
         return std::ranges::count_if(rays, [&](const NewRay& r) { return r.has(fault); });

@@ -9,6 +9,7 @@
 #include "measure/rows.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/helpers.hpp"
+#include "output/map/finding.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/map_pictures.hpp"
 
@@ -272,6 +273,33 @@ TEST_CASE("a sheet is sorted by fewest wrong decisions, then by smallest 99th pe
     CHECK_FALSE(has_word(above(""), "--pixel"));
     CHECK(has_word(above(""), "in the column worst_explain"));
     CHECK_FALSE(has_word(cell_note(MetricPaint(*find_metric("iterations"), binary32), seen, 0), "worst"));
+}
+
+TEST_CASE("a map says in a sentence which form is best and which is worst", "[finding]") {
+    using O = Outcome;
+    const auto says = [](auto... each) {
+        std::vector<FormSummary> summaries;
+        (summaries.push_back(std::move(each)), ...);
+        lostbits::measure::evaluate::EvaluationRequest request{
+            .rows = {lostbits::test::row("sphere.unified", "f32"), lostbits::test::row("sphere.schoolbook", "f32"),
+                     lostbits::test::row("sphere.press", "f32")},
+            .metrics = {find_metric("lost_bits")}};
+        request.rows.erase(request.rows.begin() + static_cast<std::ptrdiff_t>(summaries.size()), request.rows.end());
+        return finding_in_words(request, summaries);
+    };
+    const auto right = [](double lost) { return summary_of(lost, {{O::agree_hit, 500}, {O::agree_miss, 500}}); };
+    CHECK(says(right(2), right(2.5)) == "All 2 forms keep 22 of 24 bits in f32");
+    CHECK(says(right(9), right(2), right(5)) == "schoolbook keeps 22 of 24 bits in f32; unified keeps 15");
+    CHECK(says(right(2)) == "unified keeps 22 of 24 bits in f32");
+    CHECK(says(right(2), summary_of(1, {{O::agree_hit, 500}, {O::agree_miss, 275}, {O::false_hit, 225}})) ==
+          "unified keeps 22 of 24 bits in f32; schoolbook hits 45 % of the empty rays");
+    CHECK(says(right(2), summary_of(1, {{O::false_miss, 500}, {O::agree_miss, 500}})) ==
+          "unified keeps 22 of 24 bits in f32; schoolbook misses all 500 true hits");
+    CHECK(says(right(2), summary_of(1, {{O::not_a_number, 1000}})) ==
+          "unified keeps 22 of 24 bits in f32; schoolbook returns NaN for all 1000 rays");
+    CHECK(says(summary_of(2, {{O::agree_hit, 498}, {O::agree_miss, 500}, {O::false_miss, 2}})) ==
+          "unified keeps 22 of 24 bits in f32 and misses 2 of the 500 true hits");
+    CHECK(says(summary_of(2, {{O::agree_miss, 1000}}), summary_of(2, {{O::agree_miss, 1000}})).empty());
 }
 
 }  // namespace test_metric_paint

@@ -48,6 +48,18 @@ TEST_CASE("a claim on the page shows what its verdict rests on") {
     CHECK(row_of(Evidence::none, holds).find("evidence") == std::string::npos);
 }
 
+TEST_CASE("a claim on the page quotes its source after it") {
+    Claim claim;
+    claim.subject = lostbits::scene::claim::TableSubject{.name = "arithmetic"};
+    claim.source = "Fell";
+    claim.quotation = "a < b";
+    ClaimResult result;
+    result.state = ClaimResult::State::agrees;
+    const std::string page =
+        claims_table({.command = {}, .maps = {}, .sweeps = {}, .trades = {}, .claims = {claim}, .results = {result}});
+    CHECK(page.find("Fell: <q>a &lt; b</q> &middot; ") != std::string::npos);
+}
+
 TEST_CASE("a claim that failed rests on nothing, but still shows how many floats were tried") {
     Claim claim;
     claim.subject = lostbits::scene::claim::TableSubject{.name = "arithmetic"};

@@ -213,12 +213,14 @@ TEST_CASE("marks are at their positions and their labels do not overlap", "[line
     for (const auto& mark : marks) {
         image::Canvas one(440, 400);
         MarkLabels({mark}, 420).draw(one, 300, 390);
-        alone += std::ranges::count(one.pixels(), image::style::ink);
+        const auto pixels = one.pixels();
+        alone += std::ranges::count(pixels, image::style::ink);
     }
-    CHECK(std::ranges::count(canvas.pixels(), image::style::ink) == alone);  // nothing is over anything
+    const auto pixels = canvas.pixels();
+    CHECK(std::ranges::count(pixels, image::style::ink) == alone);  // nothing is over anything
     for (const auto& mark : marks) {
-        const auto x = static_cast<std::size_t>(mark.x);
-        CHECK(std::min(canvas.row(386)[x].r, canvas.row(382)[x].r) < 128);  // a dash, or its round end
+        const int x = static_cast<int>(mark.x);
+        CHECK(std::min(pixel_at(canvas, x, 386).r, pixel_at(canvas, x, 382).r) < 128);  // a dash, or its round end
     }
 
     auto spec = spec_of({level("a", 10)});

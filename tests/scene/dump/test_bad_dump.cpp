@@ -29,6 +29,9 @@ std::string padded_npy(const std::string& type) {
                   std::string(24, 'a'));
 }
 
+const std::string list = "ox,oy,oz,dx,dy,dz,hit_index,object,t\n";
+const DumpOptions of_mesh{.primitive = Shape::triangle};
+
 const BadFile bad_files[] = {
     {"a.csv", "", "a.csv:1:1:", "names of its columns"},
     {"a.csv", "1,2,3\n", "a.csv:1:1:", "--columns"},
@@ -88,6 +91,21 @@ const BadFile bad_files[] = {
      "t says that the ray hits",
      {.primitive = Shape::sphere}},
     {"a.csv", "ox,oy,oz,dx,dy,dz,lox,loy,loz,hix,hiy,hiz\n0,0,-5,0,0,1,0,2,0,1,1,1\n", "a.csv:2:16:", "lo <= hi"},
+    {"a.csv", list + "0,0,-5,0,0,1,0,0,4\n0,0,-5,0,0,1,2,1,6\n", "a.csv:3:14: hit_index is 2",
+     "the hit_index before it is 0", of_mesh},
+    {"a.csv", list + "0,0,-5,0,0,1,0,0,4\n0,1,-5,0,0,1,1,1,6\n", "a.csv:3:14: hit_index is 1", "another ray", of_mesh},
+    {"a.csv", list + "0,0,-5,0,0,1,0.5,0,4\n", "a.csv:2:14: hit_index is 0.5", "0 for the first hit", of_mesh},
+    {"a.csv", list + "0,0,-5,0,0,1,0,-1,4\n", "a.csv:2:16: hit_index is 0", "number of the triangle", of_mesh},
+    {"a.csv", list + "0,0,-5,0,0,1,0,0,\n", "a.csv:2:18: t is empty", "nan if it is not", of_mesh},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,hit_index,t\n", "a.csv:1:19: \"hit_index\" counts the hits", "add object", of_mesh},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,hit_idnex,object,t\n", "a.csv:1:19:", "did you mean \"hit_index\"", of_mesh},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,crossings,parity\n", "a.csv:1:29: \"crossings\" and \"parity\"", "leave one", of_mesh},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,crossings,cx,cy,cz,radius\n", "a.csv:1:1: \"crossings\" is about", "a primitive"},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,crossings\n0,0,-5,0,0,1,-2\n", "a.csv:2:14: crossings is -2", "from 0", of_mesh},
+    {"a.csv", "ox,oy,oz,dx,dy,dz,parity\n0,0,-5,0,0,1,2\n", "a.csv:2:14: parity is 2", "odd number", of_mesh},
+    {"a.csv", "px,py,inside\n", "a.csv:1:1: a point has no pz", "px,py,pz,inside", of_mesh},
+    {"a.csv", "px,py,pz,inside\n0,0,inf,1\n", "a.csv:2:5: pz is inf", "three finite numbers", of_mesh},
+    {"a.csv", "px,py,pz,inside\n0,0,0,\n", "a.csv:2:7: inside is empty", "1 for a point inside", of_mesh},
     {"a.csv", "ox," + std::string(3 << 20, 'x'), "a.csv:1:1:", "million"},
     {"a.dat", "", "a.dat: a file of rays ends in", "--columns"},
     {"a.bin",

@@ -14,12 +14,6 @@ function scrollToSubject(hash) {
     document.getElementById(part)?.scrollIntoView();
 }
 
-/** Draws the plots again, in the present colours and width. */
-function redraw() {
-    sweepParts.shown = tradeParts.shown = "";
-    return goTo({});
-}
-
 async function start() {
     document.querySelector("header").append(make("p", { id: "note", hidden: true, role: "status" }));
     if (index.maps.length > 0) {
@@ -27,7 +21,7 @@ async function start() {
         buildPanes();
     }
     if (index.sweeps.length > 0) buildSweeps();
-    if (index.trades.length > 0 && hasPlots) buildTrade();
+    if (index.trades.length > 0) buildTrade();
     if (document.getElementById("claim-view")) buildClaims();
     document.addEventListener("click", (event) => {
         const link = event.target.closest("a.jump");
@@ -51,11 +45,10 @@ async function start() {
     addEventListener("afterprint", () => {
         for (const part of closed) part.open = false;
     });
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
     let waiting = 0;
     addEventListener("resize", () => {
         clearTimeout(waiting);
-        waiting = setTimeout(redraw, 100);
+        waiting = setTimeout(() => goTo({}), 100);
     });
     // These parts are open without scripts. With scripts they are open only if the page has nothing else to show.
     for (const part of document.querySelectorAll("details.part"))

@@ -36,8 +36,10 @@ function settle(asked = {}) {
     };
     if (index.sweeps.length > 0) {
         choose("sweep", index.sweeps.map((s) => s.id));
+        const charted = index.sweeps.filter((s) => s.kind === "line")
+                            .flatMap((s) => s.charts.map((name) => name.slice(0, name.indexOf("."))));
         const cases = index.sweeps.find((s) => s.id === state.sweep).kind === "cases";
-        choose("statistic", ["", ...(cases ? ["verdict"] : []), ...index.statistics]);
+        choose("statistic", ["", ...(cases ? ["verdict"] : []), ...index.statistics, ...charted]);
     }
     if (index.maps.length > 0) {
         choose("scene", index.maps.map((m) => m.id));

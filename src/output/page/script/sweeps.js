@@ -1,8 +1,7 @@
 // A statistic along a sweep, over a plane or for named cases: the pickers, and the numbers of one cell.
 
 const sweepParts = {
-    shown: "",
-    plot: null
+    shown: ""
 };
 
 const sweepOf = (id) => jsonOf(`sweep:${id}`);
@@ -23,11 +22,16 @@ function goAlong(row, more = {}) {
     return goTo({ line: keyOf(row), ...(inMap ? { form: row.form, format: row.format } : {}), ...more });
 }
 
-const statisticsOf = (sweep) => (sweep.kind === "cases" ? ["verdict", ...sweep.statistics] : sweep.statistics);
+/** Names of the charts of a sweep: `lost_bits_p99.f32`, the row of a plane, the convention of cases. */
+const chartNames = ({ id }) => index.sweeps.find((s) => s.id === id).charts;
+/** The statistics of which a sweep along a line has charts. */
+const statisticsOf = (sweep) =>
+    (sweep.kind === "line" ? [...new Set(chartNames(sweep).map((name) => name.slice(0, name.indexOf("."))))] : []);
 
+/** The statistic asked for, if the sweep has it; in cases, the verdict if none is. */
 function statisticOf(sweep) {
-    const all = statisticsOf(sweep);
-    return all.includes(state.statistic) ? state.statistic : all.includes("verdict") ? "verdict" : "lost_bits_p99";
+    const all = sweep.kind === "line" ? statisticsOf(sweep) : sweep.statistics;
+    return all.includes(state.statistic) ? state.statistic : sweep.kind === "cases" ? "verdict" : "lost_bits_p99";
 }
 
 /**
@@ -46,7 +50,11 @@ function sweepNow(sweep) {
 }
 
 /** Value of a statistic in a cell of a row. A cell is a step, a cell of a plane, or a case. */
-const cellValue = (sweep, row, statistic, cell) => asNumber(row.values[sweep.statistics.indexOf(statistic)][cell]);
+function cellValue(sweep, row, statistic, cell) {
+    const values = row.values[sweep.statistics.indexOf(statistic)], counts = row.outcomes[cell];
+    return values ? asNumber(values[cell]) :
+                    counts[outcomeNames.indexOf(statistic.replace("_fraction", ""))] / total(counts);
+}
 
 /** True if the statistic is a quantile over too few of the hits to stand for the form. */
 const isWithheld = (row, statistic, cell) =>
@@ -58,11 +66,50 @@ const fewHits = (row, cell) => tooFew(row.outcomes[cell][agreeHit], row.true_hit
 
 /** The chosen cell, or null: its row, its index, and its position as triples of name, value and exact value. */
 function cellNow() {
-    const { sweep, rows, chosen } = sweepParts.now;
+    const { sweep } = sweepParts.now;
     if (sweep.kind === "line") return state.u < 0 ? null : stepAt(state.u);
-    const at = gridCell(sweep, rows, chosen);
+    const at = gridCell(sweepParts.now);
     return at && cellAt(...at);
 }
+
+/** The k-th step in rising order, for the chosen form or another. */
+function stepAt(k, row = sweepParts.now.chosen) {
+    const { sweep } = sweepParts.now, cell = sweepParts.order[k], value = sweep.steps[cell];
+    return { row, cell, place: [[sweep.label, decimal(value), hex(value)]] };
+}
+
+/** The chosen cell: column and line of a plane, form and case of a table; null if none is chosen. */
+function gridCell({ sweep, chosen }) {
+    if (state.v < 0) return null;
+    return [sweep.kind === "plane" ? state.u : sweepParts.chart.frame.keys.indexOf(keyOf(chosen)), state.v];
+}
+
+/** Values of both axes at a cell of a plane. */
+function placesOf(sweep, cell) {
+    const [x, y] = sweep.axes.map((axis) => axis.values);
+    return [x[cell % x.length], y[Math.floor(cell / x.length)]];
+}
+
+/** The row of a column of a table of cases. */
+function rowOfColumn(i) {
+    const { sweep, judged } = sweepParts.now, key = sweepParts.chart.frame.keys[i];
+    return sweep.rows.find((row) => keyOf(row) === key && row.judged === judged);
+}
+
+/** The cell in column i of line j: its row, its index, and its position in words. */
+function cellAt(i, j) {
+    const { sweep, chosen } = sweepParts.now;
+    if (sweep.kind === "cases") return { row: rowOfColumn(i), cell: j, place: [["case", sweep.cases[j][0], ""]] };
+    const cell = j * sweep.axes[0].values.length + i;
+    return {
+        row: chosen,
+        cell,
+        place: placesOf(sweep, cell).map((value, k) => [sweep.axes[k].label, decimal(value), hex(value)])
+    };
+}
+
+const chooseCell = (i, j) =>
+    (sweepParts.now.sweep.kind === "plane" ? goTo({ u: i, v: j }) : goAlong(rowOfColumn(i), { v: j }));
 
 function factsTable({ row, cell, place }) {
     const { sweep } = sweepParts.now, body = make("tbody"), rays = total(row.outcomes[cell]);
@@ -112,10 +159,12 @@ function showCell(under) {
             make(
                 "p.hint",
                 sweep.kind === "line" ?
-                    "Point at the plot for the numbers of a step. Click, or use the arrow keys, to keep them. " +
+                    "Point at the chart for the numbers of a step. Click, or use the arrow keys, to keep them. " +
                         "A click also chooses the form whose line is under the pointer. " +
                         "Drag to zoom; double-click to see all." :
                     "Point at a cell for its numbers. Click, or use the arrow keys, to keep them. Escape lets go."));
+    if (sweep.kind === "line") pinStep(sweepParts.chart, state.u, lineOf(keyOf(sweepParts.now.chosen)));
+    else pinCell(sweepParts.chart, gridCell(sweepParts.now));
 }
 
 /** Writes a claim about the chosen cell, or else about the last step or the first cell. */
@@ -140,15 +189,57 @@ function turnRow(by) {
     return goAlong(rows[(rows.indexOf(chosen) + by + rows.length) % rows.length]);
 }
 
-const turnStatistic = (by) => {
-    const { sweep, statistic } = sweepParts.now, all = statisticsOf(sweep);
-    return goTo({ statistic: all[(all.indexOf(statistic) + by + all.length) % all.length] });
+function turnStatistic(by) {
+    const { sweep, statistic } = sweepParts.now, all = statisticsOf(sweep), at = all.indexOf(statistic);
+    return at < 0 ? null : goTo({ statistic: all[(at + by + all.length) % all.length] });
+}
+
+const lineOf = (key) => sweepParts.chart.lines.find((line) => line.keys.includes(key));
+
+/** Moves the chosen cell: along the steps and from form to form, or over the cells. */
+function walk(dx, dy) {
+    const { sweep } = sweepParts.now, { frame } = sweepParts.chart;
+    if (sweep.kind === "line") {
+        const last = sweep.steps.length - 1;
+        if (dy !== 0) return turnRow(-dy);
+        return goTo({ u: state.u < 0 ? (last >> 1) : within(state.u + dx, 0, last) });
+    }
+    const isPlane = sweep.kind === "plane", columns = isPlane ? sweep.axes[0].values.length : frame.keys.length,
+          lines = isPlane ? sweep.axes[1].values.length : sweep.cases.length, at = gridCell(sweepParts.now);
+    if (!at) return isPlane ? chooseCell(columns >> 1, lines >> 1) : goTo({ v: 0 });
+    return chooseCell(within(at[0] + dx, 0, columns - 1), within(at[1] + (isPlane ? dy : -dy), 0, lines - 1));
+}
+
+/** Arrow keys walk, m and M change the statistic, [ and ] the form, as on a map. */
+const sweepKeys = {
+    ArrowLeft: () => walk(-1, 0),
+    ArrowRight: () => walk(1, 0),
+    ArrowUp: () => walk(0, 1),
+    ArrowDown: () => walk(0, -1),
+    Escape: () => goTo({ u: -1, v: -1 }),
+    m: () => turnStatistic(1),
+    M: () => turnStatistic(-1),
+    "]": () => turnRow(1),
+    "[": () => turnRow(-1),
+    ...zoomKeys(() => sweepParts.chart)
 };
 
-/** Binds the arrow keys of `keys`. m and M change the statistic, [ and ] the form, as on a map. */
-const walkedByKeys = (element, keys) => onKeys(
-    element,
-    {...keys, m: () => turnStatistic(1), M: () => turnStatistic(-1), "]": () => turnRow(1), "[": () => turnRow(-1) });
+/** What is under the pointer: `row`, `cell` and `place` in words, and how to choose it. */
+function underPointer(event) {
+    const { sweep, chosen } = sweepParts.now, { chart } = sweepParts;
+    if (sweep.kind !== "line") {
+        const at = cellUnder(chart, event);
+        if (!at) return null;
+        const j = sweep.kind === "plane" ? at[1] : Math.min(at[1], sweep.cases.length - 1);
+        return {...cellAt(at[0], j), choose: () => chooseCell(at[0], j) };
+    }
+    const found = stepUnder(chart, event);
+    if (!found) return null;
+    const { step, line } = found, { rows } = sweepParts.now,
+                       key = !line || line.keys.includes(keyOf(chosen)) ? keyOf(chosen) : line.keys[0],
+                       row = rows.find((r) => keyOf(r) === key);
+    return {...stepAt(step, row), line, choose: () => goAlong(row, { u: step }) };
+}
 
 function drawSweepPickers() {
     const { sweep, judged, rows, chosen, statistic } = sweepParts.now;
@@ -161,9 +252,10 @@ function drawSweepPickers() {
     showPickers(
         sweepParts.pickers,
         picker("sweep", "sweep", titled(index.sweeps), sweep.id, (id) => goTo({ sweep: id, u: -1, v: -1 })),
-        picker(
-            "statistic", "statistic", statisticsOf(sweep).map((s) => [s, words(s)]), statistic,
-            (s) => goTo({ statistic: s })),
+        ...(sweep.kind === "line" ? [picker(
+                                        "statistic", "statistic", statisticsOf(sweep).map((s) => [s, words(s)]),
+                                        statistic, (s) => goTo({ statistic: s }))] :
+                                    []),
         picker("format", "sweep-format", [...new Set(sweep.rows.map((r) => r.format))], chosen.format, ofFormat),
         picker(
             "form", "sweep-form", rows.map((r) => r.form), chosen.form,
@@ -175,10 +267,18 @@ function drawSweepPickers() {
                 []));
 }
 
+/** The figure that shows the chosen statistic, row or convention. */
+function figureNow({ sweep, chosen, statistic, judged }) {
+    const name = sweep.kind === "line" ? `${statistic}.${chosen.format}` :
+        sweep.kind === "plane" ? keyOf(chosen) :
+                                 judged;
+    return sweepParts.charts.get(sweep.id).find((figure) => figure.dataset.chart === name);
+}
+
 async function drawSweep() {
     const sweep = await sweepOf(state.sweep);
     if (sweep.id !== state.sweep) return;
-    const now = sweepNow(sweep), { element, grid, legend, onsets, lineKey } = sweepParts, line = sweep.kind === "line";
+    const now = sweepNow(sweep), { element, onsets } = sweepParts, line = sweep.kind === "line";
     sweepParts.now = now;
     const [columns, lines] = line ? [sweep.steps.length, 1] :
         sweep.kind === "plane"    ? sweep.axes.map((a) => a.values.length) :
@@ -189,32 +289,58 @@ async function drawSweep() {
     const shown = [sweep.id, now.statistic, keyOf(now.chosen), now.judged].join(" ");
     if (shown !== sweepParts.shown) {
         sweepParts.shown = shown;
+        const figure = figureNow(now);
+        if (element.firstChild !== figure) element.replaceChildren(figure);
+        element.setAttribute("aria-label", `${figure.getAttribute("aria-label")}; arrow keys move over it`);
+        sweepParts.chart = chartOf(figure);
+        if (line) sweepParts.order = sweep.steps.map((_, k) => k).sort((a, b) => sweep.steps[a] - sweep.steps[b]);
+        emphasize(sweepParts.chart, keyOf(now.chosen), null);
         drawSweepPickers();
-        sweepParts.plot?.destroy();
-        sweepParts.plot = null;
-        element.hidden = !line;
-        grid.hidden = line;
-        lineKey.replaceChildren();
-        if (line) sweepParts.plot = plotSweep(now);
         sweepParts.showNote(index.sweeps.find((s) => s.id === sweep.id).note);
-        legend.replaceChildren(...(line ? [] : gridLegend()));
         onsets.replaceChildren(...(line ? onsetLines(now.chosen) : []));
     }
-    if (line) sweepParts.plot.redraw(false);
-    else drawGrid();
     showCell(null);
+}
+
+function onsetLines(row) {
+    if (row.onsets.length === 0) return [make("p", "No threshold is crossed along this sweep.")];
+    const body = make("tbody");
+    for (const [event, statistic, threshold, good, bad, low, high] of row.onsets)
+        body.append(cells(
+            "td", `${words(event)} ${statistic}`, decimal(threshold), good === null ? "–" : decimal(good), decimal(bad),
+            low === high ? "–" : `${decimal(low)} to ${decimal(high)}`));
+    return [make(
+        "details", { open: true }, make("summary", `Onsets of ${title(row)}: ${row.onsets.length}`),
+        make("table", header("event", "threshold", "last good", "first seen bad", "range over draws"), body))];
+}
+
+function buildChart() {
+    const element = make("div.plot#sweep-chart", { tabIndex: 0, role: "group" });
+    element.addEventListener("pointermove", (event) => {
+        const under = underPointer(event);
+        emphasize(sweepParts.chart, keyOf(sweepParts.now.chosen), under?.line);
+        showCell(under);
+    });
+    element.addEventListener("pointerleave", () => {
+        emphasize(sweepParts.chart, keyOf(sweepParts.now.chosen), null);
+        showCell(null);
+    });
+    element.addEventListener("click", (event) => {
+        element.focus();
+        if (!sweepParts.chart.dragged) underPointer(event)?.choose();
+    });
+    onKeys(element, sweepKeys);
+    return element;
 }
 
 function buildSweeps() {
     const root = document.getElementById("sweep-view"), copied = copiedBox(), [note, showNote] = noteBox("sweep-note");
     const parts = Object.assign(sweepParts, {
         showNote,
-        lineKey: make("ul.line-key#line-key"),
+        charts: new Map(index.sweeps.map(({ id }) => [id, chartsOf(`sweep-${id}`)])),
         pickers: make("div.pickers"),
-        element: buildLines(),
-        grid: make("div.grid", buildGrid()),
+        element: buildChart(),
         under: make("p.hint#sweep-under", "\u00a0"),
-        legend: make("div.legend"),
         facts: make("div.facts#sweep-facts", { "aria-live": "polite" }),
         onsets: make("div")
     });
@@ -228,9 +354,8 @@ function buildSweeps() {
     root.append(
         parts.pickers, note,
         make(
-            "div.stage", make("div.picture.wide", parts.element, parts.grid, parts.under, parts.legend),
-            make("div.side", parts.lineKey, parts.facts, make("div.buttons", ...buttons), copied)),
-        parts.onsets);
+            "div.stage", make("div.picture.wide", parts.element, parts.under),
+            make("div.side", parts.facts, make("div.buttons", ...buttons), copied, parts.onsets)));
     root.hidden = false;
     listeners.push(drawSweep);
 }

@@ -18,6 +18,7 @@
 #include "shapes/triangle/forms/undivided.hpp"
 #include "shapes/triangle/forms/woop.hpp"
 #include "shapes/triangle/forms/woop_double.hpp"
+#include "shapes/triangle/forms/woop_once.hpp"
 
 namespace lostbits::intersect::triangle {
 
@@ -32,6 +33,7 @@ using TriangleForms = FormList<       //
     triangle::PluckerBand,            //
     triangle::Woop,                   //
     triangle::WoopDouble,             //
+    triangle::WoopOnce,               //
     triangle::Pbrt,                   //
     triangle::BaldwinWeber,           // the plane, then coordinates in it
     triangle::HavelHerout,            //

@@ -1,0 +1,123 @@
+// Outcomes of answers about the whole surface of a mesh: all hits of a ray, the number of its crossings, or whether a
+// point is inside.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "intersect/info.hpp"
+#include "measure/crossing/mesh_crossings.hpp"
+#include "scene/dump/layout.hpp"
+#include "scene/rays/primitive_list.hpp"
+
+namespace lostbits::measure::judge {
+
+/// The outcome of one ray or point. If a ray has several faults, it has the outcome that comes last here.
+enum class MeshOutcome : std::uint8_t {
+    agree,
+    wrong_neighbour,
+    out_of_order,
+    double_hit,
+    missing_hit,
+    false_hit,
+    crack,
+    false_outside,
+    false_inside,
+    on_surface,
+    not_a_number,
+    unresolved
+};
+
+/// A name and its meaning for all kinds of answers.
+struct MeshOutcomeRow {
+    std::string_view name, meaning;
+};
+inline constexpr std::array<MeshOutcomeRow, 12> mesh_outcome_rows{{
+    {"agree", "the answer is right"},
+    {"wrong_neighbour", "a hit names a triangle that the ray does not meet, beside the one that it meets there"},
+    {"out_of_order", "a hit is listed after one that is farther away"},
+    {"double_hit", "two hits are the same crossing of the surface"},
+    {"missing_hit", "the ray crosses the surface where no hit is listed, or more often than the answer says"},
+    {"false_hit", "a hit is listed where the ray does not cross the surface, or the answer counts more crossings"},
+    {"crack", "by the answer, light ends on the wrong side of a surface that the ray does cross"},
+    {"false_outside", "the point is inside"},
+    {"false_inside", "the point is outside"},
+    {"on_surface", "the point lies on a triangle, and either answer is right"},
+    {"not_a_number", "the t of a hit is NaN"},
+    {"unresolved", "the truth is not proved"},
+}};
+inline constexpr std::string_view name_of(MeshOutcome outcome) {
+    return mesh_outcome_rows[static_cast<std::size_t>(outcome)].name;
+}
+inline constexpr bool is_fault(MeshOutcome outcome) {
+    return outcome != MeshOutcome::agree && outcome != MeshOutcome::on_surface;
+}
+/// True if answers of this kind can have the outcome.
+bool can_be(MeshOutcome outcome, scene::dump::AnswerKind kind);
+
+/// One hit in a list.
+struct ListedHit {
+    std::int32_t triangle;
+    double t;  ///< NaN if it is not a number; 0 if the file has no t
+};
+
+/// What the answers mean where geometry leaves it open.
+struct MeshContract {
+    bool has_t = true;
+    bool unit = false;  ///< t is a distance
+    /// A ray that only touches the surface, at a fold or a border, may also be listed without that hit.
+    bool touching_may_miss = false;
+    intersect::Facing facing = intersect::Facing::both;  ///< side from which triangles are hit
+};
+
+/// All crossings of a ray, grouped as crossings of the surface: triangles that are met at one t from one side are one
+/// crossing.
+class SurfaceCrossings {
+public:
+    /// `crossings` must outlive it.
+    SurfaceCrossings(const crossing::MeshCrossings& crossings, intersect::Facing facing);
+
+    struct Surface {
+        int place;
+        bool front;
+        std::vector<const crossing::MeshCrossing*> owners;
+        bool touches = false;  ///< the ray meets a surface of the other side at the same t
+    };
+    [[nodiscard]] const std::vector<Surface>& all() const { return all_; }
+    /// The number of crossings without those where the ray only touches the surface.
+    [[nodiscard]] std::size_t certain() const;
+
+private:
+    std::vector<Surface> all_;
+};
+
+/// Result of comparing the hits that are listed for a ray with the true ones.
+struct ListJudgement {
+    MeshOutcome outcome = MeshOutcome::agree;
+    std::size_t crossings = 0, missing = 0, doubled = 0, wrong = 0, neighbours = 0;
+    /// For each listed hit, the crossing of its triangle; null if the ray does not meet it.
+    std::vector<const crossing::MeshCrossing*> met = {};
+};
+
+/// Compares a list of hits, in its order, with all crossings of a ray.
+///
+/// A hit is the crossing that its triangle owns. A triangle that the ray does not meet, but that shares a vertex with
+/// an owner of a crossing and does not face the other way, is a `wrong_neighbour` of that crossing if no other hit is
+/// this crossing, and a `double_hit` otherwise. Any other hit is false. A crossing without a hit is missing, and the
+/// ray is a `crack` if a crossing is missing and the number of different crossings in the list, false ones included,
+/// differs from the true number by an odd number. At a border of the mesh it stays a missing hit.
+ListJudgement judge_list(const Ray<double>& ray, std::span<const ListedHit> hits,
+                         const crossing::MeshCrossings& crossings, const scene::rays::MeshColumns& mesh,
+                         const MeshContract& contract);
+
+/// Compares a number of crossings, or its parity, with all crossings of a ray. Where the ray only touches the surface,
+/// the two crossings may be counted or not. It is a `crack` if the ray crosses the surface and the number differs from
+/// the true one by an odd number, unless the ray passes all its crossings at borders of the mesh.
+MeshOutcome judge_count(const Ray<double>& ray, std::int32_t count, bool parity,
+                        const crossing::MeshCrossings& crossings, const scene::rays::MeshColumns& mesh,
+                        const MeshContract& contract);
+
+}  // namespace lostbits::measure::judge

@@ -1,0 +1,12 @@
+// Bytes as text of 64 letters, for data inside of HTML and SVG.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace lostbits::output::file {
+
+/// RFC 4648, with padding.
+[[nodiscard]] std::string base64(std::string_view bytes);
+
+}  // namespace lostbits::output::file

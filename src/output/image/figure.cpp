@@ -1,0 +1,36 @@
+#include "output/image/figure.hpp"
+
+#include "output/file/result_folder.hpp"
+
+namespace lostbits::output::image {
+
+namespace fs = std::filesystem;
+
+FigureFiles::FigureFiles(const fs::path& path) : FigureFiles(path, file::figures_in(path)) {}
+
+FigureFiles::FigureFiles(const fs::path& path, const std::vector<std::string>& kinds) {
+    for (const std::string& kind : kinds)
+        files_.push_back(std::make_unique<file::AtomicFile>(fs::path(path).replace_extension(kind)));
+}
+
+void FigureFiles::save(const Canvas& canvas) {
+    for (auto& file : files_) {
+        const fs::path path = file->path();
+        const std::string kind = path.extension().string();
+        if (kind == ".png") {
+            const auto png = image_backend().open_png(std::move(file), canvas.width(), canvas.height());
+            png->write_rows(canvas.height(), canvas.pixels());
+            png->close();
+            continue;
+        }
+        if (kind == ".pdf") image_backend().write_pdf(*file, canvas, words_about(path));
+        else file->write(svg_text(canvas, words_about(path)));
+        file->commit();
+    }
+}
+
+void save_figure(const fs::path& path, const Canvas& canvas) { FigureFiles(path).save(canvas); }
+
+fs::path figure_path(const fs::path& path) { return fs::path(path).replace_extension(file::figures_in(path).front()); }
+
+}  // namespace lostbits::output::image

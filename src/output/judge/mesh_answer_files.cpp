@@ -1,0 +1,157 @@
+#include "output/judge/mesh_answer_files.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "output/attribution/explain_command.hpp"
+#include "output/file/number_text.hpp"
+#include "output/table/shared_columns.hpp"
+
+namespace lostbits::output::judge {
+
+using measure::judge::JudgedAnswer, measure::judge::MeshAnswersResult, measure::judge::MeshOutcome;
+using scene::dump::AnswerKind;
+using table::Table;
+
+namespace {
+
+constexpr const char *summary_file = "summary.csv", *faults_file = "faults.csv";
+
+const char* one_of(AnswerKind kind) { return kind == AnswerKind::inside ? "point" : "ray"; }
+
+Table<MeshFaultRow> fault_table(AnswerKind kind) {
+    Table<MeshFaultRow> table{
+        {"outcome", "string", "", "fault",
+         [](const MeshFaultRow& r) { return std::string(measure::judge::name_of(r.outcome)); }},
+        {"count", "integer", "", std::string("number of ") + one_of(kind) + "s with it", &MeshFaultRow::count},
+        {"first_record", "integer", "", "index of the first record of the first of them in the file, from 0",
+         [](const MeshFaultRow& r) { return r.first->record; }}};
+    if (kind != AnswerKind::inside)
+        return table.add(table::ray_columns("the first of them"), [](const MeshFaultRow& r) { return &r.first->ray; });
+    for (int k = 0; k < 3; ++k)
+        table.add({std::string{'p', "xyz"[k]} + "_hex", "string", "", "the first of them",
+                   [k](const MeshFaultRow& r) { return file::hex(r.first->ray.origin[k]); }});
+    return table;
+}
+
+void add_of_lists(Table<MeshSummaryRow>& table) {
+    const auto add = [&table](const char* name, const char* meaning, std::uint64_t MeshAnswersResult::*count) {
+        table.add({name, "integer", "", meaning, [count](const MeshSummaryRow& r) { return r.result->*count; }});
+    };
+    add("listed", "hits in the file", &MeshAnswersResult::listed);
+    add("missing_hits", "crossings without a hit in the file", &MeshAnswersResult::missing);
+    add("false_hits", "hits that are no crossing", &MeshAnswersResult::wrong);
+    add("double_hits", "hits of a crossing that has an earlier one", &MeshAnswersResult::doubled);
+    add("neighbour_hits", "hits of a triangle beside the one that is met", &MeshAnswersResult::neighbours);
+    const auto add_numbers = [&table](const std::string& name, const char* unit, const std::string& meaning,
+                                      measure::metric::Distribution MeshAnswersResult::*of) {
+        for (const auto& statistic : measure::metric::statistics)
+            table.add({name + "_" + std::string(statistic.name), "number", unit,
+                       meaning + ": " + std::string(statistic.meaning), [of, &statistic](const MeshSummaryRow& r) {
+                           return file::number_or_missing(statistic.of(r.result->*of));
+                       }});
+    };
+    table.add({"measured", "integer", "", "hits whose triangle the ray meets, and whose t is a number",
+               [](const MeshSummaryRow& r) { return r.result->ulps.count(); }});
+    add_numbers("ulp_error", "ulp", "|t - t*|/ulp(t*) of these", &MeshAnswersResult::ulps);
+    add_numbers("lost_bits", "bits", "bits lost by these", &MeshAnswersResult::lost_bits);
+}
+
+}  // namespace
+
+Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind) {
+    const std::string things = std::string(one_of(kind)) + "s";
+    Table<MeshSummaryRow> table{
+        {"form", "string", "", "the answers of the file", &MeshSummaryRow::name},
+        {"format", "string", "", "format that they were computed in", &MeshSummaryRow::format},
+        {"answers", "string", "", "what the answers are about",
+         [](const MeshSummaryRow& r) {
+             return std::string(scene::dump::answer_kind_names[static_cast<std::size_t>(r.result->kind)]);
+         }},
+        {things, "integer", "", things + " in the file", [](const MeshSummaryRow& r) { return r.result->rays; }}};
+    for (std::size_t o = 0; o < measure::judge::mesh_outcome_rows.size(); ++o) {
+        const auto outcome = static_cast<MeshOutcome>(o);
+        if (!measure::judge::can_be(outcome, kind)) continue;
+        const auto& [name, meaning] = measure::judge::mesh_outcome_rows[o];
+        table.add({std::string(name), "integer", "", things + ": " + std::string(meaning),
+                   [outcome](const MeshSummaryRow& r) { return r.result->of(outcome); }});
+    }
+    if (kind != AnswerKind::inside)
+        table.add({"crossings", "integer", "", "true crossings of the surface by all rays",
+                   [](const MeshSummaryRow& r) { return r.result->crossings; }});
+    if (kind == AnswerKind::all_hits) add_of_lists(table);
+    return table;
+}
+
+std::vector<MeshFaultRow> mesh_fault_rows(const MeshAnswersResult& result) {
+    std::vector<MeshFaultRow> rows;
+    for (std::size_t o = 0; o < result.first.size(); ++o)
+        if (result.first[o]) rows.push_back({static_cast<MeshOutcome>(o), result.outcomes[o], &*result.first[o]});
+    return rows;
+}
+
+std::string words_of(const JudgedAnswer& answer, bool point) {
+    const Vec<double>& o = answer.ray.origin;
+    if (point) return file::listed(std::array{o.x, o.y, o.z}, file::hex, ",");
+    scene::rays::RayGroup one = scene::rays::group_of(answer.ray);
+    one.rays.tmin = {answer.range.tmin}, one.rays.tmax = {answer.range.tmax}, one.rays.open = answer.range.open;
+    return attribution::name_of_ray(&one);
+}
+
+Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
+    const bool point = kind == AnswerKind::inside;
+    using R = JudgedAnswer;
+    Table<R> table{{"record", "integer", "", "index of its first record in the file, from 0", &R::record}};
+    constexpr std::array rays{"ox", "oy", "oz", "dx", "dy", "dz"}, points{"px", "py", "pz", "", "", ""};
+    for (int k = 0; k < (point ? 3 : 6); ++k)
+        table.add({(point ? points : rays).at(static_cast<std::size_t>(k)), "number", "", "number of it, as judged",
+                   [k](const R& r) { return k < 3 ? r.ray.origin[k] : r.ray.direction[k - 3]; }});
+    table.add({"outcome", "string", "", "the last of its faults in the order of summary.csv",
+               [](const R& r) { return std::string(measure::judge::name_of(r.judgement.outcome)); }});
+    table.add({kind == AnswerKind::all_hits
+                   ? "listed"
+                   : std::string(scene::dump::answer_kind_names.at(static_cast<std::size_t>(kind))),
+               "integer", "", kind == AnswerKind::all_hits ? "hits in the file" : "answer of the file", &R::count});
+    if (point)
+        return table.add({"winding", "integer", "", "layers of the surface that enclose the point", &R::winding});
+    const auto count = [](std::size_t measure::judge::ListJudgement::*of) {
+        return [of](const R& r) { return r.judgement.*of; };
+    };
+    using J = measure::judge::ListJudgement;
+    table.add({"true_crossings", "integer", "", "crossings of the surface", count(&J::crossings)});
+    if (kind != AnswerKind::all_hits) return table;
+    table.add({"missing_hits", "integer", "", "crossings without a hit in the file", count(&J::missing)});
+    table.add({"false_hits", "integer", "", "hits that are no crossing", count(&J::wrong)});
+    table.add({"double_hits", "integer", "", "hits of a crossing that has an earlier one", count(&J::doubled)});
+    table.add(
+        {"neighbour_hits", "integer", "", "hits of a triangle beside the one that is met", count(&J::neighbours)});
+    return table.add({"ulp_error", "number", "ulp", "largest |t - t*|/ulp(t*) of its hits", [](const R& r) {
+                          double most = measure::truth::missing;
+                          for (const double ulps : r.ulps) most = std::fmax(most, std::fabs(ulps));
+                          return file::number_or_missing(most);
+                      }});
+}
+
+MeshAnswerFiles::MeshAnswerFiles(MeshAnswerFilesOptions options)
+    : options_(std::move(options)),
+      summary_(options_.folder, summary_file, "The answers of the file", mesh_summary_table(options_.kind)),
+      faults_(options_.folder, faults_file, std::string("One row per fault, with the first ") + one_of(options_.kind),
+              fault_table(options_.kind)) {
+    if (options_.rows)
+        rows_.emplace(options_.folder, options_.name + "." + options_.format + ".csv",
+                      std::string("One row per ") + one_of(options_.kind), mesh_answer_table(options_.kind));
+}
+
+void MeshAnswerFiles::add(std::span<const JudgedAnswer> answers) {
+    if (!rows_) return;
+    for (const JudgedAnswer& answer : answers) rows_->add(answer);
+}
+
+void MeshAnswerFiles::finish(const MeshAnswersResult& result) {
+    faults_.add_all(mesh_fault_rows(result));
+    summary_.add({options_.name, options_.format, &result});
+    table::close_tables(options_.folder, options_.title, summary_, faults_, rows_);
+}
+
+}  // namespace lostbits::output::judge

@@ -1,0 +1,56 @@
+// Files of judged answers about the whole surface of a mesh: summary.csv, the first ray of each fault, and one row per
+// ray.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "measure/judge/mesh_answers.hpp"
+#include "output/table/table.hpp"
+
+namespace lostbits::output::judge {
+
+struct MeshAnswerFilesOptions {
+    std::filesystem::path folder;
+    std::string name, format, title;  ///< of the file of answers, and the format that they were computed in
+    scene::dump::AnswerKind kind;
+    bool rows = false;  ///< one row per ray or point in `<name>.<format>.csv`
+};
+
+/// The columns of summary.csv, for answers of a kind; C and Python have the same table.
+struct MeshSummaryRow {
+    std::string name, format;
+    const measure::judge::MeshAnswersResult* result;
+};
+table::Table<MeshSummaryRow> mesh_summary_table(scene::dump::AnswerKind kind);
+
+/// A fault and the first ray or point that has it.
+struct MeshFaultRow {
+    measure::judge::MeshOutcome outcome;
+    std::uint64_t count;
+    const measure::judge::JudgedAnswer* first;
+};
+std::vector<MeshFaultRow> mesh_fault_rows(const measure::judge::MeshAnswersResult& result);
+/// `--ray=…`, with the ends of its range, or the coordinates of a point.
+std::string words_of(const measure::judge::JudgedAnswer& answer, bool point);
+
+/// Columns of a ray or a point.
+table::Table<measure::judge::JudgedAnswer> mesh_answer_table(scene::dump::AnswerKind kind);
+
+/// Opens every file before any work, and gives all their final names in `finish`.
+class MeshAnswerFiles {
+public:
+    explicit MeshAnswerFiles(MeshAnswerFilesOptions options);
+    void add(std::span<const measure::judge::JudgedAnswer> answers);
+    void finish(const measure::judge::MeshAnswersResult& result);
+
+private:
+    MeshAnswerFilesOptions options_;
+    table::TableFile<MeshSummaryRow> summary_;
+    table::TableFile<MeshFaultRow> faults_;
+    std::optional<table::TableFile<measure::judge::JudgedAnswer>> rows_;
+};
+
+}  // namespace lostbits::output::judge
