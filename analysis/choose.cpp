@@ -276,7 +276,7 @@ void add_choose(const shell::Command& program, const Common& common) {
         .add("SCENE", o->subjects,
              "A scene file or a name in data/scenes; or files of rays, as `lostbits judge` reads them")
         .required();
-    command.add("--bits", o->bits, "Least number of correct bits of t", shell::number_from(0, 53));
+    command.add("--bits", o->bits, "The least number of correct bits of t", shell::number_from(0, 53));
     command.add("--tolerance", o->tolerance,
                 "How far the hit point may be from the true one along the ray, in the scene's unit of length");
     command.add("--unit", o->unit, "What that unit is (m, km, cm, mm, um, in, ft), for --tolerance 1mm");

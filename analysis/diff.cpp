@@ -219,10 +219,10 @@ Exit run(const DiffOptions& w, const Common& common) {
 }  // namespace
 
 void add_diff(const shell::Command& program, const Common& common) {
-    auto command = program.add_command(
-        "diff",
-        "Where two folders of maps, two forms of one, or two files differ; NaN, infinite and missing values always "
-        "count");
+    auto command = program.add_command("diff",
+                                       "Show where two folders of maps, two forms of one folder, or two files differ; "
+                                       "differences in NaN, infinite and "
+                                       "missing values always count");
     const auto w = std::make_shared<DiffOptions>();
     command.add("A", w->a, "A file or a folder").required();
     command.add("B", w->b, "The file or folder to compare it with; none with two forms");

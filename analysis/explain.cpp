@@ -236,11 +236,11 @@ void add_explain(const shell::Command& program, const Common& common) {
                 "A case of a file of cases: NAME, or NAME:K for its ray K, counted from 0 (default: the worst "
                 "for the form)");
     command.add("--convention", words.convention,
-                "Whether touching is a hit: own (the form's word, default), closed (a hit), open (a miss)",
+                "How touching is judged: own (as the form states, default), closed (a hit), open (a miss)",
                 shell::one_of({"own", "closed", "open"}));
     const auto ranges = command.add("--ranges", o->ranges.asked,
-                                    "Instead of one ray, every ray in the ranges of a scene's rays, or of a sweep's at "
-                                    "one step: how far rounding can put t off at most");
+                                    "In place of one ray, all rays within the ranges of a scene or of one step of a "
+                                    "sweep: how far rounding can put t off at most");
     command
         .add("--at-step", o->ranges.at, "With --ranges of a sweep, the step: a value of each axis, as 4096 or 4096,0.5")
         .needs(ranges);
@@ -255,8 +255,8 @@ void add_explain(const shell::Command& program, const Common& common) {
     command.add("-i,--intersector", o->form, "The form to explain").required();
     command.add("-f,--format", o->format, "The format (default: f32)");
     command.add_list("--beside", o->beside,
-                     "Forms of a library in the program itself that may do better on the ray, by name or glob; those "
-                     "in processes of their own (--isolate, --pipe, --shader) are asked anyway");
+                     "Forms that may do better on the ray, by name or glob, of a library that runs in the program "
+                     "itself; forms in processes of their own (--isolate, --pipe, --shader) are always tried");
     command.add_set(words.set, "Change a number of the scene or the sweep first: march.hit_eps=1e-6");
     auto as = command.add_group("as", "Instead of the table");
     as.add("--json", o->json, "Everything, as JSON");

@@ -63,8 +63,8 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
     if (is_wide && result.answers > 10 && result.floats == result.answers &&
         !(is_short && result.digits < needed(narrow)))
         fmt::print(stderr,
-                   "lostbits: {}: the t of all {} hits are numbers of f32, exactly or as decimals of f32, but were "
-                   "judged as {}; if the answers were computed in float, add --file-format f32\n",
+                   "lostbits: {}: every t of the {} reported hits is a float, or the decimal of one, but was judged as "
+                   "{}; if the answers were computed in float, add --file-format f32\n",
                    file, result.answers, format.name);
     else if (is_short)
         fmt::print(stderr,
@@ -294,7 +294,7 @@ Exit run(const JudgeOptions& o, const Common& common) {
                                                                    result.misses_beside_first(result.summaries[*file]));
             const bool all = result.first_are_all(result.summaries[*file]);
             return measure::contract::on_rays_of(o.file, all ? result.rays : result.first.size(), result.rays,
-                                                 "of its rays that hit or should", words);
+                                                 "of its rays that hit or should hit", words);
         });
     return end_with_unproved(result.summaries.front().count(Outcome::unresolved));
 }
@@ -302,13 +302,15 @@ Exit run(const JudgeOptions& o, const Common& common) {
 }  // namespace
 
 void add_judge(const shell::Command& program, const Common& common) {
-    auto command = program.add_command("judge", "Rays, and answers if there are any, from a file: CSV, .npy or raw");
+    auto command = program.add_command(
+        "judge", "Judge the answers in a file of rays (CSV, .npy or raw), or those of forms to its rays");
     const auto o = std::make_shared<JudgeOptions>();
     o->stop = common.stop;
     command
         .add("FILE", o->file,
-             "Columns ox,oy,oz,dx,dy,dz, perhaps tmin and tmax, a primitive's and its matrix's, hit and t; or answers "
-             "about a mesh: all hits of a ray (hit_index), crossings, parity, or points px,py,pz and inside")
+             "A file of rays: columns ox,oy,oz,dx,dy,dz; optionally tmin, tmax, those of a primitive and its matrix, "
+             "hit, t; or answers about a mesh: all hits of a ray (hit_index), crossings, parity, or points px,py,pz "
+             "and inside")
         .required();
     selection::add_ray_options(command, *o);
     command.add_list("-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");

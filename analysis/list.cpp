@@ -136,13 +136,13 @@ Listing metric_table(const Common& /*common*/) {
 
 /// Rules for the origin of the next ray, and how many operations each costs.
 Listing strategies(const Common& /*common*/) {
-    std::vector<std::string> columns{"name"};
+    std::vector<std::string> columns{"name", "title"};
     for (const ShapeRow& shape : shape_rows) columns.push_back("operations_" + std::string(shape.name));
-    columns.insert(columns.end(), {"source", "title"});
+    columns.emplace_back("source");
     return listing(columns, measure::offset::strategies(), [](const measure::offset::Strategy& s) {
-        Row row{std::string(s.name)};
+        Row row{std::string(s.name), std::string(s.title)};
         for (const ShapeRow& shape : shape_rows) row.push_back(std::to_string(s.operations(shape.shape)));
-        row.insert(row.end(), {std::string(s.source), std::string(s.title)});
+        row.emplace_back(s.source);
         return row;
     });
 }

@@ -114,7 +114,7 @@ void add_shell(const shell::Command& program) {
         });
     };
     auto completion = program.add_command(
-        "completion", "A script that completes the words of this program: `source <(lostbits completion bash)`");
+        "completion", "Write a shell script that completes commands and options: `source <(lostbits completion bash)`");
     prints(completion.add_command("bash", "For bash"), [&program] { return shell::bash_completion(program); });
     prints(completion.add_command("zsh", "For zsh: the file _lostbits in a folder of $fpath"),
            [&program] { return shell::zsh_completion(program); });

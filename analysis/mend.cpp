@@ -239,7 +239,7 @@ void add_mend(const shell::Command& program, const Common& common) {
         .required();
     command.add("-i,--intersector", o->form, "The form that is to be mended").required();
     command.add("-f,--format", o->format, "f32 (default) or f64");
-    command.add("--bits", o->bits, "Least number of correct bits of t", shell::number_from(0, 53)).required();
+    command.add("--bits", o->bits, "The least number of correct bits of t", shell::number_from(0, 53)).required();
     command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",
                 shell::number_from(0, 1));
     command.add("--at", o->at,

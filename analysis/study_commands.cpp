@@ -86,10 +86,11 @@ public:
     }
 
     static void add_option(const shell::Command& command, StudyOptions& o) {
-        command.add_list("--along", o.words["along"],
-                         "Also with the scene moved along an axis: distance of the eye, radius (every length), world "
-                         "(offset from the origin); pictures of 48 columns",
-                         shell::one_of({measure::offset::along_names.begin(), measure::offset::along_names.end()}));
+        command.add_list(
+            "--along", o.words["along"],
+            "Also with the scene changed along an axis: distance (of the eye), radius (every length), world "
+            "(everything moved); pictures of 48 columns",
+            shell::one_of({measure::offset::along_names.begin(), measure::offset::along_names.end()}));
     }
     static std::uint64_t pixels(const OffsetStudy& study, const study::StudyWords& words) {
         std::uint64_t pixels = 0;

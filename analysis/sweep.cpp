@@ -144,7 +144,7 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
         };
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data, selection::read_changes(o), stop);
-        const char* const why = !sweep.is_drawn()        ? "has the rays of its scene and draws none at random"
+        const char* const why = !sweep.has_random_rays() ? "has the rays of its scene and draws none at random"
                                 : sweep.axes.size() != 1 ? "has two axes, but onsets need one axis"
                                                          : nullptr;
         if (why != nullptr && o.seeds.value_or(0) > 0)
@@ -259,7 +259,7 @@ Exit run(SweepOptions o, const Common& common) {
 void add_sweep(const shell::Command& program, const Common& common) {
     auto command = program.add_command("sweep", "Errors along a parameter, and where they first cross a threshold");
     const auto o = std::make_shared<SweepOptions>();
-    command.add("SWEEP", o->sweeps, "Sweep files, or names in data/sweeps").required();
+    command.add("SWEEP", o->sweeps, "Sweep files or names in data/sweeps").required();
     selection::add_forms(command, o->forms);
     command.add_list("-f,--format", o->formats,
                      "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64; f32 for every float)");

@@ -137,7 +137,7 @@ void print(const MapDifference& d, const MapSides& sides, bool verbose) {
     const std::string a = sides.are_forms() ? sides.form_a : sides.a.string(),
                       b = sides.are_forms() ? sides.form_b : sides.b.string();
     if (d.tables > 0)
-        fmt::print("{} to {}: {} of {} {}, in {}\n", a, b, d.rows.changed, counted(d.rows.rows, "row"),
+        fmt::print("{} to {}: {} compared, {} {} (in {})\n", a, b, counted(d.rows.rows, "row"), d.rows.changed,
                    d.rows.changed == 1 ? "differs" : "differ", counted(d.tables, "table"));
     print_lines(fmt::format("{} only in {}:", counted(d.rows.only_a.size(), "row"), a), d.rows.only_a, verbose);
     print_lines(fmt::format("{} only in {}:", counted(d.rows.only_b.size(), "row"), b), d.rows.only_b, verbose);

@@ -43,7 +43,7 @@ void renew(lostbits_form& form) {
 
 }  // namespace
 
-Choosing::Choosing(const lostbits_choice* given, bool may_be_empty) : choice(given ? *given : lostbits_choice{}) {
+Selection::Selection(const lostbits_choice* given, bool may_be_empty) : choice(given ? *given : lostbits_choice{}) {
     forms = words_of(choice.forms, "forms");
     std::vector<std::string> formats = words_of(choice.formats, "formats");
     if (formats.empty()) formats = {"f32", "f64"};
@@ -58,7 +58,7 @@ Choosing::Choosing(const lostbits_choice* given, bool may_be_empty) : choice(giv
     asked = selection::select_metrics(words_of(choice.metrics, "metrics"), made);
 }
 
-void Choosing::keep_those_for(const std::string& name, const selection::Meets& meets) {
+void Selection::keep_those_for(const std::string& name, const selection::Meets& meets) {
     rows = selection::rows_meeting({rows, forms, true}, name, meets);
     if (rows.empty())
         throw NothingSelected(name + ": no chosen form takes its primitives in a chosen format; choose other ones");

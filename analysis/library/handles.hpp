@@ -36,13 +36,14 @@
 
 namespace lostbits::analysis::library {
 
-/// One column and its rows. It holds categories if it has names, else texts if its type is string, else numbers.
+/// One column of a table, with a value for each row. The values are codes of categories if `names` is not empty, texts
+/// if the type is string, and numbers otherwise.
 struct ResultColumn {
     output::file::Column about;
     std::vector<double> numbers = {};
     std::vector<std::optional<std::string>> texts = {};
     std::vector<std::uint8_t> codes = {};
-    std::vector<std::string> names = {};  ///< of the codes
+    std::vector<std::string> names = {};  ///< name of the category of each code
 
     std::vector<const char*> text_pointers = {}, name_pointers = {};  ///< filled by `seal`
 };
@@ -85,7 +86,7 @@ scene::rays::PrimitiveList<double> primitive_list(std::vector<Primitive<double>>
 class StoredScene {
 public:
     StoredScene(const scene::file::Scene& scene, const FloatFormat& format);
-    /// Made on first use. Several threads may ask at once.
+    /// The index, which is made on first use. Several threads may call this at once.
     [[nodiscard]] const measure::culling::Culler& culler() const;
 
     std::vector<Primitive<double>> beside_mesh;
@@ -96,8 +97,8 @@ private:
     mutable std::optional<measure::culling::Culler> culler_;
 };
 
-/// Stored scenes with a mesh that calls have made, kept until the scene changes: an index over a million triangles
-/// takes a second. Several threads may ask at once.
+/// Keeps the stored scenes with meshes that calls have made until the scene changes, since making an index over a
+/// million triangles takes a second. Several threads may call `in` at once.
 class StoredScenes {
 public:
     std::shared_ptr<const StoredScene> in(const scene::file::Scene& scene, const FloatFormat& format);
@@ -123,16 +124,17 @@ struct lostbits_result {
 
 struct lostbits_scene {
     lostbits::scene::file::Scene scene;
-    std::string named;     ///< its arguments for `lostbits explain`; empty if the command line cannot name it
-    bool has_own = false;  ///< its primitives came as arrays; those that it was read with are removed
-    /// Calls that change the scene forget them.
+    std::string explain_arguments;  ///< arguments of `lostbits explain` that name this scene; empty if none can
+    bool has_own = false;           ///< the primitives came as arrays, and replaced those that the scene was read with
+    /// The scene in the numbers of each format that was asked for. A call that changes the scene clears this.
     std::unique_ptr<lostbits::analysis::library::StoredScenes> stored =
         std::make_unique<lostbits::analysis::library::StoredScenes>();
 };
 
 struct lostbits_form {
     std::unique_ptr<lostbits::intersect::external::ForeignRow> asked = {};
-    std::unique_ptr<lostbits::intersect::function::UserFunction> function = {};  ///< in place of those around
+    /// A function of C, C++ or Rust; set if `asked`, `formulas` and `written` are not.
+    std::unique_ptr<lostbits::intersect::function::UserFunction> function = {};
     std::array<std::shared_ptr<const lostbits::intersect::table::WrittenFormula>, 2> formulas = {};  ///< f32, f64
     std::optional<lostbits::intersect::table::WrittenForm> written = {};
     lostbits::intersect::table::Intersector row{};    ///< the function in its formats, the written operations elsewhere
@@ -216,7 +218,8 @@ inline std::vector<std::string> words_of(const lostbits_words& words, const std:
     return all;
 }
 
-/// The token of a byte of the caller. A thread of another language writes the byte; it is read here as an atomic flag.
+/// Makes a stop token from a byte that the caller owns. A thread of another language may set the byte at any time, so
+/// it is read as an atomic flag.
 inline intersect::process::StopToken stop_by(const unsigned char* byte) {
     static_assert(sizeof(std::atomic<bool>) == 1 && std::atomic<bool>::is_always_lock_free);
     return byte ? intersect::process::StopToken(*reinterpret_cast<const std::atomic<bool>*>(byte))
@@ -228,7 +231,8 @@ class CallRun {
 public:
     explicit CallRun(const lostbits_run* run) : run_(run ? *run : lostbits_run{}), limit_(threads_of(run_)) {}
     [[nodiscard]] intersect::process::StopToken stop() const { return stop_by(run_.stop); }
-    /// A function that adds units of work done, of `of` in all, and reports the sum to the caller.
+    /// Returns a function that adds a number of finished units of work and reports the sum to the caller. `of` is the
+    /// number of units in all.
     [[nodiscard]] std::function<void(std::uint64_t)> advancing(std::uint64_t of) {
         return [this, of](std::uint64_t more) {
             stop().check();
@@ -253,14 +257,14 @@ private:
 };
 
 /// The rows (form and format) that a call chooses: first those of the caller's forms, then those of the table.
-struct Choosing {
+struct Selection {
     lostbits_choice choice;
     std::vector<std::string> forms;  ///< as given, for messages and for sets
     std::vector<measure::evaluate::TestedForm> rows;
     measure::metric::MetricSet made = {};
     std::vector<const measure::metric::Metric*> asked = {};
 
-    explicit Choosing(const lostbits_choice* given, bool may_be_empty = false);
+    explicit Selection(const lostbits_choice* given, bool may_be_empty = false);
     /// Keeps the rows that take the subject called `name`. Throws NothingSelected if none is left.
     void keep_those_for(const std::string& name, const selection::Meets& meets);
 };

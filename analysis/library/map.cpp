@@ -13,7 +13,7 @@ using measure::metric::Metric;
 
 namespace {
 
-std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Choosing& chosen, CallRun& running) {
+std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& chosen, CallRun& running) {
     const scene::file::Scene& scene = given.scene;
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     std::vector<const Metric*> asked{measure::metric::find_metric("lost_bits")};
@@ -40,8 +40,9 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Choosing& c
     const auto summaries = measure::evaluate::evaluate_rows(request, measure::evaluate::shown_to_each(rays));
     auto csv = table.writer();
     const auto name_of = [&](const measure::evaluate::WorstRay& ray) {
-        return given.named.empty() ? std::string()
-                                   : output::attribution::name_of_pixel(given.named, static_cast<int>(ray.x), ray.y);
+        return given.explain_arguments.empty()
+                   ? std::string()
+                   : output::attribution::name_of_pixel(given.explain_arguments, static_cast<int>(ray.x), ray.y);
     };
     for (std::size_t r = 0; r < request.rows.size(); ++r)
         summary.add_row(csv, {request.rows[r], &summaries[r], name_of});
@@ -61,7 +62,7 @@ extern "C" int lostbits_map(const lostbits_scene* scene, const lostbits_choice* 
     return guarded(error, [&] {
         require(scene, "scene");
         require(result, "result");
-        Choosing chosen(choice);
+        Selection chosen(choice);
         CallRun running(run);
         return hand_over(map_of(*scene, chosen, running), result);
     });

@@ -177,7 +177,7 @@ selection::Meets meets_of(const GivenRays& all) {
     return [shapes](Shapes forms) { return forms == shapes; };
 }
 
-std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& chosen, CallRun& running) {
+std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Selection& chosen, CallRun& running) {
     GivenRays all = given(rays, running);
     measure::judge::JudgeRequest request{
         .primitives = all.primitives, .mesh = all.mesh, .limit = {.stop = running.stop()}};
@@ -243,7 +243,7 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Choosing& c
                                                                    found.misses_beside_first(summary_of_file));
             const bool has_all = found.first_are_all(summary_of_file);
             return measure::contract::on_rays_of(whose, has_all ? found.rays : found.first.size(), found.rays,
-                                                 "of its rays that hit or should", words);
+                                                 "of its rays that hit or should hit", words);
         });
     return result;
 }
@@ -276,7 +276,7 @@ void by_piece(GivenRays& all, CallRun& running, std::size_t count, std::size_t m
     });
 }
 
-std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Choosing& chosen, CallRun& running) {
+std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Selection& chosen, CallRun& running) {
     GivenRays all = given(rays, running);
     chosen.keep_those_for(whose, meets_of(all));
     auto result = std::make_unique<lostbits_result>();
@@ -457,7 +457,7 @@ extern "C" {
 int lostbits_judge(const lostbits_rays* rays, const lostbits_choice* choice, const lostbits_run* run,
                    lostbits_result** result, lostbits_error* error) {
     return call(result, error, rays, [&] {
-        Choosing chosen(choice, true);
+        Selection chosen(choice, true);
         CallRun running(run);
         return judge_of(*rays, chosen, running);
     });
@@ -466,7 +466,7 @@ int lostbits_judge(const lostbits_rays* rays, const lostbits_choice* choice, con
 int lostbits_answers(const lostbits_rays* rays, const lostbits_choice* choice, const lostbits_run* run,
                      lostbits_result** result, lostbits_error* error) {
     return call(result, error, rays, [&] {
-        Choosing chosen(choice);
+        Selection chosen(choice);
         CallRun running(run);
         return answers_of_forms(*rays, chosen, running);
     });

@@ -39,7 +39,7 @@ void remove_primitives(lostbits_scene& scene) {
     scene.stored->forget();
     if (scene.has_own) return;
     scene.has_own = true;
-    scene.named.clear();
+    scene.explain_arguments.clear();
     scene.scene.listed.clear();
     scene.scene.flake.reset();
     scene.scene.mesh.reset();
@@ -145,12 +145,12 @@ int lostbits_scene_open(const char* name, const lostbits_where* where, lostbits_
         require(scene, "scene");
         const lostbits_where given = where ? *where : lostbits_where{};
         const std::string data = data_of(given);
-        auto found =
-            std::make_unique<lostbits_scene>(lostbits_scene{.scene = only_scene(name, given, data), .named = {}});
-        found->named = selection::name_of_scene(found->scene, data);
-        for (const std::string& set : words_of(given.set, "set")) found->named += " --set '" + set + "'";
+        auto found = std::make_unique<lostbits_scene>(
+            lostbits_scene{.scene = only_scene(name, given, data), .explain_arguments = {}});
+        found->explain_arguments = selection::name_of_scene(found->scene, data);
+        for (const std::string& set : words_of(given.set, "set")) found->explain_arguments += " --set '" + set + "'";
         if (given.width != 0)
-            found->named += " --size " + std::to_string(given.width) + "x" + std::to_string(given.height);
+            found->explain_arguments += " --size " + std::to_string(given.width) + "x" + std::to_string(given.height);
         *scene = found.release();
         return Exit::done;
     });
@@ -163,7 +163,7 @@ int lostbits_scene_text(const char* text, const lostbits_where* where, lostbits_
         const TextFile file(text);
         auto found = std::make_unique<lostbits_scene>(lostbits_scene{
             .scene = file.with_places([&] { return only_scene(file.path(), where ? *where : lostbits_where{}, ""); }),
-            .named = {}});
+            .explain_arguments = {}});
         found->scene.id = "text";
         found->scene.path.clear();
         *scene = found.release();
@@ -244,7 +244,7 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
         for (Primitive<Real>& primitive : of.listed)
             primitive.placed = transformed(placed, [](double x) { return Real(x); });
         if (of.mesh) of.mesh_placed = placed;
-        scene->named.clear();
+        scene->explain_arguments.clear();
         return Exit::done;
     });
 }

@@ -22,7 +22,7 @@ using measure::evaluate::TestedForm;
 
 namespace {
 
-std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, const std::string& data, Choosing& chosen,
+std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, const std::string& data, Selection& chosen,
                                           CallRun& running) {
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::axes)
         throw InputError(path.string() +
@@ -52,7 +52,7 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
 
 /// The only chosen row. Throws InputError, which begins with `what`, if there are several, or if the operations of its
 /// form are not known.
-const TestedForm& the_one_row(const Choosing& chosen, const std::string& what) {
+const TestedForm& the_one_row(const Selection& chosen, const std::string& what) {
     if (chosen.rows.size() != 1)
         throw InputError(what + ", and " + std::to_string(chosen.rows.size()) +
                          " pairs of form and format are chosen; name one form and one format");
@@ -63,7 +63,7 @@ const TestedForm& the_one_row(const Choosing& chosen, const std::string& what) {
     return row;
 }
 
-std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene, int x, int y, Choosing& chosen) {
+std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene, int x, int y, Selection& chosen) {
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     const TestedForm& row = the_one_row(chosen, "explain looks at one ray in one form and format");
     const auto* const generator = scene::rays::generator_of(*row.form);
@@ -88,7 +88,7 @@ std::unique_ptr<lostbits_result> study_of(const scene::file::Scene& scene, const
     std::ranges::transform(usual, forms.begin(), &std::string::c_str);
     if (given.forms.count == 0 && given.own_count == 0) given.forms = {forms.data(), forms.size()};
     if (given.formats.count == 0) given.formats = {&study::usual_format, 1};
-    Choosing chosen(&given);
+    Selection chosen(&given);
     std::erase_if(chosen.rows, [](const TestedForm& row) { return !Words::takes(*row.form); });
     selection::refuse_generators(chosen.rows, Words::name);
     selection::refuse_made_rays({scene}, Words::name);
@@ -119,7 +119,7 @@ measure::choice::Requirement requirement_of(const lostbits_requirement& requirem
 
 /// Fills the result. True if anything meets the requirement.
 bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
-               const measure::choice::Requirement& requirement, bool two_words, Choosing& chosen, CallRun& running) {
+               const measure::choice::Requirement& requirement, bool two_words, Selection& chosen, CallRun& running) {
     if (requirement.has_tolerance()) throw InputError("mend repairs a form to keep bits of t; give no tolerance");
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     if (scene.is_placed())
@@ -146,7 +146,7 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
 
 /// Fills the result. True if anything meets the requirement.
 bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
-                 const measure::choice::Requirement& requirement, Choosing& chosen, CallRun& running) {
+                 const measure::choice::Requirement& requirement, Selection& chosen, CallRun& running) {
     measure::choice::ChoiceRequest request;
     request.requirement = requirement;
     request.limit.stop = request.plan.stop = running.stop();
@@ -184,7 +184,7 @@ Exit answer_to(const RequirementArguments& asked, const char* usual, lostbits_re
     require(asked.scene, "scene");
     require(asked.requirement, "requirement");
     require(result, "result");
-    Choosing chosen(asked.choice);
+    Selection chosen(asked.choice);
     CallRun running(asked.run);
     auto found = std::make_unique<lostbits_result>();
     const bool meets = find(*found, asked.scene->scene, requirement_of(*asked.requirement, usual), chosen, running);
@@ -205,7 +205,7 @@ int lostbits_sweep(const char* sweep, int is_text, const char* data, const lostb
     return guarded(error, [&] {
         require(sweep, "sweep");
         require(result, "result");
-        Choosing chosen(choice);
+        Selection chosen(choice);
         CallRun running(run);
         const std::string folder = selection::data_folder(data ? data : "").string();
         if (is_text == 0)
@@ -220,7 +220,7 @@ int lostbits_explain(const lostbits_scene* scene, int x, int y, const lostbits_c
     return guarded(error, [&] {
         require(scene, "scene");
         require(result, "result");
-        Choosing chosen(choice);
+        Selection chosen(choice);
         return hand_over(explanation_of(scene->scene, x, y, chosen), result);
     });
 }
@@ -250,7 +250,7 @@ int lostbits_mend(const lostbits_scene* scene, const lostbits_requirement* requi
                   lostbits_error* error) {
     return guarded(error, [&] {
         return answer_to({scene, requirement, choice, run}, "max", result,
-                         [&](auto& found, const auto& on, const auto& asked, Choosing& chosen, CallRun& running) {
+                         [&](auto& found, const auto& on, const auto& asked, Selection& chosen, CallRun& running) {
                              return mend_into(found, on, asked, two_words != 0, chosen, running);
                          });
     });

@@ -38,16 +38,16 @@ namespace {
 
 /// The forms of a library that is loaded in another process of this program.
 std::vector<ForeignForm> isolated(const std::filesystem::path& library, PipeTerms terms) {
-    terms.who = library.string() + " in a process of its own";
-    terms.ours = true;
+    terms.message_prefix = library.string() + " in a process of its own";
+    terms.is_lostbits = true;
     return open_pipe(this_program("plugin serve " + shell_word(library.string())), terms);
 }
 
 /// The forms of a shader. Another process of this program holds the driver, with its compiler, its threads and its
 /// faults.
 std::vector<ForeignForm> served(const std::string& shader, const std::string& device, PipeTerms terms) {
-    terms.who = "--shader " + shader + (device.empty() ? "" : " --device " + shell_word(device));
-    terms.ours = true;
+    terms.message_prefix = "--shader " + shader + (device.empty() ? "" : " --device " + shell_word(device));
+    terms.is_lostbits = true;
     return open_pipe(
         this_program("shader serve " + shell_word(shader) + (device.empty() ? "" : " --device " + shell_word(device))),
         terms);

@@ -104,8 +104,8 @@ std::optional<scene::file::Scene> scene_of(const RayFileOptions& o, const std::f
 std::optional<Shape> shape_given(const RayFileOptions& o, const std::optional<scene::file::Scene>& scene) {
     const auto shapes = scene ? scene->shapes() : o.primitives.shapes();
     if (scene && !o.primitives.empty())
-        throw InputError("--scene gives the primitives of all rays, and so do " + primitive_options(false, " and ") +
-                         "; write one or the other");
+        throw InputError("--scene gives the primitives of all rays; leave it out, or leave out " +
+                         o.primitives.names());
     return shapes.empty() ? std::nullopt : std::optional(shapes.front());
 }
 

@@ -62,7 +62,7 @@ bool matches_any(const std::vector<std::string>& patterns, const std::string& na
 }
 
 void add_scenes(const shell::Command& command, SharedOptions& shared, const std::string& kinds) {
-    command.add("SCENE", shared.scenes.names, "Scene files, or names in data/scenes" + kinds).required();
+    command.add("SCENE", shared.scenes.names, "Scene files or names in data/scenes" + kinds).required();
 }
 
 void add_forms(const shell::Command& command, std::vector<std::string>& forms, const std::string& usual) {

@@ -55,13 +55,10 @@ std::vector<std::pair<Shape, std::string>> PrimitiveOptions::given() const {
     return all;
 }
 
-std::string primitive_options(bool numbers, const char* between) {
-    std::string options;
-    for (const ShapeRow& row : shape_rows) {
-        options += fmt::format("{}--{}", options.empty() ? "" : between, row.name);
-        if (numbers) options += ' ' + option_words(row.shape);
-    }
-    return options;
+std::string PrimitiveOptions::names() const {
+    std::vector<std::string> options;
+    for (const Shape shape : shapes()) options.push_back(fmt::format("--{}", lostbits::name_of(shape)));
+    return output::file::enumerated(options);
 }
 
 std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wanted, const std::optional<Format>& as) {

@@ -37,14 +37,13 @@ public:
     [[nodiscard]] bool empty() const { return shapes().empty(); }
     /// The primitives in the order in which they were given, which is the order of their indices.
     [[nodiscard]] std::vector<std::pair<Shape, std::string>> given() const;
+    /// The options that are given: `--sphere and --box`.
+    [[nodiscard]] std::string names() const;
 
 private:
     std::array<std::vector<std::string>, shape_rows.size()> texts_;
     std::function<std::vector<std::size_t>()> order_ = [] { return std::vector<std::size_t>(); };
 };
-
-/// `--sphere CX,CY,CZ,R or --box LOX,…` with `numbers`, `--sphere or --box` without.
-std::string primitive_options(bool numbers, const char* between = " or ");
 
 /// The numbers between the commas of a ray or a primitive, exact or, with `as`, rounded to that format. Throws
 /// InputError, which names the option, for a part that is not a number or is out of the range of `as` (without it, of

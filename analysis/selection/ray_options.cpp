@@ -13,6 +13,7 @@
 #include "intersect/transform/spaced.hpp"
 #include "number/error.hpp"
 #include "number/real.hpp"
+#include "output/file/number_text.hpp"
 #include "scene/file/march_table.hpp"
 #include "scene/rays/made_rows.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -115,7 +116,13 @@ SelectedRay of_scene(const RayOptions& words, const TestedForm& given, const std
     const auto scene =
         std::make_shared<const Scene>(generator ? with_rays(std::move(loaded), *generator) : std::move(loaded));
     const TestedForm row = row_for(given, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
-    if (int{!words.pixel.empty()} + int{!words.ray.empty()} + int{words.worst} != 1)
+    std::vector<std::string> options;
+    if (words.worst) options.emplace_back("--worst");
+    if (!words.pixel.empty()) options.emplace_back("--pixel");
+    if (!words.ray.empty()) options.emplace_back("--ray");
+    if (options.size() > 1)
+        throw InputError(fmt::format("explain: {} each name a ray; give only one", output::file::enumerated(options)));
+    if (options.empty())
         throw InputError(
             "explain: name one ray: --worst or --pixel X,Y of a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case NAME of a "
             "file of cases");
@@ -275,11 +282,12 @@ SelectedRay of_own_primitives(const RayOptions& words, const TestedForm& given) 
 void check(const RayOptions& words) {
     const bool own = !words.primitives.empty(), a_case = !words.named_case.empty(), a_scene = !own && !a_case;
     if (own && !words.subject.empty())
-        throw InputError(words.subject + ": a scene has its own primitives; leave it out, or leave " +
-                         primitive_options(false, " and ") + " out");
+        throw InputError(words.subject + ": a scene has its own primitives; leave it out, or leave out " +
+                         words.primitives.names());
     if (!own && words.subject.empty())
-        throw InputError("explain: name a scene, a file of cases with --case, or primitives: " +
-                         primitive_options(true));
+        throw InputError(
+            "explain: name a scene, a file of cases with --case, or primitives (--sphere CX,CY,CZ,R; other shapes: "
+            "`lostbits explain --help`)");
     const char* const own_primitives = "primitives given as options (for a scene, --set rays.tmin=VALUE)";
     struct Row {
         const char* option;

@@ -10,6 +10,7 @@
 #include "number/error.hpp"
 #include "scene/rays/made_rows.hpp"
 #include "scene/toml/did_you_mean.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::analysis::selection {
 
@@ -174,10 +175,12 @@ void compare_against(std::vector<TestedForm>& rows, const std::string& name, boo
         return (part || row.form->shapes() == other.shapes()) && other.exists_in(row.format);
     };
     std::erase_if(rows, [&fits](const TestedForm& row) { return !fits(row); });
+    const std::string formats = formats_of(other);
     if (rows.empty())
-        throw InputError(fmt::format(
-            "--against {}: is for a {}, in {}, and no selected form is for that; choose others with -i and -f", name,
-            other.is_set() ? "scene of several shapes" : lostbits::name_of(other.shape), formats_of(other)));
+        throw InputError(
+            fmt::format("--against {}: intersects {}, in {}; no selected form does, so choose others with -i and -f",
+                        name, other.is_set() ? "a scene of several shapes" : with_article(other.shape),
+                        formats == "all" ? "all formats" : formats));
     for (TestedForm& row : rows) {
         row.against = &other;
         if (!quiet && !measure::answer::are_comparable(*row.form->info, *other.info))

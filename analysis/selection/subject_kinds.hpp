@@ -1,4 +1,5 @@
-// The kind of a file or a name, and the command that takes it: an answer to `lostbits map mine-sweep.toml`.
+// Finds what kind of thing a file or name is and which command takes it, so that `lostbits map mine-sweep.toml` can
+// advise `lostbits sweep`.
 #pragma once
 
 #include <filesystem>

@@ -67,7 +67,8 @@ void check_changes(const SweepChangeOptions& words, SweepKind kind, const std::s
     const auto first = [](const std::vector<std::string>& given) { return given.empty() ? "" : given.front(); };
     const auto other = std::ranges::find_if(words.formats, [](const std::string& format) { return format != "f32"; });
     const bool draws_none = kind == SweepKind::cases && words.seeds == 0;  // cases never draw rays
-    /// An option with the message of each kind that does not take it; null if the kind takes it.
+    /// An option, its value (empty: it is not given), and for each kind of sweep the message that refuses the option;
+    /// null if the kind takes it.
     struct Row {
         const char* option;
         std::string given;
@@ -78,7 +79,7 @@ void check_changes(const SweepChangeOptions& words, SweepKind kind, const std::s
          "has no picture, since it searches for rays; leave out --size, and try --set starts=N for more of them",
          "has no picture, since it searches for rays; leave out --size, and try --set rays=N for more of them",
          "has no picture, since its rays are in the file; leave out --size"},
-        {"--steps", words.steps, "has no steps but its cases; leave out --steps",
+        {"--steps", words.steps, "is a list of cases, and its only steps are its cases; leave out --steps",
          "has no steps; try --set starts=N or --set generations=N", "has no steps; try --set rays=N",
          "tries every float of its range; leave out --steps"},
         {"--set", first(words.set), "is a list of cases with their numbers; copy the file and change them there",
@@ -116,7 +117,7 @@ std::string interrupted_text(SweepKind kind, const std::string& name) {
     if (kind == SweepKind::every_float)
         return fmt::format("interrupted in the floats of {}: its progress is kept for --resume", name);
     return fmt::format(
-        "interrupted in the {} of {}: the results of this sweep are lost, those of finished ones are kept",
+        "interrupted in the {} of {}: the results of this sweep are lost, those of finished sweeps are kept",
         parts_of(kind), name);
 }
 

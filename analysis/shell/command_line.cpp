@@ -306,7 +306,11 @@ CommandLine::Parsed CommandLine::parse(const std::vector<std::string>& words) {
     try {
         app_->parse(static_cast<int>(argv.size()), argv.data());
         return Parsed::command;
-    } catch (const CLI::CallForHelp&) {
+    } catch (const CLI::CallForHelp& asked) {
+        // A word that should name a command, but does not, has no help.
+        const std::vector<std::string> words_left = leftover();
+        if (!words_left.empty() && !words_left.front().starts_with('-') && !given().back().names_of_commands().empty())
+            throw Misread(Misread::nothing_takes_it, asked.what());
         return Parsed::help;
     } catch (const CLI::Success& asked) {  // --version
         app_->exit(asked);

@@ -59,7 +59,8 @@ std::string written(const OptionRow& row, const std::string& type) {
     static const std::map<std::string_view, const char*> forms{{"--size", "WxH"},      {"--pipe", "COMMAND"},
                                                                {"--set", "KEY=VALUE"}, {"--shard", "K/N"},
                                                                {"--pixel", "X,Y"},     {"--range", "LO:HI"}};
-    if (row.values.kind == Kind::words) return joined(row.values.words, "|");
+    const char* const more = row.several ? ",..." : "";
+    if (row.values.kind == Kind::words) return joined(row.values.words, "|") + more;
     if (const auto form = forms.find(row.names.back()); form != forms.end()) return form->second;
     static const std::regex ends(R"(.* in \[(.*) - (.*)\])");
     std::smatch part;
@@ -69,7 +70,7 @@ std::string written(const OptionRow& row, const std::string& type) {
                             : row.values.kind == Kind::folders ? "FOLDER"
                             : type == "UINT"                   ? "COUNT"
                                                                : "VALUE";
-    return one + (row.several ? ",..." : "");
+    return one + more;
 }
 
 OptionRow row_of(const Option& option) {

@@ -4,14 +4,30 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <regex>
 
+#include "analysis/shell/option_table.hpp"
 #include "output/file/escape.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
 namespace lostbits::analysis::shell {
 
 namespace {
+
+/// The option as the only command that has it writes it: `lostbits explain --pixel X,Y`; empty if several have it, or
+/// none.
+std::string written_elsewhere(const Command& program, const std::string& bare) {
+    std::vector<std::string> lines;
+    for (const CommandRow& command : command_table(program)) {
+        for (const OptionRow& option : command.options) {
+            if (option.names.back() != "--" + bare) continue;
+            lines.push_back(
+                fmt::format("lostbits {} --{}{}{}", command.name, bare, option.takes_value ? " " : "", option.value));
+        }
+    }
+    return lines.size() == 1 ? lines.front() : "";
+}
 
 /// A message about an unknown option such as `--metrik`.
 std::string unknown_option(const Command& program, const std::string& word) {
@@ -24,8 +40,23 @@ std::string unknown_option(const Command& program, const std::string& word) {
     }
     const std::string bare = word.substr(word.find_first_not_of('-'), word.find('=') - word.find_first_not_of('-'));
     const auto near = scene::toml::closest(bare, names);
+    const std::string hint = written_elsewhere(program, bare);
     return fmt::format("{}: is not an option of `{}`{}", word, program.given_words(),
-                       near ? "; did you mean --" + *near + "?" : "");
+                       !hint.empty() ? "; try `" + hint + "`"
+                       : near        ? "; did you mean --" + *near + "?"
+                                     : "");
+}
+
+/// A message about an argument or an option that the command needs. The help of each begins with a noun.
+std::string missing_text(const Option& option) {
+    std::string noun = option.help();
+    if (noun.size() > 1 && std::islower(static_cast<unsigned char>(noun[1])) != 0)
+        noun[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(noun[0])));
+    else if (noun.starts_with("A ")) noun[0] = 'a';
+    if (option.is_argument()) return fmt::format("{} is missing; give {}", option.name(), noun);
+    if (std::ranges::count(option.short_names(), "i") != 0)
+        return fmt::format("give -i NAME, {}; `lostbits list forms` names them", noun);
+    return fmt::format("give --{}, {}", option.long_names().front(), noun);
 }
 
 /// A message about the first word that no option or argument takes.
@@ -68,11 +99,11 @@ std::string describe_misread(const CommandLine& program, const Misread& error) {
         return own ? own : program.option(part[1]);
     };
     if (says(Misread::missing, "A subcommand.*"))
-        return fmt::format("name a command: {}", fmt::join(command.names_of_commands(), ", "));
+        return fmt::format("name a command: {}{}", fmt::join(command.names_of_commands(), ", "),
+                           program.given().size() == 1 ? "; start with map, explain or judge" : "");
     if (says(Misread::missing, R"(.*at most 1 options be given from \[(.*)\])"))
         return std::regex_replace(part[1].str(), std::regex(","), ", ") + ": give only one of them";
-    if (says(Misread::missing, "(.*) is required"))
-        return fmt::format("{} is missing: {}", part[1].str(), option().help());
+    if (says(Misread::missing, "(.*) is required")) return missing_text(option());
     if (says(Misread::unread, "Could not convert: (.*) = (.*)"))
         return fmt::format("{} {}: is not a {}number, or is too large", part[1].str(), part[2].str(),
                            option().type().find("INT") == std::string::npos ? "" : "whole ");

@@ -24,7 +24,7 @@ struct RootPair {
 /// its source writes it (`disc < 0`, …). A NaN fails every test, so it comes out as a hit at NaN, as in the published
 /// code.
 template <Number T>
-Hit<T> first_hit(mask_t<T> missed, const RootPair<T>& roots) {
+Hit<T> hit_unless(mask_t<T> missed, const RootPair<T>& roots) {
     // t is not a local variable: GCC 12 stored it in every round of the packed loops, where nothing read it.
     Hit<T> hit{missed, named("t", select(roots.near < T(0), roots.far, roots.near)), roots.near, roots.far};
     hit.hit = !(missed || hit.t < T(0));

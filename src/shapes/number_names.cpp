@@ -73,10 +73,15 @@ std::string with_article(Shape shape) {
 }
 
 std::string option_words(Shape shape) {
+    // A shape with several radii names each: RMAJOR, RMINOR.
+    const auto word = [](const Key& key, const std::string& part) {
+        constexpr std::string_view tail = "_radius";
+        const std::string_view name = key.name;
+        return name.ends_with(tail) ? "r" + std::string(name.substr(0, name.size() - tail.size()))
+                                    : joined(key.letter, "", part);
+    };
     std::string words;
-    for (const std::string& name :
-         named(shape, [](const Key&key, const auto&part) { return joined(key.letter, "", part); }))
-        words += (words.empty() ? "" : ",") + name;
+    for (const std::string& name : named(shape, word)) words += (words.empty() ? "" : ",") + name;
     std::ranges::transform(words, words.begin(), [](char c) { return c >= 'a' && c <= 'z' ? char(c - 'a' + 'A') : c; });
     return words;
 }

@@ -30,7 +30,7 @@ TEST_CASE("diff: folders of maps show rows, outcomes and the largest changes, an
     const auto r = run("diff one two", scratch.path());
     CHECK(r.code == 1);
     CHECK(r.out ==
-          "one to two: 2 of 2 rows differ, in 1 table\n"
+          "one to two: 2 rows compared, 2 differ (in 1 table)\n"
           "1 row only in one:\n"
           "  map sphere.press f64\n"
           "1 row only in two:\n"
@@ -112,7 +112,7 @@ TEST_CASE("diff: two forms of one folder are compared, with a difference picture
     const std::string forms = " -i sphere.schoolbook -i sphere.unified";
     const auto r = run("diff csv" + forms + " --draw from-csv", scratch.path());
     CHECK(r.code == 1);
-    CHECK(has(r.out, "sphere.schoolbook to sphere.unified: 1 of 1 row differs, in 1 table\n"));
+    CHECK(has(r.out, "sphere.schoolbook to sphere.unified: 1 row compared, 1 differs (in 1 table)\n"));
     CHECK(has(r.out, "rtg-fig-7-3-4100-oblique f32: lost_bits_"));
     const std::string picture = "/rtg-fig-7-3-4100-oblique/sphere.schoolbook.f32-to-sphere.unified.f32.png";
     CHECK(has(r.out, "from-csv" + picture + "\n"));

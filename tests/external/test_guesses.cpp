@@ -81,7 +81,7 @@ TEST_CASE("suspicion: a guess is tested on rays that did not suggest it", "[exte
     all.resize(1);
     for (const double factor : {-1.0, 1000.0, 7.5}) {
         all[0].t = factor * all[0].true_t;
-        CHECK(has(suspicion(all), "wrong on the one ray that hit or should: 1 has a t that is off by more than 0.4%"));
+        CHECK(has(suspicion(all), "wrong on the only ray that hits or should hit: its t is off by more than 0.4%"));
     }
 }
 

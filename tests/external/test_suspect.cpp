@@ -77,8 +77,8 @@ TEST_CASE("suspicion: t in other units is recognised and the factor reported", "
         for (std::size_t i = 0; i < all.size(); i += 6) (i % 4 == 0 ? all[i].hit : all[i].truly_hits) = false;
         return suspicion(all);
     };
-    CHECK(has(with_wrong_decisions(1000), "wrong on 416 of the 416 rays that hit and should: t is in other units"));
-    CHECK(has(with_wrong_decisions(-1), "wrong on 416 of the 416 rays that hit and should: t has the wrong sign"));
+    CHECK(has(with_wrong_decisions(1000), "wrong on 416 of the 416 rays that hit and should hit: t is in other units"));
+    CHECK(has(with_wrong_decisions(-1), "wrong on 416 of the 416 rays that hit and should hit: t has the wrong sign"));
     CHECK(with_wrong_decisions(1).empty());
     // A factor that is another for each ray is none, and neither is one answer to rays that are all alike.
     int n = 0;
@@ -112,7 +112,8 @@ TEST_CASE("suspicion: answers that fit the ray itself do not suggest another ray
                        .hit = true,
                        .t = 5 - std::sqrt(1 - 2 * y * y)});
     }
-    CHECK(has(measure::contract::suspicion(all), "wrong on 20 of the 20 rays that hit or should: 20 hit what they"));
+    CHECK(
+        has(measure::contract::suspicion(all), "wrong on 20 of the 20 rays that hit or should hit: 20 hit what they"));
 }
 
 TEST_CASE("suspicion: changes to the rays or to the primitive are recognised from the answers", "[external]") {
@@ -222,14 +223,14 @@ TEST_CASE("suspicion: swapped origin and direction are recognised by hits, not b
     };
     CHECK(has(asked(true), "the origin and the direction seem to be exchanged"));
     CHECK_FALSE(has(asked(false), "exchanged"));
-    CHECK(has(asked(false), "wrong on 300 of the 300 rays that hit or should: 300 miss what they should hit"));
+    CHECK(has(asked(false), "wrong on 300 of the 300 rays that hit or should hit: 300 miss what they should hit"));
     const measure::contract::Judged one{.ray = {{0, 0, -5}, {0, 0, 1}},
                                         .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 1}),
                                         .truly_hits = true,
                                         .true_t = 4,
                                         .other_measure = 4};
     CHECK(has(measure::contract::suspicion({one}),
-              "wrong on the one ray that hit or should: 1 misses what it should hit"));
+              "wrong on the only ray that hits or should hit: it misses what it should hit"));
 }
 
 TEST_CASE("suspicion: a radius is blamed only if it explains everything, not for a march that stops early",

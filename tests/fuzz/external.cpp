@@ -81,7 +81,7 @@ void read_record(unsigned kind, output::shard::BitReader& bits) {
 /// First lines of a process behind a pipe. If they are read without error, they are written and read back as the same.
 void fuzz_headers(std::string_view bytes) {
     using intersect::external::read_greeting;
-    const intersect::external::PipeTerms terms{.who = "a pipe"};
+    const intersect::external::PipeTerms terms{.message_prefix = "a pipe"};
     static_cast<void>(intersect::external::shown_text(bytes));
     answer_or_error([&] {
         const auto contracts = read_greeting(speaker_of(bytes), terms);

@@ -55,7 +55,7 @@ class Mistakes(unittest.TestCase):
             ("primitives has 1 rows and o has 50", lambda: lb.truth(O, D, S, paired=True)),
             ("shape is 'ball'; it must be one of sphere", lambda: lb.truth(O, D, S, shape="ball")),
             ("ray 0: ox is nan", lambda: lb.truth(O * np.float32(np.nan), D, S)),
-            ("direction is zero", lambda: lb.truth(O, D * 0, S)),
+            ("direction is 0,0,0", lambda: lb.truth(O, D * 0, S)),
             ("radius", lambda: lb.truth(O, D, -S)),
             ("give hit too", lambda: lb.judge(O, D, T - 9, None, S)),
             ("hit is an array of int64; it must be of booleans", lambda: lb.judge(O, D, T, np.ones(N, np.int64), S)),

@@ -31,7 +31,7 @@ std::vector<Contract> greet(Child& child, const PipeTerms& terms) {
 /// Advice for the author of the program. A process of this program needs none: the author of a shader has no say in how
 /// it reads and writes.
 std::string duty(const PipeTerms& terms) {
-    return terms.ours ? "" : "it must read a whole batch, answer it and flush its output";
+    return terms.is_lostbits ? "" : "it must read a whole batch, answer it and flush its output";
 }
 
 template <class T>
@@ -42,8 +42,9 @@ std::span<std::byte> bytes_of(T& value) {
 /// A process that answers and, if it is one of this program, the memory that it shares with this process.
 struct Partner {
     Partner(const std::string& command, const PipeTerms& terms)
-        : memory(terms.ours ? std::make_unique<SharedMemory>() : nullptr),
-          child(command, {terms.who, duty(terms), terms.seconds, memory ? memory->descriptor() : -1, terms.stop}),
+        : memory(terms.is_lostbits ? std::make_unique<SharedMemory>() : nullptr),
+          child(command,
+                {terms.message_prefix, duty(terms), terms.seconds, memory ? memory->descriptor() : -1, terms.stop}),
           contracts(greet(child, terms)) {
         if (memory && memory->descriptor() < 0) memory.reset();
         if (!memory) return;
@@ -116,7 +117,7 @@ private:
 
 /// Sends a request and reads the answer except its columns. Throws if the answer is an error. True if a process of this
 /// program reports `changes_state`.
-bool exchange_heads(Child& child, std::span<const std::byte> request, bool ours) {
+bool exchange_heads(Child& child, std::span<const std::byte> request, bool is_lostbits) {
     PipeAnswer answer;
     child.exchange(request, bytes_of(answer));
     if (std::memcmp(answer.magic, PipeAnswer{}.magic, sizeof answer.magic) != 0) {
@@ -126,10 +127,10 @@ bool exchange_heads(Child& child, std::span<const std::byte> request, bool ours)
             ", but an answer begins with LBA1; it must answer every batch exactly once, and whatever it prints must "
             "go to standard error");
     }
-    const bool changed = ours && (answer.error & changes_state) != 0;
-    if (changed) answer.error &= ~changes_state;
-    if (answer.error == 0) return changed;
-    std::string text(std::min<std::size_t>(answer.error, 1000), ' ');
+    const bool changed = is_lostbits && (answer.error_bytes & changes_state) != 0;
+    if (changed) answer.error_bytes &= ~changes_state;
+    if (answer.error_bytes == 0) return changed;
+    std::string text(std::min<std::size_t>(answer.error_bytes, 1000), ' ');
     child.read(std::as_writable_bytes(std::span(text)));
     child.fail("refuses: " + shown_text(text, 400));
 }
@@ -204,12 +205,12 @@ std::array<std::size_t, BatchColumn::count + 1> places_of(const ColumnBytes& byt
 
 std::vector<ForeignForm> open_pipe(const std::string& command, const PipeTerms& terms) {
     PipeTerms named = terms;
-    if (named.who.empty()) named.who = "--pipe '" + command + "'";
+    if (named.message_prefix.empty()) named.message_prefix = "--pipe '" + command + "'";
     const auto pool = std::make_shared<Pool>(command, named);
     std::vector<ForeignForm> forms;
     std::uint32_t place = 0;
     for (const Contract& contract : pool->contracts()) {
-        ForeignForm& form = forms.emplace_back(ForeignForm{contract, named.who, {}, true});
+        ForeignForm& form = forms.emplace_back(ForeignForm{contract, named.message_prefix, {}, true});
         form.answer = [pool, contract, place, who = name_in_messages(form)](const lb_batch& batch) {
             pool->with_partner([&](Partner& partner) { evaluate(partner, place, who, contract, batch); });
         };

@@ -13,8 +13,8 @@
 
 namespace lostbits::intersect::external {
 
-/// Header of a batch, little-endian. The numbers follow: 6 per ray; where each ray begins, for a form that says range;
-/// where each ray ends, if rays have ends; then for each primitive the numbers of its shape.
+/// Header of a batch, little-endian. The numbers of the batch follow in this order: 6 per ray; the beginning of each
+/// ray, if the form has the flag `range`; the end of each ray, if rays have ends; the numbers of each primitive.
 struct PipeRequest {
     char magic[4] = {'L', 'B', 'Q', '1'};
     std::uint32_t form = 0;  ///< index of the form in the program's header, from 0
@@ -24,15 +24,16 @@ struct PipeRequest {
 };
 static_assert(sizeof(PipeRequest) == 20);
 
-/// Header of an answer. Near and far of every ray follow, then a byte `hit` for each ray; or, if `error` is not 0, a
-/// text of that many bytes.
+/// Header of an answer. Near and far of every ray follow, then a byte `hit` for each ray; or, if `error_bytes` is not
+/// 0, a text of that many bytes.
 struct PipeAnswer {
     char magic[4] = {'L', 'B', 'A', '1'};
-    std::uint32_t error = 0;
+    std::uint32_t error_bytes = 0;
 };
 static_assert(sizeof(PipeAnswer) == 8);
 
-/// Bit in `error` from a process of this program: the form changes how the processor computes and does not restore it.
+/// Bit in `error_bytes` that only processes of this program set: the form changed the floating-point state of the
+/// processor and did not restore it.
 inline constexpr std::uint32_t changes_state = 1U << 31;
 
 /// Sent in place of a request, to a process of this program. From then on the columns of a batch and of its answer are
@@ -51,11 +52,11 @@ ColumnBytes column_bytes(const PipeRequest& request, const Contract& contract);
 std::array<std::size_t, BatchColumn::count + 1> places_of(const ColumnBytes& bytes);
 
 struct PipeTerms {
-    double seconds = 30;           ///< limit for one answer
-    unsigned processes = 1;        ///< at most; one per thread, and a single one for a form that says one_thread
-    process::StopToken stop = {};  ///< stop request of the caller: ends every wait for an answer
-    std::string who = {};          ///< begins messages; empty: the command
-    bool ours = false;  ///< the command is this program: its error texts are passed on unchanged, and it shares memory
+    double seconds = 30;              ///< limit for one answer
+    unsigned processes = 1;           ///< at most; one per thread, and a single one for a form that says one_thread
+    process::StopToken stop = {};     ///< stop request of the caller: ends every wait for an answer
+    std::string message_prefix = {};  ///< begins messages; empty: the command
+    bool is_lostbits = false;         ///< the command is this program: error texts pass unchanged, and memory is shared
 };
 
 /// Starts the command and reads its header. InputError for an invalid header or one that says `error=`;
@@ -65,8 +66,9 @@ std::vector<ForeignForm> open_pipe(const std::string& command, const PipeTerms& 
 /// Text sent in place of a header: why the program cannot serve, line by line.
 std::string refusal_of(const Error& error);
 
-/// The serving side: answers requests on `input` with these forms until the input ends. False if the input was not a
-/// request; EnvironmentError if an answer cannot be written although somebody still asks.
+/// Serves a pipe: answers requests on `input` with these forms until the input ends. Returns false if something on the
+/// input is not a request. Throws EnvironmentError if an answer cannot be written while the other side still waits for
+/// it.
 bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output);
 
 }  // namespace lostbits::intersect::external

@@ -101,10 +101,10 @@ void refuse_for(const std::vector<std::string>& lines, const PipeTerms& terms) {
         if (!missing && !line.starts_with("error=")) continue;
         machine = machine || missing;
         const std::string_view said = line.substr(line.find('=') + 1);
-        words += (words.empty() ? "" : "\n") + (terms.ours ? std::string(said) : plain_text(said));
+        words += (words.empty() ? "" : "\n") + (terms.is_lostbits ? std::string(said) : plain_text(said));
     }
     if (words.empty()) return;
-    if (!terms.ours) words = terms.who + ": refuses: " + words;
+    if (!terms.is_lostbits) words = terms.message_prefix + ": refuses: " + words;
     if (machine) throw EnvironmentError(words);
     throw InputError(words);
 }
@@ -188,7 +188,7 @@ std::vector<Contract> read_greeting(const LineSource& speaker, const PipeTerms& 
     }
     lines.pop_back();
     refuse_for(lines, terms);
-    return read_pipe_header(lines, terms.who);
+    return read_pipe_header(lines, terms.message_prefix);
 }
 
 }  // namespace lostbits::intersect::external

@@ -130,8 +130,8 @@ std::optional<BatchColumns> take_batch(int input, const PipeRequest& request, co
 /// Writes the answer, or the error text in its place. False if the output takes no more bytes.
 bool give_answer(int output, const std::string& refusal, const ForeignForm& form, const ColumnMemory& buffers) {
     PipeAnswer answer;
-    answer.error = static_cast<std::uint32_t>(refusal.size());
-    if (buffers.shared && !change_noted(name_in_messages(form)).empty()) answer.error |= changes_state;
+    answer.error_bytes = static_cast<std::uint32_t>(refusal.size());
+    if (buffers.shared && !change_noted(name_in_messages(form)).empty()) answer.error_bytes |= changes_state;
     if (!write_all(output, &answer, sizeof answer)) return false;
     if (!refusal.empty()) return write_all(output, refusal.data(), refusal.size());
     const auto write_column = [&](std::size_t k) {

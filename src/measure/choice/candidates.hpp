@@ -14,7 +14,7 @@
 
 namespace lostbits::measure::choice {
 
-using speed::thinned;
+using speed::with_smaller_picture;
 
 /// Requirement of a user on an intersector.
 struct Requirement {

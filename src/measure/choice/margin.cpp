@@ -177,7 +177,7 @@ std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluat
         constexpr std::size_t most_pairs = 1 << 24;
         const std::size_t faces = request.scene->mesh ? request.scene->mesh->faces.size() : 1;
         const int few = std::min(pixels, static_cast<int>(std::max<std::size_t>(most_pairs / faces, 64)));
-        look = [&, thin = thinned(*request.scene, few)](Growth way, double factor) {
+        look = [&, thin = with_smaller_picture(*request.scene, few)](Growth way, double factor) {
             return look_at_scene(request, row, thin, way, factor);
         };
     } else {
@@ -201,7 +201,7 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
         return std::nullopt;
     const std::size_t asked = beside + std::min(faces, most_near);
     const auto affordable = static_cast<int>(std::clamp<std::size_t>(most_asked / asked, 64, 65536));
-    const scene::file::Scene thin = thinned(scene, std::min(pixels, affordable));
+    const scene::file::Scene thin = with_smaller_picture(scene, std::min(pixels, affordable));
     const offset::OffsetStudy request{
         .scene = thin, .rows = {{row}}, .strategies = offset::all_strategies(), .limit = limit, .quiet = false};
     const offset::OffsetSummary summary = std::move(study::run_study(request).front());

@@ -164,7 +164,7 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& row, int 
         const std::size_t primitives = std::max<std::size_t>(1, request.scene->primitive_count());
         const bool few = primitives <= most_listed && !request.scene->flake;
         const auto affordable = static_cast<int>(std::clamp<std::size_t>(most_problems / primitives, 64, 65536));
-        thin = thinned(*request.scene, std::min(pixels, affordable));
+        thin = with_smaller_picture(*request.scene, std::min(pixels, affordable));
         given.emplace(*thin, 0, thin->height, request.limit);
         if (few) ideal = ideal_of(*thin);
         found.rounded_before = thin->inputs == scene::file::Inputs::shared;

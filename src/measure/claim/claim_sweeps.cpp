@@ -86,7 +86,7 @@ void measure_place(const OnAxes& on, const sweep::SweepRequest& request, const s
         const auto& [claim, subject, result] = on.claims[k];
         const evaluate::FormSummary& summary = summaries[on.rows[k]];
         result = judge(claim, on.columns.value(claim, summary), &summary);
-        if (!request.sweep.is_drawn()) continue;
+        if (!request.sweep.has_random_rays()) continue;
         result.samples = summary.views;
         if (summary.rays == summary.views) result.bounds = bounds_of(claim, on.columns, summary);
     }
@@ -111,7 +111,7 @@ void measure_onsets(const OnAxes& on, sweep::SweepRequest request) {
                     "false_miss, not_a_number and, for marches, max_dist, max_steps, stagnated (count; 1)");
         }
         result = judge(claim, found->found ? found->first_bad : missing, nullptr);
-        if (request.sweep.is_drawn()) result.samples = found->views;
+        if (request.sweep.has_random_rays()) result.samples = found->views;
         if (!found->found) result.trouble = "it does not happen within the sweep";
     }
 }
@@ -162,7 +162,7 @@ void measure(const ClaimsOn<SweepSubject>& claims, const ClaimRequest& run) {
         together[asked.claim.onset.empty() ? AxesPosition(place_on(asked, sweep)) : std::nullopt].push_back(asked);
     for (const auto& part : together) {
         measure_draws(part.second, run, [&](const ClaimsOn<SweepSubject>& some, int draw) {
-            measure_axes(some, part.first, sweep.drawn_again(draw), {.stop = run.stop});
+            measure_axes(some, part.first, sweep.with_seed_offset(draw), {.stop = run.stop});
         });
     }
 }

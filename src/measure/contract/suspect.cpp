@@ -24,8 +24,8 @@ bool explains_most(const std::vector<Judged>& some, const Explains& explains) {
     return !some.empty() && 10 * count_unexplained(some, explains) <= some.size();
 }
 
-/// Text of a factor that is known to 2^-8 of itself, such as `1000` for 1000.02, with the names of the units if they
-/// are known.
+/// Text of a factor. Factors are known to a relative 2^-8, so 1000.02 is written as 1000. If the factor is the ratio of
+/// two known units, the text names them.
 std::string factor_text(double factor) {
     for (const KnownUnits& units : known_units) {
         if (is_about(factor, units.factor))
@@ -44,8 +44,9 @@ bool is_round(double factor) {
                                [factor](const KnownUnits& units) { return is_about(factor, units.factor); });
 }
 
-/// Counts of wrong answers by kind, if no known mistake explains them.
-std::string ways_of(const std::vector<Judged>& wrong) {
+/// Counts of wrong answers by kind, or what is wrong with a single one, if no known mistake explains them.
+std::string error_counts_text(const std::vector<Judged>& wrong) {
+    const bool is_single = wrong.size() == 1;
     std::size_t missed = 0, hit = 0, no_number = 0;
     for (const Judged& j : wrong) {
         missed += !j.hit;
@@ -53,21 +54,24 @@ std::string ways_of(const std::vector<Judged>& wrong) {
         no_number += j.hit && j.truly_hits && !std::isfinite(j.t);
     }
     std::string words;
-    const auto add = [&words](std::size_t n, const char* one, const char* more) {
-        if (n > 0) words += fmt::format("{}{} {}", words.empty() ? "" : ", ", n, n == 1 ? one : more);
+    const auto add = [&](std::size_t n, const char* alone, const char* one, const char* more) {
+        if (n == 0) return;
+        if (is_single) words = alone;
+        else words += fmt::format("{}{} {}", words.empty() ? "" : ", ", n, n == 1 ? one : more);
     };
-    add(hit, "hits what it should miss", "hit what they should miss");
-    add(missed, "misses what it should hit", "miss what they should hit");
-    add(no_number, "has a t that is not a finite number", "have a t that is not a finite number");
-    add(wrong.size() - hit - missed - no_number, "has a t that is off by more than 0.4%",
-        "have a t that is off by more than 0.4%");
-    return words;
+    add(hit, "it hits what it should miss", "hits what it should miss", "hit what they should miss");
+    add(missed, "it misses what it should hit", "misses what it should hit", "miss what they should hit");
+    add(no_number, "its t is not a finite number", "has a t that is not a finite number",
+        "have a t that is not a finite number");
+    add(wrong.size() - hit - missed - no_number, "its t is off by more than 0.4%",
+        "has a t that is off by more than 0.4%", "have a t that is off by more than 0.4%");
+    return fmt::format("{}; no known mistake explains {}", words, is_single ? "it" : "nine in ten of them");
 }
 
-/// Answers to analyse: those of rays that hit or should hit, or of fewer.
+/// Answers to analyse: of the rays that hit or should hit, or of a part of these rays.
 struct SuspectAnswers {
-    std::vector<Judged> all, wrong, right_misses;  ///< right misses are kept apart from `all`
-    std::uint64_t more_right_misses = 0;           ///< further right misses, of which only the number is known
+    std::vector<Judged> all, wrong, right_misses;  ///< `all` does not contain the right misses
+    std::uint64_t more_right_misses = 0;           ///< right misses of which only the number is known
 
     SuspectAnswers() = default;
     template <class Belongs>
@@ -100,9 +104,10 @@ struct SuspectAnswers {
     }
 
     [[nodiscard]] bool is_mostly_wrong() const { return !wrong.empty() && 2 * wrong.size() >= all.size(); }
-    [[nodiscard]] std::string count(const char* which) const {
-        if (all.size() == 1) return fmt::format("wrong on the one ray that {}: ", which);
-        return fmt::format("wrong on {} of the {} rays that {}: ", wrong.size(), all.size(), which);
+    /// Number of wrong answers, among rays that hit `joined` should hit: "and" or "or".
+    [[nodiscard]] std::string count(const char* joined) const {
+        if (all.size() == 1) return fmt::format("wrong on the only ray that hits {} should hit: ", joined);
+        return fmt::format("wrong on {} of the {} rays that hit {} should hit: ", wrong.size(), all.size(), joined);
     }
     /// True if a reason explains nine in ten of the wrong answers. A reason that would change right answers too has to
     /// explain nine in ten of all answers and of the hits, and right misses count against it.
@@ -138,10 +143,11 @@ double middle_of(std::vector<double> numbers) {
     return *middle;
 }
 
-/// Finds one factor by which nine in ten of the wrong answers and false hits are off. It is made from every second one
-/// and tested on the others; empty if there is none. Answers that are all equal have no units. A factor that is not
-/// round must explain true t that differ by more than a twentieth, and must explain them better than adding one number
-/// does. Near 1, and where all t are about the same, the two cannot be told apart.
+/// Finds a factor by which t is off in nine in ten of the wrong hits, false hits included. Returns a text about it;
+/// empty if there is none. The factor is the median of one half of the answers and must hold for both halves. It is not
+/// accepted if all answers have the same t. A factor that is not round is accepted only if the true t differ by more
+/// than a twentieth, and if adding a constant to the true t does not explain nine in ten as well. Near 1, and where all
+/// t are about the same, a factor and a constant cannot be told apart.
 std::string other_units(const std::array<SuspectAnswers, 2>& halves) {
     std::vector<double> factors, offsets;
     for (const Judged& j : halves[0].wrong) {
@@ -189,12 +195,12 @@ std::string suspicion(const std::vector<Judged>& rays, AnswerSource source, std:
         if (about_t && !(most_hit && both.is_mostly_wrong())) continue;
         const auto explained = [&reason](const SuspectAnswers& half) { return half.is_explained_by(reason); };
         if (!std::ranges::all_of(about_t ? halves_of_both : halves, explained)) continue;
-        return fmt::format("{}{}; {}", about_t ? both.count("hit and should") : asked.count("hit or should"),
-                           reason.words, source == AnswerSource::file ? reason.to_file : reason.to_library);
+        return fmt::format("{}{}; {}", about_t ? both.count("and") : asked.count("or"), reason.words,
+                           source == AnswerSource::file ? reason.to_file : reason.to_library);
     }
     if (const std::string units = most_hit && both.is_mostly_wrong() ? other_units(hits.halves()) : ""; !units.empty())
-        return both.count("hit and should") + units;
-    return asked.count("hit or should") + ways_of(asked.wrong) + "; no known mistake explains nine in ten of them";
+        return both.count("and") + units;
+    return asked.count("or") + error_counts_text(asked.wrong);
 }
 
 }  // namespace lostbits::measure::contract

@@ -35,10 +35,10 @@ enum class AnswerSource : std::uint8_t { intersector, file };
 /// that explains nine in ten of them and says what to write. If no known mistake does, it says how many are wrong, and
 /// in what way.
 ///
-/// A mistake about t only is tested on the rays that hit and should. A guess that would change right answers too has to
-/// explain nine in ten of all hits and of all answers, and has to leave less than half of what "always a miss" and
-/// "always a hit" leave. Every guess must hold on each of two halves of the rays: it is made from one half and tested
-/// on the other. Known mistakes:
+/// A mistake about t only is tested on the rays that hit and should hit. A guess that would change right answers too
+/// has to explain nine in ten of all hits and of all answers, and has to leave less than half of what "always a miss"
+/// and "always a hit" leave. Every guess must hold on each of two halves of the rays: it is made from one half and
+/// tested on the other. Known mistakes:
 ///
 /// a distance for t · the parameter for a distance · the radius's square, root, half or double · 0, the exit or the
 /// near root, with its sign or without, from inside · the far root · the wrong sign · the direction reversed, or

@@ -15,13 +15,14 @@
 
 namespace lostbits::measure::evaluate {
 
-/// Columns of a row on a band. The thread keeps them: allocating a megabyte each time takes longer than filling it.
+/// Columns of a row on a band. Each thread reuses its own: allocating a megabyte each time takes longer than filling
+/// it.
 struct RowColumns {
     std::vector<answer::Outcome> outcomes;
     std::vector<std::vector<double>> metrics;
     std::vector<double> measured, own_ulps;
 
-    /// Makes columns for n rays, with NaN in those that are not filled as columns.
+    /// Makes columns for n rays. Metrics that are computed ray by ray, not as a column, start with NaN for every ray.
     void make(std::size_t n, const std::vector<const metric::Metric*>& wanted) {
         outcomes.resize(n);
         metrics.resize(wanted.size());
@@ -38,19 +39,19 @@ struct OutcomeColumns {
     std::vector<double>& measured;  ///< answers of the correct hits, NaN elsewhere
 };
 
-/// Finds the outcome of every ray, and counts them in `summary`. A form that answers no t does not claim hits at NaN,
-/// and the primitive that it hits is unknown.
+/// Finds the outcome of every ray, and counts the outcomes in `summary`. `tells_t` is false for a form that answers
+/// only hit or miss: its hits have no t, which does not count as NaN, and the primitive that they hit is unknown.
 void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& truth, bool tells_t,
                    const OutcomeColumns& out, FormSummary& summary);
 
-/// A form's statements about its own answer to ray i at one primitive. Levels are about the primitive `truly`, which is
-/// truly met; there are none if `truly` is below 0. Statements that `needs` does not name, or that the form cannot
-/// make, are empty.
+/// A form's statements about its own answer to ray i at one primitive: its error bound, the arithmetic of its filter,
+/// its steps, the levels of its boxes. The levels are those for the primitive `truly`, which the ray truly meets; there
+/// are none if `truly` is below 0. Statements that `needs` does not name, or that the form cannot make, are empty.
 class FormStatements {
 public:
     FormStatements(const TestedForm& row, unsigned needs, const truth::FormatInputs& inputs, const Ray<double>& ray,
                    std::size_t i, std::size_t primitive, std::int32_t truly);
-    /// Sets pointers in the sample to this object, which must outlive it.
+    /// Sets pointers in the sample to this object, which must outlive the sample.
     void into(metric::Sample& sample) const;
 
 private:
@@ -61,7 +62,7 @@ private:
     double end_margin_ = truth::missing;
 };
 
-/// Sums up what is measured. The request, result and columns must outlive it.
+/// Sums up what is measured. The request, result and columns must outlive the RowSums.
 class RowSums {
 public:
     /// `ulps`: the ulp_error of each ray, NaN for all but correct hits.

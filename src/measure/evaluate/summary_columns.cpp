@@ -260,7 +260,7 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
     return columns;
 }
 
-Columns fault_columns() {
+Columns wrong_decision_columns() {
     using W = WorstRay;
     Columns columns{
         {.name = "fault_outcome",

@@ -1,5 +1,5 @@
-// Columns of a summary. A row of this table is a column of summary.csv, samples.csv and cases.csv, a quantity for
-// claims, and an entry of the page.
+// A table of the numbers of a summary. Each row of the table is a column of summary.csv, samples.csv and cases.csv, a
+// quantity that claims can name, and an entry of the page.
 #pragma once
 
 #include <functional>
@@ -33,7 +33,7 @@ std::vector<SummaryColumn> summary_columns(const std::vector<const metric::Metri
 std::vector<SummaryColumn> worst_columns(const std::vector<Shape>& shapes);
 
 /// The first ray of the most frequent wrong decision: the form's answer and the truth.
-std::vector<SummaryColumn> fault_columns();
+std::vector<SummaryColumn> wrong_decision_columns();
 
 /// `contribution_c` for `contribution:c`; with a statistic, `contribution_c_p50`.
 std::string column_name(const metric::Metric& metric);

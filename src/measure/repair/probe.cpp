@@ -97,7 +97,7 @@ std::optional<GivenRays> given_rays(const MendRequest& request, int rays) {
         return GivenRays{choice::ideal_of(some_of(request.rays->sample, most)), request.rays->format.parameters};
     }
     if (request.scene->flake) return std::nullopt;
-    const scene::file::Scene thin = choice::thinned(*request.scene, static_cast<int>(most));
+    const scene::file::Scene thin = choice::with_smaller_picture(*request.scene, static_cast<int>(most));
     if (thin.inputs == scene::file::Inputs::own) return GivenRays{choice::ideal_of(thin), std::nullopt};
     scene::rays::RayGroup stored{.rays = scene::rays::make_shared_rays(thin, 0, thin.height),
                                  .primitives = scene::rays::shared_primitives(thin)};

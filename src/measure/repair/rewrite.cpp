@@ -182,7 +182,7 @@ RaySample::RaySample(const MendRequest& request, int rays)
     : row_(request.row), requirement_(request.requirement), limit_(request.limit) {
     const evaluate::TestedForm& row = request.row;
     std::optional<scene::file::Scene> thin;
-    if (request.scene) thin = choice::thinned(*request.scene, rays);
+    if (request.scene) thin = choice::with_smaller_picture(*request.scene, rays);
     const truth::Band band =
         thin ? truth::Band(*thin, 0, thin->height, request.limit)
              : truth::Band(some_of(request.rays->sample, static_cast<std::size_t>(rays)), request.limit);

@@ -16,11 +16,11 @@ using scene::file::Scene;
 namespace {
 
 constexpr int timed_pixels = 2048;
-constexpr std::size_t most_primitives = 4;
+constexpr std::size_t max_timed_primitives = 4;
 constexpr std::size_t numbers_a_ray = 9;  // origin, direction; t, near, far
 
-/// Counts the rays of the band that truly hit each primitive first. `same_as` names for each primitive the one that
-/// stands for it; if it is empty, each stands for itself.
+/// Counts the rays of the band that truly hit each primitive first. Hits of equal primitives are counted together:
+/// `same_as[k]` is the index of the primitive that the hits of primitive k are counted for. Empty: primitive k itself.
 std::map<int, std::size_t> hits_of(const truth::Band& band, const std::vector<int>& same_as) {
     std::map<int, std::size_t> hits;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
@@ -56,7 +56,7 @@ std::vector<std::size_t> primitives_to_time(const std::map<int, std::size_t>& hi
         chosen.resize(primitives);
         std::iota(chosen.begin(), chosen.end(), std::size_t{0});
     }
-    if (chosen.size() > most_primitives) chosen.resize(most_primitives);
+    if (chosen.size() > max_timed_primitives) chosen.resize(max_timed_primitives);
     return chosen;
 }
 
@@ -73,7 +73,7 @@ struct SceneWork::Store {
     }
 };
 
-Scene thinned(const Scene& scene, int pixels) {
+Scene with_smaller_picture(const Scene& scene, int pixels) {
     Scene thin = scene;
     const double factor = std::min(1.0, std::sqrt(static_cast<double>(pixels) / static_cast<double>(scene.pixels())));
     const auto shrunk = [factor](int side) { return std::max(1, static_cast<int>(std::lround(side * factor))); };
@@ -83,7 +83,7 @@ Scene thinned(const Scene& scene, int pixels) {
 }
 
 SceneWork::SceneWork(const Scene& scene, truth::TruthLimit limit)
-    : scene_(thinned(scene, timed_pixels)),
+    : scene_(with_smaller_picture(scene, timed_pixels)),
       culler_(std::make_unique<culling::Culler>(scene_)),
       band_(scene_, 0, scene_.height, limit, culler_.get()),
       rays_(band_.pixels()) {

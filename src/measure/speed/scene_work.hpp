@@ -12,7 +12,7 @@
 namespace lostbits::measure::speed {
 
 /// Scene with at most `pixels` pixels and the same proportions.
-scene::file::Scene thinned(const scene::file::Scene& scene, int pixels);
+scene::file::Scene with_smaller_picture(const scene::file::Scene& scene, int pixels);
 
 /// About two thousand rays of a scene, taken evenly over its picture, against the primitives that most of them truly
 /// hit. There are at most four primitives; where nothing is hit, they are the first ones of the scene.

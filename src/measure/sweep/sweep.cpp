@@ -210,9 +210,9 @@ std::vector<FormSummary> run_place(const SweepRequest& request, const std::vecto
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps) {
     if (request.sweep.axes.size() != 1) return {};
     std::vector<Onset> onsets = onsets_of_draw(request, steps);
-    if (!request.sweep.is_drawn()) return onsets;
+    if (!request.sweep.has_random_rays()) return onsets;
     for (int draw = 1; draw <= request.further_draws; ++draw) {
-        const scene::sweep::SweepFile again = request.sweep.drawn_again(draw);
+        const scene::sweep::SweepFile again = request.sweep.with_seed_offset(draw);
         const SweepRequest other{.sweep = again,
                                  .rows = request.rows,
                                  .metrics = for_events(request).metrics,
@@ -256,7 +256,7 @@ SweepFindings measure_sweep(const SweepRequest& request) {
 std::uint64_t sweep_units(const SweepRequest& request) {
     std::uint64_t steps = 1;
     for (const auto& axis : request.sweep.axes) steps *= axis.values.size();
-    const auto draws = static_cast<std::uint64_t>(1 + (request.sweep.is_drawn() ? request.further_draws : 0));
+    const auto draws = static_cast<std::uint64_t>(1 + (request.sweep.has_random_rays() ? request.further_draws : 0));
     return request.rows.size() * steps * (request.sweep.axes.size() == 1 ? 2 * draws : 1);
 }
 

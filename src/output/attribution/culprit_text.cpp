@@ -151,9 +151,10 @@ std::string shares_text(const Explanation& x, const OperationView& words) {
     if (equals.cancel()) return text + rest_text(x, words) + ".";
     if (!a.equals.empty()) text += fmt::format(": together {} ulp", short_number(std::fabs(equals.sum())));
     const double share = equals.sum() * words.ulp() / a.error;
-    const std::string left = ulps_or_nothing(std::fabs(a.error / words.ulp()));
-    if ((share > 1 || share < 0) && !left.empty())
-        text += fmt::format("; the other roundings cancel all but {} of it", left);
+    // As many digits as `counterfactual_sentence` writes, since it often repeats the number.
+    const double left = std::fabs(a.error / words.ulp());
+    if ((share > 1 || share < 0) && std::isfinite(left))
+        text += fmt::format("; the other roundings cancel all but {:.4g} ulp of it", left);
     else if (std::isfinite(share) && share >= 0 && share <= 1)
         text += fmt::format(", {:.0f} % of the error", 100 * share);
     return text + ".";

@@ -59,18 +59,22 @@ std::string left_of(const char* mark, const OperationRow& row) {
 
 std::string line_of(const Explanation& x, const OperationRow& row) {
     const bool decides = row.digits == 0;
-    const char* const mark = row.culprit ? "* " : row.aside ? "- " : "  ";
+    const char* const mark = row.culprit ? "* " : row.off_path ? "- " : "  ";
     const int width = digits_of(x.format.parameters) + 6;
     const auto number = [&](double v) {
         if (decides) return fmt::format("{:>{}}", v != 0 ? "true" : "false", width);
         return fmt::format("{:>{}.{}g}", std::isnan(v) ? std::fabs(v) : v, std::max(width, row.digits + 6), row.digits);
     };
     std::string line = left_of(mark, row) + number(row.computed) + " " + number(row.exact);
-    if (row.whole && !decides)
-        line +=
-            fmt::format(" {:>10} {:<16} {:>6} {:>14} {:>15}", row.off, row.cancelled, row.local, row.own, row.share);
+    if (row.has_errors && !decides)
+        line += fmt::format(" {:>10} {:<16} {:>6} {:>14} {:>15}", row.error_ulps, row.cancelled, row.local,
+                            row.rounding_ulps, row.contribution_ulps);
     while (line.back() == ' ') line.pop_back();
-    return line + (row.turned ? "  rounding chose the other side" : row.on_purpose ? "  on purpose" : "") + "\n";
+    return line +
+           (row.branch_flipped ? "  rounding chose the other side"
+            : row.on_purpose   ? "  on purpose"
+                               : "") +
+           "\n";
 }
 
 std::string table(const Explanation& x, const OperationView& words, bool all) {

@@ -119,7 +119,7 @@ OperationRow row_of(const measure::attribution::Explanation& x, const OperationV
     const TapeNode& n = x.tape[i];
     const bool decides = is_decision(n.op);
     OperationRow row{.node = i,
-                     .whole = whole,
+                     .has_errors = whole,
                      .name = words.text().name(i),
                      .formula = whole ? words.text().expression(i) : "(an earlier sample)",
                      .computed = n.value,
@@ -127,16 +127,16 @@ OperationRow row_of(const measure::attribution::Explanation& x, const OperationV
                      .digits = decides ? 0 : digits_of(x.tape.format_of(i))};
     if (!whole) return row;
     row.culprit = i == culprit_operation(x);
-    row.turned = e.turned && (decides || e.rounding != 0);
-    row.aside = !decides && !words.is_on_way(i);
+    row.branch_flipped = e.turned && (decides || e.rounding != 0);
+    row.off_path = !decides && !words.is_on_way(i);
     row.on_purpose = measure::attribution::is_on_purpose(n.op) && e.rounding != 0;
     if (decides) return row;
     const auto number = [](double ulps) { return std::isfinite(ulps) ? short_number(ulps) : ""; };
-    row.off = number(words.own_ulps(i, e.error));
+    row.error_ulps = number(words.own_ulps(i, e.error));
     row.cancelled = words.cancellation(i);
     if (e.local_bits != 0) row.local = fmt::format("{:.1f}", e.local_bits);
-    if (e.rounding != 0) row.own = number(words.own_ulps(i, e.rounding));
-    if (e.live && e.rounding != 0) row.share = number(words.contribution(i));
+    if (e.rounding != 0) row.rounding_ulps = number(words.own_ulps(i, e.rounding));
+    if (e.live && e.rounding != 0) row.contribution_ulps = number(words.contribution(i));
     return row;
 }
 

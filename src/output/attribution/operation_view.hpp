@@ -32,12 +32,13 @@ public:
     [[nodiscard]] double contribution(NodeId i) const { return of(i).contribution / ulp_; }
     /// `24 catastrophic`
     [[nodiscard]] std::string cancellation(NodeId i) const;
-    /// True if the answer is computed from it, also if it only chose a branch, or was compared and not taken. False for
-    /// operations on a side that was not taken, and in a miss for operations that only t is computed from.
+    /// True if the answer is computed from the operation. That includes operations that only chose a branch, and those
+    /// whose value was compared and then not used. False for operations of a branch that was not taken and, in a miss,
+    /// for operations that only t is computed from.
     [[nodiscard]] bool is_on_way(NodeId i) const { return on_way_[static_cast<std::size_t>(i)]; }
-    /// True if the table has a row for it.
+    /// True if the table has a row for the operation.
     [[nodiscard]] bool is_shown(NodeId i, bool all) const;
-    /// Operations that its expression refers to by name.
+    /// Operations that the expression of operation i refers to by name.
     [[nodiscard]] std::vector<NodeId> named_in(NodeId i) const;
     /// Ulp of the subject.
     [[nodiscard]] double ulp() const { return ulp_; }
@@ -57,18 +58,20 @@ private:
 /// A row of the table of operations.
 struct OperationRow {
     NodeId node = no_node;
-    /// False for an operation of an earlier sample of a march that another row names. Only its values are shown.
-    bool whole = true;
-    bool culprit = false;     ///< the culprit, if an operation is to blame
-    bool turned = false;      ///< rounding chose the other side
-    bool on_purpose = false;  ///< not a rounding: the form goes to the next number
-    bool aside = false;       ///< not on the way to the answer
+    /// True if the row shows errors. False for an operation of an earlier sample of a march, shown because another row
+    /// names it: its row has only the values.
+    bool has_errors = true;
+    bool culprit = false;         ///< the culprit, if an operation is to blame
+    bool branch_flipped = false;  ///< rounding chose the other side
+    bool on_purpose = false;      ///< not a rounding: the form goes to the next number
+    bool off_path = false;        ///< not on the way to the answer
     std::string name = {}, formula = {};
     double computed = 0, exact = 0;  ///< 1 or 0 for a decision
-    int digits = 0;                  ///< digits that tell numbers of its format apart; 0: a decision
-    /// Error in its own ulps, `24 catastrophic`, local bits, rounding in its own ulps, and the part of the subject's
-    /// error assigned to that rounding, in ulps of the subject. Empty if there is nothing to show.
-    std::string off = {}, cancelled = {}, local = {}, own = {}, share = {};
+    int digits = 0;                  ///< digits that tell numbers of the operation's format apart; 0: a decision
+    /// Texts, empty if there is nothing to show: the error in ulps of the value, the cancellation (`24 catastrophic`),
+    /// the bits lost locally, the rounding in ulps of the value, and the part of the subject's error assigned to that
+    /// rounding, in ulps of the subject.
+    std::string error_ulps = {}, cancelled = {}, local = {}, rounding_ulps = {}, contribution_ulps = {};
 };
 
 /// Rows of the table, see `explain_text`. `first` is the node where the last samples begin, after the earlier ones.

@@ -29,8 +29,8 @@ bool is_number(std::string_view text) {
     return !text.empty() && text.front() != '-' && std::from_chars(text.data(), end, value, format).ptr == end;
 }
 
-/// True if a spreadsheet would evaluate the text and could do harm with it. Sums of plain numbers (`+2^127`) are
-/// harmless.
+/// True if a spreadsheet would evaluate the text as a formula that could do harm. Formulas of numbers alone (`+2^127`)
+/// could not.
 bool is_formula(std::string_view text) {
     if (text.size() < 2 || std::string_view("=+-@\t\r").find(text.front()) == std::string_view::npos) return false;
     return text.find_first_not_of("0123456789.^+-*/ ") != std::string_view::npos && !is_number(text);
@@ -45,7 +45,7 @@ Character first_character(std::string_view text) {
     return code > 0x10FFFF ? Character{0xFFFD, 0} : Character{code, static_cast<std::size_t>(at - begin)};
 }
 
-std::string valid_utf8(std::string_view text) {
+std::string to_valid_utf8(std::string_view text) {
     std::string out;
     out.reserve(text.size());
     while (!text.empty()) {
@@ -56,9 +56,9 @@ std::string valid_utf8(std::string_view text) {
     return out;
 }
 
-std::string csv_text(std::string_view text) { return (is_formula(text) ? "'" : "") + valid_utf8(text); }
+std::string without_formula(std::string_view text) { return (is_formula(text) ? "'" : "") + to_valid_utf8(text); }
 
-std::string csv_field(std::string_view text) {
+std::string quoted_field(std::string_view text) {
     if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
     std::string out = "\"";
     for (const char c : text) {
@@ -73,7 +73,7 @@ std::string Cell::text() const {
         Overloaded{[](std::monostate) { return std::string(); }, [](bool b) { return std::string(b ? "1" : "0"); },
                    [](std::int64_t i) { return std::to_string(i); }, [](std::uint64_t i) { return std::to_string(i); },
                    [](float f) { return decimal(f); }, [](double d) { return decimal(d); },
-                   [](const std::string& s) { return csv_text(s); }},
+                   [](const std::string& s) { return without_formula(s); }},
         value_);
 }
 
@@ -117,7 +117,7 @@ void CsvWriter::add_lines(std::string_view lines) {
 
 void CsvWriter::put(const std::string& text) {
     if (filled_ > 0) line_ += ',';
-    line_ += csv_field(text);
+    line_ += quoted_field(text);
     ++filled_;
 }
 

@@ -60,7 +60,7 @@ inline Cell number_or_missing(double x) { return std::isnan(x) ? Cell() : Cell(x
 
 /// Writes one CSV file: UTF-8, LF, RFC 4180 quoting, a header, empty = missing, booleans 0/1.
 ///
-/// The file has its final name only after `close`. Strings are written by `csv_text`.
+/// The file has its final name only after `close`. Strings are written by `without_formula`.
 class CsvWriter {
 public:
     /// Opens the file and writes the header. Throws EnvironmentError, and std::logic_error for a column with an
@@ -106,13 +106,13 @@ private:
     std::optional<AtomicFile> file_;  // none: rows go to `lines_` or `take_`
 };
 
-/// The text of a cell: `valid_utf8`, with an apostrophe in front if a spreadsheet would take it for a formula. That is
-/// a text that begins with = + - @, a tab or a carriage return, unless it is a number or consists of digits and signs
-/// alone (`-`, `+2^127`).
-[[nodiscard]] std::string csv_text(std::string_view text);
+/// The text of a cell: `to_valid_utf8`, with an apostrophe in front if a spreadsheet would take it for a formula. That
+/// is a text that begins with = + - @, a tab or a carriage return, unless it is a number or consists of digits and
+/// signs alone (`-`, `+2^127`).
+[[nodiscard]] std::string without_formula(std::string_view text);
 
 /// `text` as one RFC 4180 field: quoted only if it holds a comma, a quote or a line break.
-[[nodiscard]] std::string csv_field(std::string_view text);
+[[nodiscard]] std::string quoted_field(std::string_view text);
 
 /// The first character of a text that is not empty, and its number of bytes: 0 if they are not UTF-8 (overlong,
 /// surrogate, cut short).
@@ -123,7 +123,7 @@ struct Character {
 [[nodiscard]] Character first_character(std::string_view text);
 
 /// `text` with each byte that is not part of valid UTF-8 replaced by U+FFFD.
-[[nodiscard]] std::string valid_utf8(std::string_view text);
+[[nodiscard]] std::string to_valid_utf8(std::string_view text);
 
 /// One CSV file of a data package.
 struct DataResource {

@@ -24,13 +24,13 @@ std::string slug(std::string_view text) {
 }
 
 Json field(const Column& column) {
-    Json out{{"name", valid_utf8(column.name)}, {"type", column.type}};
+    Json out{{"name", to_valid_utf8(column.name)}, {"type", column.type}};
     if (column.type == "boolean") {
         out["trueValues"] = Json::array({"1"});
         out["falseValues"] = Json::array({"0"});
     }
-    if (!column.unit.empty()) out["unit"] = valid_utf8(column.unit);
-    out["description"] = valid_utf8(column.meaning);
+    if (!column.unit.empty()) out["unit"] = to_valid_utf8(column.unit);
+    out["description"] = to_valid_utf8(column.meaning);
     return out;
 }
 
@@ -40,8 +40,8 @@ Json resource(const DataResource& data) {
     std::string stem = data.file_name;
     if (stem.ends_with(".csv")) stem.resize(stem.size() - 4);
     return {{"name", slug(stem)},
-            {"path", valid_utf8(data.file_name)},
-            {"title", valid_utf8(data.title)},
+            {"path", to_valid_utf8(data.file_name)},
+            {"title", to_valid_utf8(data.title)},
             {"profile", "tabular-data-resource"},
             {"format", "csv"},
             {"mediatype", "text/csv"},
@@ -56,10 +56,10 @@ void write_datapackage(const std::filesystem::path& path, const std::string& tit
                        const std::vector<DataResource>& resources) {
     Json list = Json::array();
     for (const auto& data : resources) list.push_back(resource(data));
-    Json package{{"profile", "tabular-data-package"}, {"name", slug(title)}, {"title", valid_utf8(title)}};
+    Json package{{"profile", "tabular-data-package"}, {"name", slug(title)}, {"title", to_valid_utf8(title)}};
     if (const auto provenance = provenance_of(path)) {
-        package["lostbits"] = {{"command", valid_utf8(provenance->command)}, {"program", provenance->program}};
-        for (const auto& [name, what] : provenance->forms) package["lostbits"]["forms"][name] = valid_utf8(what);
+        package["lostbits"] = {{"command", to_valid_utf8(provenance->command)}, {"program", provenance->program}};
+        for (const auto& [name, what] : provenance->forms) package["lostbits"]["forms"][name] = to_valid_utf8(what);
     }
     package["resources"] = std::move(list);
     write_file(path, json_text(package));

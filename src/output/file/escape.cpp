@@ -79,7 +79,7 @@ std::string terminal_line(std::string_view text) { return shown(text, true); }
 
 std::string xml_text(std::string_view text) {
     std::string out;
-    const std::string valid = valid_utf8(text);
+    const std::string valid = to_valid_utf8(text);
     for (std::string_view rest = valid; !rest.empty();) {
         const auto [code, size] = first_character(rest);
         if (code == '\r') out += rest.substr(1).starts_with('\n') ? "" : "\n";
@@ -189,7 +189,7 @@ std::string c_string(std::string_view text) {
 
 std::string toml_string(std::string_view text) {
     std::string out = "\"";
-    const std::string valid = valid_utf8(text);
+    const std::string valid = to_valid_utf8(text);
     for (std::string_view rest = valid; !rest.empty();) {
         const auto [code, size] = first_character(rest);
         if (is_obeyed(code)) out += fmt::format("\\u{:04X}", static_cast<unsigned>(code));  // none is above U+FFFF

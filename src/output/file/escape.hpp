@@ -1,4 +1,4 @@
-// Escapes text that users wrote: one function per kind of output. Others are `csv_field` (csv.hpp), `shell_word`
+// Escapes text that users wrote: one function per kind of output. Others are `quoted_field` (csv.hpp), `shell_word`
 // (intersect/process/child.hpp), the names in `\mathit` (measure/attribution/tape_text.hpp) and nlohmann's JSON.
 #pragma once
 

@@ -256,7 +256,7 @@ void ResultFolder::begin() {
     const std::string text = fmt::format(
         "{}\nA run is writing them now, or was stopped:\n\n    {}\n\nRun that command again{}. It replaces the results "
         "and removes this file.\n",
-        marker_words, valid_utf8(made_by_.command),
+        marker_words, to_valid_utf8(made_by_.command),
         rules_.resumes ? " with --resume to continue where it stopped (without --resume it starts over)" : "");
     // Writes the text before it cuts the file, so that nobody ever reads an empty marker of a run that has results.
     if (::pwrite(marker_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()) ||

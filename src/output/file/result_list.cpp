@@ -39,9 +39,9 @@ ResultFolder::Made made_of(const nlohmann::json& entry) {
 
 OrderedJson json_of(const Provenance& by, const std::set<std::string>& names) {
     auto files = OrderedJson::array();
-    for (const std::string& each : names) files.push_back(valid_utf8(each));
-    OrderedJson json{{"program", by.program}, {"command", valid_utf8(by.command)}};
-    for (const auto& [name, what] : by.forms) json["forms"][name] = valid_utf8(what);
+    for (const std::string& each : names) files.push_back(to_valid_utf8(each));
+    OrderedJson json{{"program", by.program}, {"command", to_valid_utf8(by.command)}};
+    for (const auto& [name, what] : by.forms) json["forms"][name] = to_valid_utf8(what);
     json["files"] = std::move(files);
     return json;
 }

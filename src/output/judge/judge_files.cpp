@@ -107,7 +107,7 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
     Table<JudgedRay> table = given_columns(dump);
     const std::size_t kept = dump.layout().kept().size();
     for (std::size_t k = 0; k < kept; ++k) {
-        std::string name = file::csv_text(dump.layout().kept()[k]);  // a column may have the name of a formula
+        std::string name = file::without_formula(dump.layout().kept()[k]);  // a column may have the name of a formula
         while (name.empty() || table.find(name) || found.find(name)) name = "file_" + name;
         table.add({name, "string", "", "this column of the file, unchanged",
                    [k, kept](const JudgedRay& r) { return r.chunk->kept[r.found.i * kept + k]; }});

@@ -63,11 +63,11 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
     add_columns(table, measure::evaluate::worst_columns(shapes));
     table.add({"worst_explain", "string", "", "the command that explains the worst ray and prints these numbers again",
                [](const R& r) { return command(r, &r.summary->worst); }});
-    add_columns(table, measure::evaluate::fault_columns());
+    add_columns(table, measure::evaluate::wrong_decision_columns());
     table.add({"fault_explain", "string", "", "the command that explains that ray",
                [](const R& r) { return command(r, r.summary->fault()); }});
     if (by.empty()) return table;
-    by = file::csv_text(by);  // a column may have the name of a formula, or of a column of ours
+    by = file::without_formula(by);  // a column may have the name of a formula, or of a column of ours
     while (table.find(by) != nullptr) by = "file_" + by;
     return Table<R>{
         {by, "string", "", "value that the rays of this row have in that column; missing: all rays", &R::group}}

@@ -24,8 +24,8 @@ struct SummaryRow {
     file::Cell group = {};  ///< missing: all rays
 };
 
-/// Columns of a row of the map: those of `measure::evaluate::summary_columns`, `worst_columns` and `fault_columns`; the
-/// last two have the command that explains the ray. A cell without a sample is empty.
+/// Columns of a row of the map: those of `measure::evaluate::summary_columns`, `worst_columns` and
+/// `wrong_decision_columns`; the last two have the command that explains the ray. A cell without a sample is empty.
 /// `meshes`: the rays are at meshes and have the outcomes of meshes. `by`: the column whose values group the rays,
 /// which stands first; empty: none.
 table::Table<SummaryRow> summary_table(const std::vector<const measure::metric::Metric*>& metrics,

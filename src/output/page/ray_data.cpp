@@ -63,8 +63,8 @@ std::optional<std::size_t> worst_of(std::span<const float> sizes, std::size_t wi
 
 Json operation_json(const attribution::OperationRow& r) {
     const auto value = [&r](double x) { return r.digits == 0 ? Json(x != 0) : number_json(x); };
-    return Json::array({r.node, r.name, r.formula, value(r.computed), value(r.exact), r.digits, r.off, r.cancelled,
-                        r.local, r.own, r.share, r.culprit, r.turned});
+    return Json::array({r.node, r.name, r.formula, value(r.computed), value(r.exact), r.digits, r.error_ulps,
+                        r.cancelled, r.local, r.rounding_ulps, r.contribution_ulps, r.culprit, r.branch_flipped});
 }
 
 Json lines_json(const std::string& text) {

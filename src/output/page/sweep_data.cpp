@@ -76,7 +76,7 @@ Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<m
         {"label", axis.label},
         {"spacing", spacing_name(axis.spacing)},
         {"steps", array_of(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
-        {"is_drawn", request.sweep.is_drawn()},
+        {"is_drawn", request.sweep.has_random_rays()},
         {"statistics", sweep_statistics},
         {"rows", std::move(rows)}};
 }
@@ -96,7 +96,7 @@ Json plane_json(const measure::sweep::SweepRequest& request, const std::vector<m
     Json json{{"id", request.sweep.id},
               {"title", request.sweep.title},
               {"kind", "plane"},
-              {"is_drawn", request.sweep.is_drawn()},
+              {"is_drawn", request.sweep.has_random_rays()},
               {"axes", Json::array({axis_json(axes[0], plane.x), axis_json(axes[1], plane.y)})}};
     json["statistics"] = sweep_statistics;
     Json& rows = json["rows"] = Json::array();

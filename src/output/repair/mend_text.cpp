@@ -79,8 +79,9 @@ std::string apart_in_words(const MendResult& r, const RowQuality& here, const Ro
 
 std::string margins_in_words(const std::vector<GrowthMargin>& margins, const MendResult& r) {
     if (margins.empty()) return "";
-    const auto rays = r.request.scene ? measure::choice::thinned(*r.request.scene, measure::repair::few_rays).pixels()
-                                      : r.request.rays->sample.rays.size();
+    const auto rays = r.request.scene
+                          ? measure::choice::with_smaller_picture(*r.request.scene, measure::repair::few_rays).pixels()
+                          : r.request.rays->sample.rays.size();
     std::string text = fmt::format("  How far it holds on {} of the {} as {}:\n", scene::toml::counted(rays, "ray"),
                                    r.request.scene ? "scene" : "file", r.request.scene ? "it is" : "they are");
     for (const GrowthMargin& margin : margins) text += fmt::format("  {}.\n", margin_in_words(margin, r));

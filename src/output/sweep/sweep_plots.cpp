@@ -68,7 +68,7 @@ bool marches(const TestedForm& row) { return !is_primitive(row.form->shape); }
 /// Number of rays per step, and how many of them are independent.
 std::string rays_text(const MeasuredSweep& sweep) {
     const FormSummary& any = sweep.steps.front().rows.front();
-    if (!sweep.request.sweep.is_drawn()) return scene::toml::counted(any.rays, "ray") + " per step";
+    if (!sweep.request.sweep.has_random_rays()) return scene::toml::counted(any.rays, "ray") + " per step";
     if (any.views == any.rays) return scene::toml::counted(any.rays, "independent ray") + " per step";
     return fmt::format("{} rays per step, of {}", any.rays, scene::toml::counted(any.views, "independent view"));
 }

@@ -11,7 +11,7 @@
 
 namespace lostbits::scene::dump {
 
-ChunkWriter::ChunkWriter(const Layout& layout, const DumpTerms& terms, std::size_t records, Chunk& chunk)
+ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& terms, std::size_t records, Chunk& chunk)
     : layout_(layout),
       terms_(terms),
       chunk_(chunk),
@@ -63,7 +63,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
                          "any numbers");
     }
     if (!layout_.are_points() && x[3] == 0 && x[4] == 0 && x[5] == 0)
-        return bad(slot::direction, "the direction is zero in all three components, so it is not a ray; leave it out");
+        return Fault{slot::direction, "the direction is 0,0,0, so this record is not a ray; leave the record out"};
     if (is_there(slot::tmax) && std::isnan(x[slot::tmax]))
         return bad(slot::tmax, "write where the ray ends, or inf (or nothing) for a ray without end");
     if (is_there(slot::tmin) && !(x[slot::tmin] >= 0 && x[slot::tmin] < HUGE_VAL))
@@ -143,7 +143,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
         case MissRule::Kind::never: return {};
         case MissRule::Kind::negative: hits_ = !(t < 0); return {};
         case MissRule::Kind::number: hits_ = t != terms_.miss.number; return {};
-        case MissRule::Kind::ask: break;
+        case MissRule::Kind::refuse_negative: break;
     }
     if (!(t < 0)) return {};
     return Fault{slot::t, fmt::format("{} is {}, and no column says if that is a hit; add a column hit, or write "

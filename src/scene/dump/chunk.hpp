@@ -1,4 +1,4 @@
-// Some records of a file of rays, as the numbers that are measured.
+// Blocks of records from a ray file, rounded to the format in which they are measured.
 #pragma once
 
 #include <algorithm>
@@ -15,28 +15,30 @@ namespace lostbits::scene::dump {
 /// The meaning of t if no column says that the ray hits. NaN, infinities and empty cells are always misses.
 struct MissRule {
     enum class Kind {
-        ask,       ///< a negative t is refused: it may be either
-        never,     ///< every finite t is a hit
-        negative,  ///< a t below 0 is a miss
-        number     ///< this number is a miss
+        refuse_negative,  ///< a negative t is refused: it may be a hit or a miss
+        never,            ///< every finite t is a hit
+        negative,         ///< a t below 0 is a miss
+        number            ///< this number is a miss
     };
-    Kind kind = Kind::ask;
+    Kind kind = Kind::refuse_negative;
     double number = 0;
 };
 
 /// Settings for reading the records of a file.
-struct DumpTerms {
+struct ReadSettings {
     Format format;                        ///< the format of the answers; every number is rounded once to it
     MissRule miss = {};                   ///< used if there is no column `hit`
     std::optional<Shape> primitive = {};  ///< the shape of the primitives that are given once for all rays
     bool keep = false;                    ///< keep the user's own columns
     OpenEnds open = {};                   ///< for the ranges of all rays
-    /// The one primitive that is under the matrix of each record, if the records have matrices and no primitives.
+    /// The one primitive for all rays that the matrix of each record is applied to. Absent if records have no matrices,
+    /// or have primitives of their own.
     std::optional<Primitive<double>> under = {};
     /// The number of primitives for all rays; absent: unknown.
     std::optional<std::size_t> primitives = {};
 };
 
+/// A block of records from a ray file, rounded to the format.
 struct Chunk {
     std::uint64_t first = 0;  ///< position of the first record in the file, from 0
     rays::RayBlock rays = {};
@@ -47,9 +49,9 @@ struct Chunk {
     /// The hit_index (−1: the ray has no hit), crossings, parity or inside of each record; empty for other answers.
     std::vector<std::int32_t> counts = {};
     std::vector<std::string> kept = {};  ///< the user's own columns, record by record, if they are kept
-    std::uint64_t rounded = 0;           ///< count of numbers that the format does not hold
-    int digits = 0;                      ///< the most digits of a number, see `NumberParser::Word`
-    std::uint64_t decimals = 0;          ///< count of numbers that have digits
+    std::uint64_t rounded = 0;           ///< count of numbers that were rounded, since the format lacks them
+    int digits = 0;                      ///< largest number of decimal digits of a number, see `NumberParser::Word`
+    std::uint64_t decimals = 0;          ///< count of numbers that are written with decimal digits
 
     [[nodiscard]] std::size_t size() const { return rays.size(); }
 };
@@ -57,9 +59,10 @@ struct Chunk {
 /// Takes the numbers of one record after another, and checks that each is a ray, a primitive and an answer.
 class ChunkWriter {
 public:
-    ChunkWriter(const Layout& layout, const DumpTerms& terms, std::size_t records, Chunk& chunk);
+    ChunkWriter(const Layout& layout, const ReadSettings& terms, std::size_t records, Chunk& chunk);
 
-    /// Stores a number of this record, as the format holds it. A cell for which nothing is stored is empty.
+    /// Stores a number of this record, already rounded to the format; `held` is false if rounding changed it. A cell
+    /// without a stored number is empty.
     void put(std::size_t slot, double value, bool held, int digits = 0) {
         numbers_[slot] = value;
         there_ |= std::uint64_t{1} << slot;
@@ -91,14 +94,14 @@ private:
     [[nodiscard]] std::string called(std::size_t slot) const;
 
     const Layout& layout_;
-    const DumpTerms& terms_;
+    const ReadSettings& terms_;
     Chunk& chunk_;
     AnswerKind answers_;
     double numbers_[slot::count] = {};
     std::uint64_t there_ = 0;
-    std::optional<Shape> shape_;  ///< of the primitive that each record has, or that is under its matrix
+    std::optional<Shape> shape_;  ///< shape of each record's own primitive, or of the one that its matrix applies to
     bool decides_ = false;        ///< records have answers
-    bool hits_ = false;           ///< this record's
+    bool hits_ = false;           ///< the answer of this record is a hit
 };
 
 }  // namespace lostbits::scene::dump

@@ -34,12 +34,10 @@ void Dump::settle(const DumpOptions& options, const Layout& layout, const Format
         throw InputError(file +
                          ": its columns have a primitive for each ray, but the command line gives one for all; leave "
                          "one of the two out");
-    if (!layout.primitive() && !options.primitive) {
-        std::string named;
-        for (const ShapeRow& row : shape_rows) named += fmt::format("--{} {}, ", row.name, option_words(row.shape));
-        throw InputError(file + ": no column has a primitive; add " + columns_of_primitives() +
-                         ", or name one for all rays with " + named + "or --scene SCENE");
-    }
+    if (!layout.primitive() && !options.primitive)
+        throw InputError(file +
+                         ": no primitive: give one for all rays (--sphere CX,CY,CZ,R or --scene SCENE), or columns "
+                         "(cx,cy,cz,radius); other shapes: `lostbits judge --help`");
     if (!options.miss) return;
     if (layout.has(slot::hit) || !layout.has(slot::t))
         throw InputError(file +

@@ -73,15 +73,15 @@ public:
 
 protected:
     explicit Dump(const std::filesystem::path& path) : name_(path.string()) {}
-    Dump(std::string name, DumpTerms terms) : name_(std::move(name)), terms_(std::move(terms)) {}
+    Dump(std::string name, ReadSettings terms) : name_(std::move(name)), terms_(std::move(terms)) {}
     /// Ends the reading of the header. `own` is the format of the file's numbers. Throws InputError if the options
     /// repeat something that the file says, or if neither says it.
     void settle(const DumpOptions& options, const Layout& layout, const Format& own);
-    [[nodiscard]] const DumpTerms& terms() const { return terms_; }
+    [[nodiscard]] const ReadSettings& terms() const { return terms_; }
 
 private:
     std::string name_;
-    DumpTerms terms_ = {};
+    ReadSettings terms_ = {};
 };
 
 /// Opens a file and reads everything before its records.

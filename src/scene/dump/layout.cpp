@@ -106,19 +106,20 @@ struct NamedShapes {
 
 constexpr std::string_view hex_tail = "_hex";
 
-std::string what_to_write() {
-    return "name the columns ox,oy,oz,dx,dy,dz, optionally tmin and tmax, the primitive's " + columns_of_primitives() +
-           ", optionally its matrix m00,m01,...,m23, and the answer's hit and t";
-}
-
-}  // namespace
-
+/// Returns `cx,cy,cz,radius or lox,loy,…`, with all shapes.
 std::string columns_of_primitives() {
     std::string primitives;
     for (const ShapeRow& row : shape_rows)
         primitives += (primitives.empty() ? "" : " or ") + fmt::format("{}", fmt::join(column_names(row.shape), ","));
     return primitives;
 }
+
+std::string what_to_write() {
+    return "name the columns ox,oy,oz,dx,dy,dz, optionally tmin and tmax, the primitive's " + columns_of_primitives() +
+           ", optionally its matrix m00,m01,...,m23, and the answer's hit and t";
+}
+
+}  // namespace
 
 std::string_view name_of_slot(std::size_t slot, std::optional<Shape> shape) {
     const auto is_it = [&](const KnownName& k) { return k.slot == slot && (!k.shape || !shape || *k.shape == *shape); };
@@ -194,9 +195,9 @@ void Layout::find_slots(const Complain& complain) {
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         if (columns_[c].slot || found[c].known != nullptr || columns_[c].name.size() < 3) continue;
         if (const auto near = toml::slip_of(columns_[c].name, missing))
-            complain(c, fmt::format("\"{}\" is not a known column, and \"{}\" is missing; did you mean \"{}\"? A "
-                                    "column of your own is kept if its name is less similar",
-                                    columns_[c].name, *near, *near));
+            complain(c, fmt::format("\"{}\" is not a known column, and \"{}\" is missing; did you mean \"{}\"? To "
+                                    "keep it as a column of your own, give it a name less like \"{}\"",
+                                    columns_[c].name, *near, *near, *near));
     }
 }
 

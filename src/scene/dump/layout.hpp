@@ -88,9 +88,6 @@ private:
     std::optional<Shape> primitive_;
 };
 
-/// Returns `cx,cy,cz,radius or lox,loy,…`, with all shapes.
-std::string columns_of_primitives();
-
 /// Returns the name of a number of a record in messages and files: `ox`, `cx`, `lox`. `shape` is the shape of the
 /// primitive, for numbers of it.
 std::string_view name_of_slot(std::size_t slot, std::optional<Shape> shape);

@@ -283,9 +283,12 @@ std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))
         if (entry.path().extension() == ".toml") files.push_back(entry.path());
-    if (error)
-        throw InputError(folder.string() + ": is not a folder of scenes: " + error.message() +
-                         "; name the folder that contains scenes/ with --data, or in LOSTBITS_DATA");
+    if (error) {
+        const std::string why = error == std::errc::no_such_file_or_directory
+                                    ? "there is no folder " + folder.string() + "; run in the project folder, or "
+                                    : folder.string() + ": is not a folder of scenes: " + error.message() + "; ";
+        throw InputError(why + "name the folder that contains scenes/ with --data, or in LOSTBITS_DATA");
+    }
     std::sort(files.begin(), files.end());
     return files;
 }
@@ -341,6 +344,8 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
     for (std::size_t i = 0; i < files.size(); ++i)
         if (dot < name.size() && ids[i] == stem) return {files[i], name.substr(dot + 1)};
     refuse_slip();
+    if (!is_file && std::filesystem::is_regular_file(as_path, ignored))
+        throw InputError(name_or_path + ": is not a scene: a scene is a .toml file");
     const std::string hint = toml::did_you_mean(stem, ids);
     if (is_file)
         throw InputError(no_file + ", nor a scene \"" + name + "\" in " + (data_dir / "scenes").string() +

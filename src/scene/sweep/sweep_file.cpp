@@ -275,7 +275,7 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
         for (const toml::Override& change : changes) toml::apply_override(root, change);
         TableReader file(root);
         const DistributionRow* const distribution = distribution_of(root);
-        std::vector<RayGroup> groups = distribution->read(file.table(distribution->table))(further_);
+        std::vector<RayGroup> groups = distribution->read(file.table(distribution->table))(seed_offset_);
         if (auto march = file.optional_table("march")) {
             const auto constants = file::round_march(file::read_march(*march, file::Inputs::shared), binary32);
             for (RayGroup& group : groups) group.march = constants;
@@ -298,9 +298,9 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     return {std::move(group)};
 }
 
-SweepFile SweepFile::drawn_again(int further) const {
+SweepFile SweepFile::with_seed_offset(int offset) const {
     SweepFile other = *this;
-    other.further_ += static_cast<std::uint64_t>(further);
+    other.seed_offset_ += static_cast<std::uint64_t>(offset);
     return other;
 }
 

@@ -32,11 +32,11 @@ struct Axis : AxisName {
 
 /// The changes to a sweep before a run begins.
 struct SweepChanges {
-    std::optional<std::pair<int, int>> size = {};  ///< of the scene's picture: the number of rays in each step
-    /// Paths as in an axis: of the scene, or of the table of the ray distribution; `march.` and `axis[K].` are allowed
-    /// too.
+    std::optional<std::pair<int, int>> size = {};  ///< size of the scene's picture, and so the rays in each step
+    /// Assignments to paths of the scene or of the table of the ray distribution, as in an axis; also to `march.` and
+    /// `axis[K].`.
     std::vector<toml::Override> set = {};
-    std::vector<long long> steps = {};  ///< for each axis, or one for all
+    std::vector<long long> steps = {};  ///< number of steps of each axis, or one number for all axes
 };
 
 class SweepFile : public SweepHead {
@@ -50,8 +50,8 @@ public:
     std::optional<intersect::Touching>
         convention;  ///< the convention on touching by which all forms are judged; absent: each form's own
 
-    /// A position on the first axis that a plot marks: a prediction, with the format that it is for (all if empty),
-    /// and optionally the form whose measured onset is drawn beside it.
+    /// A predicted position on the first axis, which a plot marks. It is for one format, or for all if `format` is
+    /// empty. If `form` is not empty, the measured onset of that form is drawn beside the mark.
     struct Mark {
         double at;
         std::string label, format;
@@ -64,20 +64,20 @@ public:
     [[nodiscard]] bool meets(Shapes forms) const {
         return forms == Shape::sdf ? marches_ : forms == Shapes(shapes_).placed(is_placed_);
     }
-    /// The shapes of its primitives, each once.
+    /// The shapes of the sweep's primitives, each once.
     [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
     [[nodiscard]] bool has_mesh() const { return has_mesh_; }
 
-    /// The path of its scene; empty if there is none.
+    /// The path of the sweep's scene; empty if there is none.
     [[nodiscard]] std::filesystem::path scene_path() const { return scene_ ? scene_->path() : std::filesystem::path(); }
-    /// True if its rays are random: those of a ray distribution are, those of a scene are not.
-    [[nodiscard]] bool is_drawn() const { return !scene_; }
-    /// The same sweep with the random numbers of the seed plus `further`.
-    [[nodiscard]] SweepFile drawn_again(int further) const;
+    /// True if the rays are random: rays of a ray distribution are, rays of a scene are not.
+    [[nodiscard]] bool has_random_rays() const { return !scene_; }
+    /// The same sweep with other random rays: its seed is `offset` larger.
+    [[nodiscard]] SweepFile with_seed_offset(int offset) const;
 
     /// The rays of one step, one value per axis.
     [[nodiscard]] std::vector<rays::RayGroup> rays(const std::vector<double>& values) const;
-    /// The first group of the first step, which shows the kind of primitives and constants.
+    /// The first group of rays of the first step. It shows which primitives and march constants the sweep has.
     [[nodiscard]] rays::RayGroup first_rays() const;
 
 private:
@@ -95,7 +95,7 @@ private:
     bool is_placed_ = false;  ///< true if primitives are under matrices
     bool marches_ = false, has_mesh_ = false;
     intersect::process::StopToken stop_;  ///< for the scene, which each step reads again
-    std::uint64_t further_ = 0;           ///< added to the seed of the ray distribution
+    std::uint64_t seed_offset_ = 0;       ///< added to the seed of the ray distribution
 };
 
 /// True if a file declares that it is a sweep of any kind. Throws InputError if it cannot be read.

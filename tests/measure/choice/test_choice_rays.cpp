@@ -269,7 +269,7 @@ TEST_CASE("obstacles: format, problem and formula are told apart") {
     request.scene = &benign;
     const Obstacle loses = find_obstacle(request, lossy);
     CHECK(loses.cause == Obstacle::Cause::formula);
-    const Scene thin = thinned(benign, 2048);
+    const Scene thin = with_smaller_picture(benign, 2048);
     const auto* const inherent = measure::metric::find_metric("inherent_bits");
     const auto map = measure::evaluate::evaluate_rows({.scene = &thin, .rows = {lossy}, .metrics = {inherent}}, {});
     CHECK(loses.inherent_kept == 24 - map.front().metrics[0].quantile(0.99));

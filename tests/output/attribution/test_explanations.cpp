@@ -257,7 +257,8 @@ TEST_CASE("an explanation never prints an infinity or a NaN as a number") {
             seen["no finite share"] += sentence.find("no finite share") != std::string::npos;
         }
         for (const output::attribution::OperationRow& row : operation_table(s.x, words, true).rows)
-            for (const std::string* const cell : {&row.off, &row.cancelled, &row.local, &row.own, &row.share})
+            for (const std::string* const cell :
+                 {&row.error_ulps, &row.cancelled, &row.local, &row.rounding_ulps, &row.contribution_ulps})
                 CHECK_FALSE(std::regex_search(*cell, raw_number()));
     });
     CHECK(seen["infinity"] > 0);
@@ -300,8 +301,8 @@ TEST_CASE("operations marked as not on the way change neither the decision nor t
         const output::attribution::OperationView words(s.x);
         int place = 0;
         for (const output::attribution::OperationRow& row : operation_table(s.x, words, true).rows) {
-            if (!row.aside || s.x.tape[row.node].op == TapeOp::call || place++ % 7 != 0) continue;
-            CHECK(row.share.empty());
+            if (!row.off_path || s.x.tape[row.node].op == TapeOp::call || place++ % 7 != 0) continue;
+            CHECK(row.contribution_ulps.empty());
             Tape other = s.x.tape;
             other[row.node] = {.op = TapeOp::input, .format = other[row.node].format, .operands = {0}, .value = 1.5};
             const measure::attribution::Rerun again(other, [](NodeId) { return true; });

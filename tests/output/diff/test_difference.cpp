@@ -38,7 +38,8 @@ output::diff::CompareOptions within(std::initializer_list<const char*> tolerance
 /// Differences of two tables of one row and one column.
 output::diff::Comparison cells(const std::string& a, const std::string& b, const CompareOptions& options = {},
                                const std::string& column = "x") {
-    return compare(table(column + "\n" + csv_field(a) + "\n"), table(column + "\n" + csv_field(b) + "\n"), options);
+    return compare(table(column + "\n" + quoted_field(a) + "\n"), table(column + "\n" + quoted_field(b) + "\n"),
+                   options);
 }
 
 bool says(const output::diff::Comparison& c, const std::string& what) {

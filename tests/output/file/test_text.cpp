@@ -127,12 +127,12 @@ TEST_CASE("rows of the wrong length are program errors", "[csv]") {
 
 TEST_CASE("valid UTF-8 is kept and anything else is replaced", "[csv]") {
     const std::string good = "a\xC2\x80\xE0\xA0\x80\xEF\xBF\xBF\xF0\x90\x80\x80\xF4\x8F\xBF\xBF";
-    CHECK(valid_utf8(good) == good);
+    CHECK(to_valid_utf8(good) == good);
     const std::string mark = "\xEF\xBF\xBD";
-    CHECK(valid_utf8("\xC1\xBF") == mark + mark);                        // overlong
-    CHECK(valid_utf8("\xED\xA0\x80") == mark + mark + mark);             // surrogate
-    CHECK(valid_utf8("\xF4\x90\x80\x80") == mark + mark + mark + mark);  // past U+10FFFF
-    CHECK(valid_utf8("ab\xE2\x82") == "ab" + mark + mark);               // cut short
+    CHECK(to_valid_utf8("\xC1\xBF") == mark + mark);                        // overlong
+    CHECK(to_valid_utf8("\xED\xA0\x80") == mark + mark + mark);             // surrogate
+    CHECK(to_valid_utf8("\xF4\x90\x80\x80") == mark + mark + mark + mark);  // past U+10FFFF
+    CHECK(to_valid_utf8("ab\xE2\x82") == "ab" + mark + mark);               // cut short
 }
 
 TEST_CASE("a data package describes its columns", "[datapackage]") {

@@ -82,7 +82,8 @@ TEST_CASE("one variant can be chosen by name") {
 
 TEST_CASE("scenes are listed by name") {
     const Scratch data;
-    CHECK(has(error_of([&] { scene_files(data.path()); }), "is not a folder of scenes"));
+    CHECK(has(error_of([&] { scene_files(data.path()); }), "there is no folder " + (data / "scenes").string()));
+    CHECK(has(error_of([&] { scene_files(data.write("file", "")); }), "is not a folder of scenes"));
     data.write("scenes/b.toml", good_scene);
     data.write("scenes/a.toml", good_scene);
     data.write("scenes/readme.md", "");
@@ -110,6 +111,9 @@ TEST_CASE("a scene is found by path, id or id and variant") {
     const fs::path before = fs::current_path();
     fs::current_path(data.path());
     CHECK(find_scene("folder.toml", data.path()).path == "folder.toml");
+    data.write("hello.txt", "");
+    CHECK(error_of([&] { find_scene("hello.txt", data.path()); }) ==
+          "hello.txt: is not a scene: a scene is a .toml file");
     fs::current_path(before);
     const std::string folder = (data.path() / "scenes").string();
     CHECK(error_of([&] { find_scene("neer", data.path()); }) ==

@@ -173,9 +173,10 @@ TEST_CASE("a sweep redrawn has other rays at the same positions, and one over a 
         const std::string text =
             sweep_head + "[" + distribution + "]\nseed = 7\nviews = 3\n" + axis + "\"distance\"]\n";
         const auto file = read_as<SweepFile>("s.toml", text, LOSTBITS_DATA_DIR);
-        CHECK(file.is_drawn());
-        const auto own = file.rays({3}), none = file.drawn_again(0).rays({3}), second = file.drawn_again(2).rays({3}),
-                   twice = file.drawn_again(1).drawn_again(1).rays({3});
+        CHECK(file.has_random_rays());
+        const auto own = file.rays({3}), none = file.with_seed_offset(0).rays({3}),
+                   second = file.with_seed_offset(2).rays({3}),
+                   twice = file.with_seed_offset(1).with_seed_offset(1).rays({3});
         const auto nine =
             read_as<SweepFile>("s.toml", replaced(text, "seed = 7", "seed = 9"), LOSTBITS_DATA_DIR).rays({3});
         REQUIRE(own.size() == 3);
@@ -188,8 +189,8 @@ TEST_CASE("a sweep redrawn has other rays at the same positions, and one over a 
     }
     const std::string over_scene = sweep_head + "scene = \"near-benign\"\n" + axis + "\"sphere[0].radius\"]\n";
     const auto scene = read_as<SweepFile>("c.toml", over_scene, LOSTBITS_DATA_DIR);
-    CHECK_FALSE(scene.is_drawn());
-    CHECK(same(scene.rays({3}).front(), scene.drawn_again(1).rays({3}).front()));
+    CHECK_FALSE(scene.has_random_rays());
+    CHECK(same(scene.rays({3}).front(), scene.with_seed_offset(1).rays({3}).front()));
 }
 
 }  // namespace test_search_file

@@ -27,7 +27,7 @@ Hit<T> joined(const PartHit<T>& side, const PartHit<T>& base, const PartHit<T>& 
     };
     const T near = named("near", chosen(in, side.roots.near, base.roots.near, top.roots.near, up));
     const T far = named("far", chosen(out, side.roots.far, base.roots.far, top.roots.far, !up));
-    return first_hit<T>(side.missed || !(near <= far), {near, far});
+    return hit_unless<T>(side.missed || !(near <= far), {near, far});
 }
 
 }  // namespace lostbits::intersect::capsule

@@ -44,7 +44,7 @@ Hit<T> first_of_side_and_caps(const mask_t<T>& no_roots, const RootPair<T>& side
     const auto by_side = !no_roots && low <= side.near && side.near <= high;
     const T near = named("near", select(in_low, low, side.near)), far = named("far", select(in_high, high, side.far));
     // A line parallel to the planes passes both at infinity, on one side of o unless o is between them.
-    return first_hit<T>(!(in_low || by_side), {near, far});
+    return hit_unless<T>(!(in_low || by_side), {near, far});
 }
 
 }  // namespace lostbits::intersect::cone

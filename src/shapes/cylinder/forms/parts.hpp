@@ -13,12 +13,12 @@ RootPair<T> between(const T& base, const T& top) {
 }
 
 /// The first t ≥ 0 of near and far, the interval in which the line is inside the side and between the caps. A NaN
-/// fails every test, as in `first_hit`.
+/// fails every test, as in `hit_unless`.
 template <Number T>
 Hit<T> first_of_both(const mask_t<T>& missed, const RootPair<T>& side, const RootPair<T>& caps) {
     const T near = named("near", select(side.near < caps.near, caps.near, side.near));
     const T far = named("far", select(caps.far < side.far, caps.far, side.far));
-    return first_hit<T>(missed || far < near, {near, far});
+    return hit_unless<T>(missed || far < near, {near, far});
 }
 
 /// The same, with lines parallel to the axis, a = 0, handled separately: they are within the side, c ≤ 0, or miss.

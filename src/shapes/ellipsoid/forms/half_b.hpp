@@ -16,7 +16,7 @@ struct WeightedHalfB {
     static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
         const WeightedQuadratic<T> q(ray, e);
         const T disc = named("disc", square(q.h) - q.a * q.c);
-        return first_hit<T>(disc < T(0), plain_half_roots<T>(q.a, q.h, sqrt(disc)));
+        return hit_unless<T>(disc < T(0), plain_half_roots<T>(q.a, q.h, sqrt(disc)));
     }
 };
 

@@ -23,7 +23,7 @@ struct MomentDiscriminant {
         const T minus_b = named("b'", -dot(in.f, in.d));
         const T disc = named("disc", a - square(across));
         const T c = named("c", square(in.f) - T(1));
-        return first_hit<T>(disc < T(0), unified_roots<T>(a, minus_b, c, sqrt(disc)));
+        return hit_unless<T>(disc < T(0), unified_roots<T>(a, minus_b, c, sqrt(disc)));
     }
 };
 

@@ -1,4 +1,4 @@
-// Hearn and Baker's discriminant in the coordinates of the unit sphere, 1 − |f − (f·d/d·d) d|², and stable roots.
+// Hearn and Baker's discriminant in the coordinates of the unit sphere, 1 − |f − ((f·d)/(d·d)) d|², and stable roots.
 #pragma once
 
 #include "shapes/ellipsoid/forms/in_radii.hpp"
@@ -9,7 +9,7 @@ struct ScaledPerpendicular {
     static constexpr Info info{
         .name = "ellipsoid.perpendicular",
         .title = "ray divided by the radii, perpendicular from the centre",
-        .source = "NAIF SPICE, surfpt.f: the component of the scaled position across the line",
+        .source = "NAIF SPICE, surfpt.f: the part of the scaled position that is perpendicular to the line",
     };
 
     template <Number T>
@@ -20,7 +20,7 @@ struct ScaledPerpendicular {
         const Vec<T> across = in.f + (minus_b / a) * in.d;
         const T delta = named("delta", T(1) - square(across));
         const T c = named("c", square(in.f) - T(1));
-        return first_hit<T>(delta < T(0), unified_roots<T>(a, minus_b, c, sqrt(a * delta)));
+        return hit_unless<T>(delta < T(0), unified_roots<T>(a, minus_b, c, sqrt(a * delta)));
     }
 };
 

@@ -17,7 +17,7 @@ struct WeightedPress {
         const WeightedQuadratic<T> q(ray, e);
         const T b = named("b", T(2) * q.h);
         const T disc = named("disc", square(b) - T(4) * q.a * q.c);
-        return first_hit<T>(disc < T(0), press_roots<T>(q.a, b, q.c, sqrt(disc)));
+        return hit_unless<T>(disc < T(0), press_roots<T>(q.a, b, q.c, sqrt(disc)));
     }
 };
 

@@ -19,7 +19,7 @@ struct ScaledHalfB {
         const T h = named("h", dot(in.f, in.d));
         const T c = named("c", square(in.f) - T(1));
         const T disc = named("disc", square(h) - a * c);
-        return first_hit<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)));
+        return hit_unless<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)));
     }
 };
 

@@ -22,7 +22,7 @@ struct ScaledUnit {
         const T c = named("c", square(in.f) - T(1));
         const T disc = named("disc", square(h) - c);
         const T root = sqrt(disc);
-        return first_hit<T>(disc < T(0), RootPair<T>{(-h - root) / size, (-h + root) / size});
+        return hit_unless<T>(disc < T(0), RootPair<T>{(-h - root) / size, (-h + root) / size});
     }
 };
 

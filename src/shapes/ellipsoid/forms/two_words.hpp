@@ -32,8 +32,8 @@ private:
     static Hit<T> met(const RayInRadii<W>& in, const First& first) {
         const W a = square(in.d), h = dot(in.f, in.d), c = square(in.f) - W(1);
         const T disc = named("disc", first(square(h) - a * c));
-        return first_hit<T>(disc < T(0), unified_roots<T>(named("a", first(a)), named("b'", -first(h)),
-                                                          named("c", first(c)), sqrt(disc)));
+        return hit_unless<T>(disc < T(0), unified_roots<T>(named("a", first(a)), named("b'", -first(h)),
+                                                           named("c", first(c)), sqrt(disc)));
     }
 };
 

@@ -27,7 +27,7 @@ struct ClosestApproach {
         const T c = named("c", square(g) - square(sphere.radius));
         const T disc = named("disc", square(h) - a * c);
         const RootPair<T> roots = unified_roots<T>(a, -h, c, sqrt(disc));
-        return first_hit<T>(disc < T(0), RootPair<T>{t0 + roots.near, t0 + roots.far});
+        return hit_unless<T>(disc < T(0), RootPair<T>{t0 + roots.near, t0 + roots.far});
     }
 };
 

@@ -21,7 +21,7 @@ struct CrossProduct {
         const Vec<T> m = cross(f, ray.direction);
         const T disc = named("disc", a * square(sphere.radius) - square(m));
         const T c = named("c", square(f) - square(sphere.radius));
-        return first_hit<T>(disc < T(0), unified_roots<T>(a, minus_b, c, sqrt(disc)));
+        return hit_unless<T>(disc < T(0), unified_roots<T>(a, minus_b, c, sqrt(disc)));
     }
 };
 

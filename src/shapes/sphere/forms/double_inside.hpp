@@ -27,7 +27,7 @@ struct DoubleInside {
         const W b = named("b", W(2) * dot(f, d));
         const W c = named("c", square(f) - square(r));
         const W disc = named("disc", square(b) - W(4) * a * c);
-        const Hit<W> wide = first_hit<W>(disc < W(0), press_roots<W>(a, b, c, sqrt(disc)));
+        const Hit<W> wide = hit_unless<W>(disc < W(0), press_roots<W>(a, b, c, sqrt(disc)));
         return Hit<T>{wide.hit, Wider<T>::narrow(wide.t), Wider<T>::narrow(wide.near), Wider<T>::narrow(wide.far)};
     }
 };

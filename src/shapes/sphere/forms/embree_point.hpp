@@ -22,7 +22,7 @@ struct EmbreePoint {
         const T l2 = named("l2", square(perp));
         const T r2 = square(sphere.radius);
         const T td = named("td", sqrt((r2 - l2) * rd2));
-        return first_hit<T>(!(l2 <= r2), RootPair<T>{tc - td, tc + td});
+        return hit_unless<T>(!(l2 <= r2), RootPair<T>{tc - td, tc + td});
     }
 };
 

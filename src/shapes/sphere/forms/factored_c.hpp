@@ -22,7 +22,7 @@ struct FactoredC {
 
         const T len = named("|f|", length(f));
         const T c = named("c", (len - sphere.radius) * (len + sphere.radius));
-        return first_hit<T>(delta < T(0), unified_roots<T>(a, minus_b, c, sqrt(a * delta)));
+        return hit_unless<T>(delta < T(0), unified_roots<T>(a, minus_b, c, sqrt(a * delta)));
     }
 };
 

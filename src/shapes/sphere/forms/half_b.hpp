@@ -20,7 +20,7 @@ struct HalfB {
         const T h = named("h", dot(f, ray.direction));
         const T c = named("c", square(f) - square(sphere.radius));
         const T disc = named("disc", square(h) - a * c);
-        return first_hit<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)));
+        return hit_unless<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)));
     }
 };
 

@@ -22,7 +22,7 @@ struct HearnBaker {
         const Vec<T> unit(ray.direction.x / len, ray.direction.y / len, ray.direction.z / len);
         const Vec<T> l = f - dot(f, unit) * unit;
         const T disc = named("disc", T(4) * a * (square(sphere.radius) - square(l)));
-        return first_hit<T>(disc < T(0), plain_roots<T>(a, b, sqrt(disc)));
+        return hit_unless<T>(disc < T(0), plain_roots<T>(a, b, sqrt(disc)));
     }
 };
 

@@ -25,7 +25,7 @@ struct KahanDiscriminant {
         const T w = named("w", a * c);
         const T e = named("e", fma(-a, c, w));
         const T disc = named("disc", fma_square(h, -w) + e);
-        return first_hit<T>(disc < T(0), unified_roots<T>(a, -h, c, sqrt(disc)));
+        return hit_unless<T>(disc < T(0), unified_roots<T>(a, -h, c, sqrt(disc)));
     }
 };
 

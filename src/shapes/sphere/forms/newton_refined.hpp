@@ -29,7 +29,7 @@ struct NewtonRefined {
             const T g = named("g", square(p) - square(sphere.radius));
             return select(abs(slope) > T(0), t - g / slope, t);
         };
-        return first_hit<T>(delta < T(0), RootPair<T>{refine(roots.near), refine(roots.far)});
+        return hit_unless<T>(delta < T(0), RootPair<T>{refine(roots.near), refine(roots.far)});
     }
 };
 

@@ -21,7 +21,7 @@ struct PbrtFactored {
         const T c = named("c", square(f) - square(sphere.radius));
         const T l = named("l", length(f - (b / (T(2) * a)) * ray.direction));
         const T disc = named("disc", T(4) * a * (sphere.radius + l) * (sphere.radius - l));
-        return first_hit<T>(disc < T(0), press_roots<T>(a, b, c, sqrt(disc)));
+        return hit_unless<T>(disc < T(0), press_roots<T>(a, b, c, sqrt(disc)));
     }
 };
 

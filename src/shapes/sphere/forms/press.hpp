@@ -20,7 +20,7 @@ struct Press {
         const T b = named("b", T(2) * dot(f, ray.direction));
         const T c = named("c", square(f) - square(sphere.radius));
         const T disc = named("disc", square(b) - T(4) * a * c);
-        return first_hit<T>(disc < T(0), press_roots<T>(a, b, c, sqrt(disc)));
+        return hit_unless<T>(disc < T(0), press_roots<T>(a, b, c, sqrt(disc)));
     }
 };
 

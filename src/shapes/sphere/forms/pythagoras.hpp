@@ -21,7 +21,7 @@ struct Pythagoras {
         const T l2 = named("l2", square(f) - square(tca));
         const T r2 = square(sphere.radius);
         const T thc = named("thc", sqrt(r2 - l2));
-        return first_hit<T>(l2 > r2, RootPair<T>{tca - thc, tca + thc});
+        return hit_unless<T>(l2 > r2, RootPair<T>{tca - thc, tca + thc});
     }
 };
 

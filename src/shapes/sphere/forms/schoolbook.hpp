@@ -20,7 +20,7 @@ struct Schoolbook {
         const T b = named("b", T(2) * dot(f, ray.direction));
         const T c = named("c", square(f) - square(sphere.radius));
         const T disc = named("disc", square(b) - T(4) * a * c);
-        return first_hit<T>(disc < T(0), plain_roots<T>(a, b, sqrt(disc)));
+        return hit_unless<T>(disc < T(0), plain_roots<T>(a, b, sqrt(disc)));
     }
 };
 

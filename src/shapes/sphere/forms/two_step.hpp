@@ -33,7 +33,7 @@ struct TwoStep {
         const mask_t<T> refined = again && disc2 > T(0);
         const T near = select(refined, first + (-h2 - root2) / a, first);
         const T far = select(refined, first + (-h2 + root2) / a, (-h + root) / a);
-        return first_hit<T>(disc <= T(0), RootPair<T>{near, far});
+        return hit_unless<T>(disc <= T(0), RootPair<T>{near, far});
     }
 };
 

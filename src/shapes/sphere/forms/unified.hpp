@@ -21,7 +21,7 @@ struct Unified {
         const T delta = named("delta", square(sphere.radius) - square(l));
 
         const T c = named("c", square(f) - square(sphere.radius));
-        return first_hit<T>(delta < T(0), unified_roots<T>(a, minus_b, c, sqrt(a * delta)));
+        return hit_unless<T>(delta < T(0), unified_roots<T>(a, minus_b, c, sqrt(a * delta)));
     }
 };
 

@@ -24,7 +24,7 @@ struct UnifiedUnit {
         const T root = sqrt(delta);
         const T q = named("q", minus_b + select(behind, -root, root));
         const T under_c = c / q;
-        return first_hit<T>(delta < T(0), RootPair<T>{select(behind, q, under_c), select(behind, under_c, q)});
+        return hit_unless<T>(delta < T(0), RootPair<T>{select(behind, q, under_c), select(behind, under_c, q)});
     }
 };
 
