@@ -342,7 +342,7 @@ function buildSweeps() {
         element: buildChart(),
         under: make("p.hint#sweep-under", "\u00a0"),
         facts: make("div.facts#sweep-facts", { "aria-live": "polite" }),
-        onsets: make("div")
+        onsets: make("div.onsets")
     });
     const command = () => {
         const { sweep: { named }, chosen: { form, format, from } } = parts.now;
