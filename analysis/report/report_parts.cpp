@@ -10,6 +10,7 @@
 #include "measure/evaluate/culprit_order.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "output/map/finding.hpp"
+#include "output/map/map_colour.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/row_names.hpp"
 #include "output/offset/offset_files.hpp"
@@ -81,14 +82,25 @@ std::vector<page::Chart> line_charts(const output::sweep::MeasuredSweep& sweep) 
                 title + what,
                 [&, q = q](const auto& to) { output::sweep::write_lost_bits_plot(to, sweep, format, q, size); },
                 fmt::format("{}.{}", name, format.name)));
-        for (const auto outcome : output::sweep::wrong_outcomes(sweep, format))
+        for (const auto outcome : output::sweep::wrong_outcomes(sweep, format)) {
+            if (!output::sweep::occurs(sweep, format, outcome)) continue;
             charts.push_back(page::chart(
                 output::sweep::wrong_title(outcome) + ": " + what,
                 [&](const auto& to) { output::sweep::write_wrong_plot(to, sweep, format, outcome, size); },
                 fmt::format("{}_fraction.{}", measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
                             format.name)));
+        }
     }
     return charts;
+}
+
+/// Says which charts there are not, because they would show only zeros: `In f64, no ray is a false hit.` Empty if none.
+std::string absent_charts(const output::sweep::MeasuredSweep& sweep, const Format& format) {
+    std::string names;
+    for (const auto outcome : output::sweep::wrong_outcomes(sweep, format))
+        if (!output::sweep::occurs(sweep, format, outcome))
+            names += (names.empty() ? "a " : " or a ") + output::map::plain_name(outcome);
+    return names.empty() ? "" : fmt::format("In {}, no ray is {}.", format.name, names);
 }
 
 SweepPart axes_part(const SweepWork& work, StopToken stop) {
@@ -126,7 +138,13 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
     part.axes = {sweep.axes.front().values};
     part.json = page::sweep_json(request, steps, onsets);
     part.table = page::onset_table(request, onsets);
-    part.charts = line_charts({request, steps, onsets});
+    const output::sweep::MeasuredSweep measured{request, steps, onsets};
+    part.charts = line_charts(measured);
+    for (const Format& format : output::sweep::formats_of(measured)) {
+        const std::string absent = absent_charts(measured, format);
+        part.json["absent"][format.name] = absent;
+        if (!absent.empty()) part.table += fmt::format("<p>{}</p>\n", absent);
+    }
     return part;
 }
 

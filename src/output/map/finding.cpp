@@ -23,10 +23,8 @@ struct FoundForm {
     double kept;  ///< bits of 99 of 100 hits; -1 if too few hits agree
 };
 
-std::uint64_t wrong_rays(const FormSummary& s) { return s.wrong_count() + s.count(Outcome::not_a_number); }
-
 /// The better form comes first.
-std::pair<std::uint64_t, double> rank_of(const FoundForm& form) { return {wrong_rays(*form.summary), -form.kept}; }
+std::pair<std::uint64_t, double> rank_of(const FoundForm& form) { return {form.summary->wrong_count(), -form.kept}; }
 
 std::vector<FoundForm> forms_of(const EvaluationRequest& request, const std::vector<FormSummary>& summaries) {
     const std::size_t lost = measure::metric::index_of(request.metrics, "lost_bits");
@@ -59,7 +57,7 @@ std::string fault_in_words(const FormSummary& s) {
         std::uint64_t of;
         const char *does, *rays;
     };
-    const std::uint64_t wrong = wrong_rays(s);
+    const std::uint64_t wrong = s.wrong_count();
     if (wrong == 0) return "";
     for (const Fault& fault : {Fault{Outcome::false_hit, s.true_misses(), "hits", "empty rays"},
                                {Outcome::false_miss, s.true_hits, "misses", "true hits"},

@@ -167,18 +167,19 @@ void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sw
     write_lines(path, sweep, format, quantity, size);
 }
 
+bool occurs(const MeasuredSweep& sweep, const Format& format, Outcome outcome) {
+    return std::ranges::any_of(sweep.steps, [&](const SweepStep& step) {
+        for (std::size_t r = 0; r < step.rows.size(); ++r)
+            if (sweep.request.rows[r].format == format && step.rows[r].count(outcome) > 0) return true;
+        return false;
+    });
+}
+
 std::vector<Outcome> wrong_outcomes(const MeasuredSweep& sweep, const Format& format) {
     std::vector<Outcome> shown{Outcome::false_hit, Outcome::false_miss};
-    for (const Outcome o : {Outcome::wrong_primitive, Outcome::crack, Outcome::double_hit, Outcome::out_of_order,
-                            Outcome::not_a_number}) {
-        const auto occurs = [&](const SweepStep& step) {
-            for (std::size_t r = 0; r < step.rows.size(); ++r) {
-                if (sweep.request.rows[r].format == format && step.rows[r].count(o) > 0) return true;
-            }
-            return false;
-        };
-        if (std::ranges::any_of(sweep.steps, occurs)) shown.push_back(o);
-    }
+    for (const Outcome o :
+         {Outcome::wrong_primitive, Outcome::crack, Outcome::double_hit, Outcome::out_of_order, Outcome::not_a_number})
+        if (occurs(sweep, format, o)) shown.push_back(o);
     return shown;
 }
 

@@ -46,6 +46,8 @@ void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep
 void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format,
                       measure::answer::Outcome outcome, PlotSize size = {});
 
+/// True if any ray of a form in the format has the outcome.
+[[nodiscard]] bool occurs(const MeasuredSweep& sweep, const Format& format, measure::answer::Outcome outcome);
 /// Outcomes that have such a plot: false hits, false misses, and other wrong outcomes that occur.
 [[nodiscard]] std::vector<measure::answer::Outcome> wrong_outcomes(const MeasuredSweep& sweep, const Format& format);
 /// `False hits`

@@ -125,16 +125,16 @@ function emphasize(chart, key, under) {
 }
 
 /** Shows a part of the chart. */
-function zoomTo(chart, [x, y, w, h]) {
+function zoomChart(chart, [x, y, w, h]) {
     const [left, top, width, height] = chart.home, wide = within(w, width / 64, width),
                              high = within(h, height / 64, height);
     chart.view = [within(x, left, left + width - wide), within(y, top, top + height - high), wide, high];
     chart.svg.setAttribute("viewBox", chart.view.join(" "));
 }
-const unzoom = (chart) => zoomTo(chart, chart.home);
-function zoomBy(chart, factor) {
+const unzoom = (chart) => zoomChart(chart, chart.home);
+function zoomChartBy(chart, factor) {
     const [x, y, w, h] = chart.view;
-    zoomTo(chart, [x + (w - w / factor) / 2, y + (h - h / factor) / 2, w / factor, h / factor]);
+    zoomChart(chart, [x + (w - w / factor) / 2, y + (h - h / factor) / 2, w / factor, h / factor]);
 }
 
 /**
@@ -155,7 +155,7 @@ function zoomedBy(chart) {
         if (!from) return;
         const to = placeIn(chart, event), w = Math.abs(to[0] - from[0]), h = Math.abs(to[1] - from[1]);
         chart.dragged = Math.max(w, h) > 6;
-        if (w > 6 && h > 6) zoomTo(chart, [Math.min(from[0], to[0]), Math.min(from[1], to[1]), w, h]);
+        if (w > 6 && h > 6) zoomChart(chart, [Math.min(from[0], to[0]), Math.min(from[1], to[1]), w, h]);
         from = null;
     });
     svg.addEventListener("dblclick", () => unzoom(chart));
@@ -163,4 +163,4 @@ function zoomedBy(chart) {
 
 /** Keys that zoom the chart that `now` returns. */
 const zoomKeys = (now) =>
-    ({ "+": () => zoomBy(now(), 1.5), "-": () => zoomBy(now(), 1 / 1.5), 0: () => unzoom(now()) });
+    ({ "+": () => zoomChartBy(now(), 1.5), "-": () => zoomChartBy(now(), 1 / 1.5), 0: () => unzoom(now()) });

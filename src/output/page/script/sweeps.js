@@ -24,13 +24,16 @@ function goAlong(row, more = {}) {
 
 /** Names of the charts of a sweep: `lost_bits_p99.f32`, the row of a plane, the convention of cases. */
 const chartNames = ({ id }) => index.sweeps.find((s) => s.id === id).charts;
-/** The statistics of which a sweep along a line has charts. */
-const statisticsOf = (sweep) =>
-    (sweep.kind === "line" ? [...new Set(chartNames(sweep).map((name) => name.slice(0, name.indexOf("."))))] : []);
+/** The statistics of which a sweep along a line has charts in a format. */
+const statisticsOf = (sweep, format) =>
+    (sweep.kind === "line" ? chartNames(sweep)
+                                 .filter((name) => name.endsWith(`.${format}`))
+                                 .map((name) => name.slice(0, name.indexOf("."))) :
+                             []);
 
 /** The statistic asked for, if the sweep has it; in cases, the verdict if none is. */
-function statisticOf(sweep) {
-    const all = sweep.kind === "line" ? statisticsOf(sweep) : sweep.statistics;
+function statisticOf(sweep, format) {
+    const all = sweep.kind === "line" ? statisticsOf(sweep, format) : sweep.statistics;
     return all.includes(state.statistic) ? state.statistic : sweep.kind === "cases" ? "verdict" : "lost_bits_p99";
 }
 
@@ -45,7 +48,7 @@ function sweepNow(sweep) {
         judged,
         rows: all.filter((r) => r.format === chosen.format),
         chosen,
-        statistic: statisticOf(sweep)
+        statistic: statisticOf(sweep, chosen.format)
     };
 }
 
@@ -190,7 +193,8 @@ function turnRow(by) {
 }
 
 function turnStatistic(by) {
-    const { sweep, statistic } = sweepParts.now, all = statisticsOf(sweep), at = all.indexOf(statistic);
+    const { sweep, chosen, statistic } = sweepParts.now, all = statisticsOf(sweep, chosen.format),
+                                     at = all.indexOf(statistic);
     return at < 0 ? null : goTo({ statistic: all[(at + by + all.length) % all.length] });
 }
 
@@ -252,10 +256,11 @@ function drawSweepPickers() {
     showPickers(
         sweepParts.pickers,
         picker("sweep", "sweep", titled(index.sweeps), sweep.id, (id) => goTo({ sweep: id, u: -1, v: -1 })),
-        ...(sweep.kind === "line" ? [picker(
-                                        "statistic", "statistic", statisticsOf(sweep).map((s) => [s, words(s)]),
-                                        statistic, (s) => goTo({ statistic: s }))] :
-                                    []),
+        ...(sweep.kind === "line" ?
+                [picker(
+                    "statistic", "statistic", statisticsOf(sweep, chosen.format).map((s) => [s, words(s)]), statistic,
+                    (s) => goTo({ statistic: s }))] :
+                []),
         picker("format", "sweep-format", [...new Set(sweep.rows.map((r) => r.format))], chosen.format, ofFormat),
         picker(
             "form", "sweep-form", rows.map((r) => r.form), chosen.form,
@@ -297,7 +302,8 @@ async function drawSweep() {
         emphasize(sweepParts.chart, keyOf(now.chosen), null);
         drawSweepPickers();
         sweepParts.showNote(index.sweeps.find((s) => s.id === sweep.id).note);
-        onsets.replaceChildren(...(line ? onsetLines(now.chosen) : []));
+        onsets.replaceChildren(
+            ...(line ? [make("p.hint", sweep.absent[now.chosen.format]), ...onsetLines(now.chosen)] : []));
     }
     showCell(null);
 }
@@ -342,7 +348,7 @@ function buildSweeps() {
         element: buildChart(),
         under: make("p.hint#sweep-under", "\u00a0"),
         facts: make("div.facts#sweep-facts", { "aria-live": "polite" }),
-        onsets: make("div")
+        onsets: make("div.onsets")
     });
     const command = () => {
         const { sweep: { named }, chosen: { form, format, from } } = parts.now;
