@@ -19,8 +19,7 @@ namespace {
 class Tree {
 public:
     Tree() {
-        for (const char* folder : {"bin", "build", "data/scenes", "tests"})
-            fs::create_directories(at(folder));
+        for (const char* folder : {"bin", "build", "data/scenes", "tests"}) fs::create_directories(at(folder));
         fs::copy_file(LOSTBITS_DATA_DIR "/../run", at("run"));
         for (const char* scene : {"one", "rtg-fig-7-3-4100-oblique", "raycast-acne"})
             scratch_.write(std::string("data/scenes/") + scene + ".toml", "");
