@@ -178,7 +178,7 @@ TEST_CASE("a report shows the choice for a scene and a requirement on request") 
     const auto chosen = all_of(part, "<tr class=\"chosen\"><th scope=\"row\">([^<]*)</th>");
     REQUIRE(chosen.size() == 2);
     CHECK(chosen.front() == "sphere.unified");
-    CHECK(all_of(part, "(data:image/png)").size() == 2);
+    CHECK(all_of(part, "(<figure class=.chart plotted)").size() == 2);
     // If nothing meets the requirement, the page says why, as the command does.
     const std::string none = report_of(what + "--choose near-benign:53 --force", scratch);
     CHECK(has(none, "What limits it: "));

@@ -278,6 +278,40 @@ TEST_CASE("each row of a contact sheet has its own colour bar where formats diff
     CHECK_THROWS_AS(sheet("three.png", 2, {viridis(), viridis(), viridis()}), std::logic_error);
 }
 
+TEST_CASE("forms that are alike in every format share a column, and a headline takes a line", "[contact_sheet]") {
+    const Scratch folder;
+    const auto sheet = [&](bool collapses, const char* note, const char* headline) {
+        ContactSheet page(folder / "s.png", {.title = "T",
+                                             .subtitle = {},
+                                             .forms = words("form_", 8),
+                                             .formats = {"f32", "f64"},
+                                             .field_width = 160,
+                                             .field_height = 160,
+                                             .scales = {},
+                                             .unit = "",
+                                             .legend = {},
+                                             .collapses = collapses});
+        for (std::size_t form = 0; form < 8; ++form) {
+            page.add_rows(form, 0, 0, std::vector<Rgb8>(160 * 160, Rgb8{1, 2, 3}));
+            // The last form has another picture in one format.
+            page.add_rows(form, 1, 0, std::vector<Rgb8>(160 * 160, Rgb8{4, 5, static_cast<std::uint8_t>(form == 7)}));
+        }
+        page.set_note(3, 0, note);
+        page.finish({}, {}, headline);
+        return backend().read_png(folder / "s.png");
+    };
+    constexpr std::int64_t cell = 160 * 160;
+    const auto all = sheet(false, "", ""), few = sheet(true, "", ""), noted = sheet(true, "another note", "");
+    CHECK(count_of(all, {1, 2, 3}) == 8 * cell);
+    CHECK(count_of(few, {1, 2, 3}) == 2 * cell);
+    CHECK(count_of(few, {4, 5, 0}) == cell);
+    CHECK(count_of(few, {4, 5, 1}) == cell);
+    CHECK(count_of(noted, {1, 2, 3}) == 3 * cell);
+    CHECK(few.height < all.height);
+    CHECK(rim_is_blank(few));
+    CHECK(sheet(true, "", "A headline").height == few.height + style::line_height(style::text_size));
+}
+
 TEST_CASE("a cell without data is drawn as empty, and a wrong cell is refused", "[contact_sheet]") {
     const Scratch folder;
     const SheetSpec spec{.title = "T",
