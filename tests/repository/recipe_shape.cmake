@@ -146,8 +146,8 @@ say("^0\n.*file\\.rays +f64 +2 +0 +0 +0 +0 +0\\.00 +50\\.00" judge rays.csv -o j
 file(WRITE ${WORK}/size.toml "schema = \"lostbits-sweep/1\"\n${head}[half_space_rays]\nviews = 64\n"
     "[[axis]]\nname = \"distance\"\nunit = \"sizes\"\nspacing = \"log2\"\nfrom = 1\nto = 65536\nsteps = 2\n"
     "set = [\"distance\"]\n")
-say("^0\n" sweep size.toml -i half_space.* -f f32 -o family)
-hold(family/size/samples.csv "\n65536,0x1p.16,half_space\\.quotient,f32,64,64,0,0,0,0,0,")
+say("^0\n" sweep size.toml -i half_space.* -f f32 -o drawn)
+hold(drawn/size/samples.csv "\n65536,0x1p.16,half_space\\.quotient,f32,64,64,0,0,0,0,0,")
 say("^0\n.*half_space\\.quotient" trade --shape half_space --quick -o trade)
 # Test the same formula from outside: through the C interface, as a form in a library, and as a shader.
 file(WRITE ${WORK}/outside.c [=[
