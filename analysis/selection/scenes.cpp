@@ -156,6 +156,14 @@ void refuse_others(const RayFileOptions& o, const std::vector<std::string>& subj
                         subjects[1], command));
 }
 
+namespace {
+
+std::string answers_column(const scene::dump::Layout& layout) {
+    return layout.columns()[layout.index_of(scene::dump::slot_of(layout.answers()))].name;
+}
+
+}  // namespace
+
 OpenedRays open_rays(const RayFileOptions& o, const std::vector<std::string>& files,
                      const std::filesystem::path& data) {
     const auto aimed_at = scene_of(o, data);
@@ -170,6 +178,11 @@ OpenedRays open_rays(const RayFileOptions& o, const std::vector<std::string>& fi
     std::vector<std::unique_ptr<scene::dump::Dump>> each;
     for (const std::string& file : files) {
         each.push_back(open_file(o, file, shape_given(o, aimed_at)));
+        if (each.back()->layout().answers() > scene::dump::AnswerKind::first_hit)
+            throw InputError(
+                fmt::format("{}: has answers about the whole surface of a mesh (column {}), which only judge "
+                            "takes; name a file of rays",
+                            file, answers_column(each.back()->layout())));
         opened.id += (opened.id.empty() ? "" : "+") + scene::toml::result_name(file);
         opened.words += (opened.words.empty() ? "" : " ") + output::attribution::shell_word(file);
     }
