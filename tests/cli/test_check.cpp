@@ -199,7 +199,7 @@ TEST_CASE("check: bad claims are refused with their line") {
         scratch,
         {{given(""), all_missed, "scene"},
          {given("scene = \"camera-insid\""), all_missed, "camera-inside"},
-         {given(scene, "sphere.pres"), all_missed, "or --shader); did you mean \"sphere.press\"?\n"},
+         {given(scene, "sphere.pres"), all_missed, "or --function); did you mean \"sphere.press\"?\n"},
          {given(scene, "mylib.mine"), all_missed,
           "load a form of your own with --plugin, --pipe, --shader or --function"},
          {inside + "size = [64, 48]\n", all_missed, "claim[0].given.size is the scene's own"},

@@ -55,7 +55,7 @@ TEST_CASE("diff: folders of maps show rows, outcomes and the largest changes, an
     // Ignored columns and differences within a tolerance do not affect the verdict.
     CHECK(has(run("diff one two --ignore false_miss --allow lost_bits_p99=3", scratch.path()).out,
               "two is better in 0 rows, worse in 0, the same in 1: by lost_bits_p99\n"));
-    CHECK(has(r.err, "1 picture is not compared; --pictures compares it\n"));
+    CHECK(has(r.err, "1 picture is not compared; --compare-pictures compares it\n"));
     CHECK(has(run("diff one two --compare-pictures", scratch.path()).out, "one/map/contact.png: 1 difference\n"));
     CHECK(run("diff one two --ignore lost_eits", scratch.path()).code == 2);
 

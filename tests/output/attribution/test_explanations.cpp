@@ -219,7 +219,7 @@ TEST_CASE("explained rays have the same verdict as text, JSON and table for ever
 
 TEST_CASE("the range of a ray is among the inputs and on the tape, and its decisions agree with the form") {
     int limits = 0, decided = 0, turned = 0;
-    on_explained_rays(is_long() ? 40 : 2, 66, [&](const Asked& asked, const Shown& s) {
+    on_explained_rays(is_long() ? 40 : 3, 66, [&](const Asked& asked, const Shown& s) {
         INFO(s.text);
         const OneRay::Inputs in = s.ray.inputs(*asked.form, asked.format);
         const auto answers = measure::answer::evaluate(*asked.form, in.all);
@@ -245,7 +245,7 @@ TEST_CASE("the range of a ray is among the inputs and on the tape, and its decis
 
 TEST_CASE("an explanation never prints an infinity or a NaN as a number") {
     std::map<std::string, int> seen;
-    on_explained_rays(is_long() ? 40 : 2, 67, [&](const Asked&, const Shown& s) {
+    on_explained_rays(is_long() ? 40 : 3, 67, [&](const Asked&, const Shown& s) {
         const output::attribution::OperationView words(s.x);
         std::vector<std::string> sentences = lines_of(s.verdict.text() + output::attribution::sums_text(s.x, words));
         sentences.push_back(s.json["largest_sentence"]);

@@ -104,6 +104,7 @@ TEST_CASE("the files of a picture are of the kinds that the run asks for, and re
         save_figure(folder / "plot.f32.png", drawing());
         CHECK(figure_path(folder / "plot.f32.png") == folder / ("plot.f32." + first));
         HeatmapWriter heatmap(folder / "map.png", {.title = hostile,
+                                                   .subtitle = {},
                                                    .width = 3,
                                                    .height = 2,
                                                    .scale = ColourScale("viridis", backend().ramp("viridis", 8), 0, 24),
