@@ -26,7 +26,8 @@ std::unique_ptr<output::file::ResultFolder> own_folder(const std::filesystem::pa
                                                        const std::string& subject,
                                                        output::file::ResultFolder::Rules rules) {
     rules.force = common.force;
-    rules.figures = common.figures;
+    for (const std::string& kind : common.figures)
+        if (std::ranges::find(rules.figures, kind) == rules.figures.end()) rules.figures.push_back(kind);
     output::file::Provenance by{common.typed.of(subject), program_and_version};
     for (const auto& row : intersect::table::intersectors().subspan(intersect::table::catalogue().size()))
         by.forms.emplace_back(row.info->name, row.info->source);

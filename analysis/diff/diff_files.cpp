@@ -30,6 +30,14 @@ const char* name_of(FileKind kind) {
     return "a file of another type";
 }
 
+/// The extension with its dot, in lower case.
+std::string extension_of(const fs::path& path) {
+    std::string extension = path.extension().string();
+    std::ranges::transform(extension, extension.begin(),
+                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    return extension;
+}
+
 void print_largest(const char* name, const output::diff::Largest& largest) {
     if (!largest.at.empty()) fmt::print(", largest {} {:.4g} at {}", name, largest.value, terminal_line(largest.at));
 }
@@ -37,13 +45,16 @@ void print_largest(const char* name, const output::diff::Largest& largest) {
 }  // namespace
 
 FileKind kind_of(const fs::path& path) {
-    std::string extension = path.extension().string();
-    std::ranges::transform(extension, extension.begin(),
-                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    const std::string extension = extension_of(path);
     return extension == ".csv"   ? FileKind::csv
            : extension == ".exr" ? FileKind::exr
            : extension == ".png" ? FileKind::png
                                  : FileKind::bytes;
+}
+
+bool is_picture(const fs::path& path) {
+    const std::string extension = extension_of(path);
+    return extension == ".png" || extension == ".svg" || extension == ".pdf";
 }
 
 Comparison compare_files(const fs::path& a, const fs::path& b, FileKind kind, const CompareOptions& options) {

@@ -16,6 +16,8 @@ namespace lostbits::analysis::diff {
 /// The way to compare a file, by the extension of its name.
 enum class FileKind { csv, exr, png, bytes };
 [[nodiscard]] FileKind kind_of(const std::filesystem::path& path);
+/// True for a PNG, an SVG or a PDF.
+[[nodiscard]] bool is_picture(const std::filesystem::path& path);
 
 /// The result for a file, or for a pair of files below two folders. `only` names the folder of a file that the other
 /// folder does not have.

@@ -7,6 +7,7 @@
 #include "number/error.hpp"
 #include "output/diff/difference.hpp"
 #include "output/file/escape.hpp"
+#include "output/image/figure.hpp"
 #include "scene/toml/counted.hpp"
 #include "scene/toml/did_you_mean.hpp"
 
@@ -107,7 +108,7 @@ MapDifference compare_maps(const MapSides& sides, const CompareOptions& options,
         options.stop.check();
         const fs::path& file = pair.file;
         const FileKind kind = kind_of(file);
-        if (kind == FileKind::png && !pictures) {
+        if (is_picture(file) && !pictures) {
             ++found.pictures;
             continue;
         }
@@ -179,7 +180,7 @@ std::vector<fs::path> draw_maps(const MapSides& sides, const fs::path& out, inte
                 picture, *a, *b,
                 {(map.empty() ? "" : map.string() + ": ") + (first == second ? first : first + " and " + second),
                  first == second ? sides.a.string() : first, first == second ? sides.b.string() : second});
-            drawn.push_back(picture);
+            drawn.push_back(output::image::figure_path(picture));
         }
     }
     if (drawn.empty())

@@ -311,6 +311,16 @@ std::vector<std::string> outcomes_in(const fs::path& file) {
 
 }  // namespace
 
+TEST_CASE("judge: a file of decisions without t is suspected for its decisions alone") {
+    const Scratch scratch;
+    const std::string head = "ox,oy,oz,dx,dy,dz,hit\n", first = "0.1,0.1,4,0,0,-1,", second = "0.1,0.2,4,0,0,-1,",
+                      beside = "5,5,4,0,0,-1,0\n";
+    scratch.write("right.csv", head + first + "1\n" + second + "1\n" + beside);
+    scratch.write("wrong.csv", head + first + "0\n" + second + "0\n" + beside);
+    CHECK_FALSE(has(must("judge right.csv --sphere 0,0,0,1 -o a", scratch.path()).err, "wrong on"));
+    CHECK(has(must("judge wrong.csv --sphere 0,0,0,1 -o b", scratch.path()).err, "2 miss what they should hit"));
+}
+
 TEST_CASE("judge: a list of all hits is compared with all crossings") {
     const Scratch scratch;
     scratch.write("cube.obj", cube), scratch.write("cube.toml", of_cube);

@@ -23,9 +23,9 @@ struct Judged {
     double t = 0;
 };
 
-/// Makes a Judged with both units of a true hit. `unit`: by contract, directions have unit length.
-Judged judged(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth, bool unit,
-              bool hit, double t, const FloatFormat& format);
+/// Makes a Judged with both units of a true hit. `t` counts if the row's form has roots, and is NaN otherwise.
+Judged judged(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
+              const evaluate::TestedForm& row, bool hit, double t);
 
 /// Source of the answers. The advice about a file does not mention the contract of a library.
 enum class AnswerSource : std::uint8_t { intersector, file };

@@ -19,20 +19,22 @@ constexpr std::size_t most_rays = 4096;
 void judge(const truth::Band& band, const evaluate::TestedForm& row, std::vector<Judged>& rays) {
     const truth::FormatInputs in = band.inputs_for(row.format, *row.form->info);
     const answer::Answers answers = answer::evaluate(*row.form, in);
-    const bool unit = row.form->info->direction == intersect::Direction::unit;
     for (std::size_t i = 0; i < band.pixels() && rays.size() < most_rays; ++i) {
         const truth::Truth& truth = band.truth(i, row.convention());
         if (truth.decision == truth::Truth::Decision::unresolved) continue;
         const std::size_t primitive = answer::measured_at(in, i, truth.is_hit() ? truth.object : answers.object[i]);
-        rays.push_back(judged(in.rays_for(*row.form->info)[i], in.primitives[primitive], truth, unit,
-                              answers.hit[i] != 0, answers.t[i], row.format.parameters));
+        rays.push_back(judged(in.rays_for(*row.form->info)[i], in.primitives[primitive], truth, row,
+                              answers.hit[i] != 0, answers.t[i]));
     }
 }
 
 }  // namespace
 
-Judged judged(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth, bool unit,
-              bool hit, double t, const FloatFormat& format) {
+Judged judged(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
+              const evaluate::TestedForm& row, bool hit, double t) {
+    const bool unit = row.form->info->direction == intersect::Direction::unit;
+    const FloatFormat& format = row.format.parameters;
+    if (row.form->info->roots == intersect::Roots::none) t = std::nan("");
     Judged j{.ray = ray, .primitive = primitive, .truly_hits = truth.is_hit(), .unit = unit, .hit = hit, .t = t};
     const auto number = [](const truth::Certified& x) { return std::ldexp(x.hi, static_cast<int>(x.exponent)); };
     if (truth.is_hit()) {

@@ -254,15 +254,14 @@ private:
     void keep_first(const Piece& piece) {
         const TestedForm& row = file_row();
         const FormatInputs& in = piece.shared->of(row).inputs;
-        const bool unit = row.form->info->direction == intersect::Direction::unit;
         for (std::size_t i = 0; i < piece.chunk.size() && result_.first.size() < most_of_first; ++i) {
             const truth::Truth truth = piece.band->truth(i, row.convention());
             const bool hit = piece.answers.hit[i] != 0;
             if (truth.decision == truth::Truth::Decision::unresolved || !(hit || truth.is_hit())) continue;
             const int object = truth.is_hit() ? truth.object : piece.answers.object[i];
             result_.first.push_back(contract::judged(in.rays_for(*row.form->info)[i],
-                                                     in.primitives[static_cast<std::size_t>(object)], truth, unit, hit,
-                                                     piece.answers.t[i], row.format.parameters));
+                                                     in.primitives[static_cast<std::size_t>(object)], truth, row, hit,
+                                                     piece.answers.t[i]));
         }
     }
 

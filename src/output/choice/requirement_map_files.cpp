@@ -161,7 +161,7 @@ std::string in_words(const ChoiceResult& chosen, const RequirementMap& r) {
     const auto forms = most_taken(r).size();
     if (chosen.meets && forms > 1) {
         text += fmt::format(
-            "The cheapest at each pixel would take {} choices and {:.2f} times the time of this one; switching between"
+            "The cheapest at each pixel would take {} choices and {:.2f} times the time of this one; switching between "
             "forms cannot gain more.\n",
             forms, least / chosen.all[*chosen.meets].time.median);
     }

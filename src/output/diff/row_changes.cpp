@@ -20,9 +20,10 @@ using file::CsvTable;
 
 namespace {
 
-/// The columns before the form (a case, the value of an axis), the form and the format.
+/// The columns before the form (a case, the value of an axis), the form and the format; of claims their id.
 std::vector<const CsvColumn*> key_columns(const CsvTable& table) {
     std::vector<const CsvColumn*> keys;
+    if (const CsvColumn* const id = table.find("id"); id != nullptr && table.find("statement") != nullptr) return {id};
     const CsvColumn *const form = table.find("form"), *const format = table.find("format");
     if (form == nullptr || format == nullptr) return keys;
     for (const CsvColumn& column : table.columns) {

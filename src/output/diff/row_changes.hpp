@@ -63,8 +63,8 @@ struct RowChanges {
     void sort();
 };
 
-/// True if every row of the table has a form and a format, and no two rows have the same key. Rows then have partners
-/// wherever they stand.
+/// True if every row of the table has a form and a format, or the id of a claim, and no two rows have the same key.
+/// Rows then have partners wherever they stand.
 [[nodiscard]] bool has_row_keys(const file::CsvTable& table);
 
 /// Pairs the rows of two such tables and compares them as `compare` does. `subject` precedes the names of rows. If two

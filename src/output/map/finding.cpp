@@ -20,8 +20,15 @@ namespace {
 struct FoundForm {
     std::string name;
     const FormSummary* summary;
-    double kept;  ///< bits of 99 of 100 hits; -1 if too few hits agree
+    double kept;  ///< bits that 99 of 100 hits keep; -1 if too few hits agree
 };
+
+/// Bits rounded down to a tenth, so that the form keeps what the text says: `21.7`, `22`. The last bits of the
+/// subtraction are not rounded down.
+std::string bits_text(double kept) {
+    const double tenths = std::floor(10 * kept + 1e-9) / 10;
+    return fmt::format("{:.{}f}", tenths, tenths == std::floor(tenths) ? 0 : 1);
+}
 
 /// The better form comes first.
 std::pair<std::uint64_t, double> rank_of(const FoundForm& form) { return {form.summary->wrong_count(), -form.kept}; }
@@ -75,16 +82,17 @@ std::string finding_in_words(const EvaluationRequest& request, const std::vector
     const FoundForm &best = *first, &worst = *last;
     const auto& format = request.rows.front().format;
     if (best.kept < 0) return "";
-    const std::string kept =
-                          fmt::format("{:.0f} of {} bits in {}", best.kept, format.parameters.precision, format.name),
+    const std::string kept = fmt::format("{} of {} bits in {}", bits_text(best.kept), format.parameters.precision,
+                                         format.name),
                       fault = fault_in_words(*worst.summary);
     if (forms.size() > 1 && fault.empty() && best.kept - worst.kept < 1)
-        return fmt::format("All {} forms keep {:.0f} of {} bits in {}", forms.size(), worst.kept,
-                           format.parameters.precision, format.name);
+        return fmt::format("{} keep {} of {} bits in {}",
+                           forms.size() == 2 ? "Both forms" : fmt::format("All {} forms", forms.size()),
+                           bits_text(worst.kept), format.parameters.precision, format.name);
     std::string text = fmt::format("{} keeps {}", best.name, kept);
     if (fault.empty() && worst.kept < 0) return text;
     if (forms.size() == 1) return fault.empty() ? text : fmt::format("{} and {}", text, fault);
-    return fault.empty() ? fmt::format("{}; {} keeps {:.0f}", text, worst.name, worst.kept)
+    return fault.empty() ? fmt::format("{}; {} keeps {}", text, worst.name, bits_text(worst.kept))
                          : fmt::format("{}; {} {}", text, worst.name, fault);
 }
 

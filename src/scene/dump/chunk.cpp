@@ -172,6 +172,12 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_hit_index() {
     if (!(index >= -1 && index < 0x1p31 && index == std::floor(index)))
         return bad("write 0 for the first hit of a ray, 1 for the next and so on, and -1 or nothing for no hit");
     hits_ = index >= 0;
+    if (!hits_ && is_there(slot::object) && numbers_[slot::object] >= 0)
+        return Fault{
+            slot::hit_index,
+            fmt::format("{} says that the ray has no hit, but {} is {}; write 0 for its first "
+                        "hit, or leave {} empty",
+                        called(slot::hit_index), called(slot::object), numbers_[slot::object], called(slot::object))};
     if (const auto before = chunk_.counts.empty() ? std::optional<std::int32_t>() : chunk_.counts.back();
         index > 0 && before) {
         if (index != *before + 1.0)

@@ -288,7 +288,7 @@ TEST_CASE("a map says in a sentence which form is best and which is worst", "[fi
         return finding_in_words(request, summaries);
     };
     const auto right = [](double lost) { return summary_of(lost, {{O::agree_hit, 500}, {O::agree_miss, 500}}); };
-    CHECK(says(right(2), right(2.5)) == "All 2 forms keep 22 of 24 bits in f32");
+    CHECK(says(right(2), right(2.5)) == "Both forms keep 21.5 of 24 bits in f32");
     CHECK(says(right(9), right(2), right(5)) == "schoolbook keeps 22 of 24 bits in f32; unified keeps 15");
     CHECK(says(right(2)) == "unified keeps 22 of 24 bits in f32");
     CHECK(says(right(2), summary_of(1, {{O::agree_hit, 500}, {O::agree_miss, 275}, {O::false_hit, 225}})) ==

@@ -96,6 +96,8 @@ const BadFile bad_files[] = {
     {"a.csv", list + "0,0,-5,0,0,1,0,0,4\n0,1,-5,0,0,1,1,1,6\n", "a.csv:3:14: hit_index is 1", "another ray", of_mesh},
     {"a.csv", list + "0,0,-5,0,0,1,0.5,0,4\n", "a.csv:2:14: hit_index is 0.5", "0 for the first hit", of_mesh},
     {"a.csv", list + "0,0,-5,0,0,1,0,-1,4\n", "a.csv:2:16: hit_index is 0", "number of the triangle", of_mesh},
+    {"a.csv", list + "0,0,-5,0,0,1,-1,2,4\n", "a.csv:2:14: hit_index says that the ray has no hit", "object is 2",
+     of_mesh},
     {"a.csv", list + "0,0,-5,0,0,1,0,0,\n", "a.csv:2:18: t is empty", "nan if it is not", of_mesh},
     {"a.csv", "ox,oy,oz,dx,dy,dz,hit_index,t\n", "a.csv:1:19: \"hit_index\" counts the hits", "add object", of_mesh},
     {"a.csv", "ox,oy,oz,dx,dy,dz,hit_idnex,object,t\n", "a.csv:1:19:", "did you mean \"hit_index\"", of_mesh},
