@@ -20,6 +20,7 @@
 #include "scene/sweep/search_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 #include "scene/toml/counted.hpp"
+#include "scene/toml/file_names.hpp"
 
 namespace lostbits::analysis {
 
@@ -187,17 +188,6 @@ Listing labels(const Common& /*common*/) {
     });
 }
 
-/// The folder `what` of the data folder. Throws InputError if it does not exist, since an empty list would hide that.
-std::filesystem::path folder_of(const std::filesystem::path& data, const char* what) {
-    const auto folder = data / what;
-    if (!std::filesystem::is_directory(folder))
-        throw InputError(
-            fmt::format("{}: is not a folder of {}; name the folder that contains {}/ with --data, or in "
-                        "LOSTBITS_DATA",
-                        folder.string(), what, what));
-    return folder;
-}
-
 Listing scenes(const Common& common) {
     Listing l{{"name", "variants", "inputs", "title"}};
     for (const auto& path : scene::file::scene_files(selection::data_folder(common.data))) {
@@ -236,7 +226,7 @@ std::pair<std::string, std::string> axis_and_title(const std::filesystem::path& 
 
 Listing sweeps(const Common& common) {
     Listing l{{"name", "axis", "title"}};
-    const auto data = selection::data_folder(common.data), root = folder_of(data, "sweeps");
+    const auto data = selection::data_folder(common.data), root = scene::toml::folder_of_data(data, "sweeps");
     for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
         if (entry.path().extension() != ".toml") continue;
         const auto [axis, title] = axis_and_title(entry.path(), data);
@@ -250,7 +240,7 @@ Listing sweeps(const Common& common) {
 /// that.
 Listing claims(const Common& common) {
     Listing l{{"id", "verdict", "profile", "subject", "form", "format", "statement"}};
-    const auto root = folder_of(selection::data_folder(common.data), "claims");
+    const auto root = scene::toml::folder_of_data(selection::data_folder(common.data), "claims");
     for (const auto& path : scene::claim::claim_files(root)) {
         for (const Claim& c : scene::claim::read_claims(path)) {
             l.rows.push_back({c.id, std::string(name_of(c.verdict)), std::string(scene::claim::name_of(c.profile)),

@@ -278,17 +278,12 @@ std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptio
 }
 
 std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data_dir) {
-    const std::filesystem::path folder = data_dir / "scenes";
+    const std::filesystem::path folder = toml::folder_of_data(data_dir, "scenes");
     std::error_code error;
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))
         if (entry.path().extension() == ".toml") files.push_back(entry.path());
-    if (error) {
-        const std::string why = error == std::errc::no_such_file_or_directory
-                                    ? "there is no folder " + folder.string() + "; run in the project folder, or "
-                                    : folder.string() + ": is not a folder of scenes: " + error.message() + "; ";
-        throw InputError(why + "name the folder that contains scenes/ with --data, or in LOSTBITS_DATA");
-    }
+    if (error) throw InputError(folder.string() + ": cannot be listed: " + error.message());
     std::sort(files.begin(), files.end());
     return files;
 }

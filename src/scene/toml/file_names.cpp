@@ -45,4 +45,15 @@ std::string words_about(const std::filesystem::filesystem_error& error) {
            "; check the path, and the links on it";
 }
 
+std::filesystem::path folder_of_data(const std::filesystem::path& data, const std::string& what) {
+    const std::filesystem::path folder = data / what;
+    std::error_code error;
+    const auto status = std::filesystem::status(folder, error);
+    if (std::filesystem::is_directory(status)) return folder;
+    const bool is_missing = status.type() == std::filesystem::file_type::not_found;
+    throw InputError((is_missing ? "there is no folder " + folder.string() + "; run in the project folder, or "
+                                 : folder.string() + ": is not a folder; ") +
+                     "name the folder that contains " + what + "/ with --data, or in LOSTBITS_DATA");
+}
+
 }  // namespace lostbits::scene::toml

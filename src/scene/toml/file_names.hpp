@@ -18,4 +18,8 @@ std::string nearby_file(const std::filesystem::path& path);
 /// not be read.
 [[nodiscard]] std::string words_about(const std::filesystem::filesystem_error& error);
 
+/// The folder `scenes`, `sweeps` or `claims` of the data folder. Throws InputError if it does not exist, since an empty
+/// list would hide that.
+[[nodiscard]] std::filesystem::path folder_of_data(const std::filesystem::path& data, const std::string& what);
+
 }  // namespace lostbits::scene::toml
