@@ -65,14 +65,20 @@ std::shared_ptr<const scene::rays::MeshColumns> mesh_given(const std::optional<s
                     o.file));
 }
 
+/// The name of an outcome in words: `false hit`.
+std::string title_of(MeshOutcome outcome) {
+    std::string title(name_of(outcome));
+    std::ranges::replace(title, '_', ' ');
+    return title;
+}
+
 void print_answers(const std::string& name, const Format& format, const MeshAnswersResult& result) {
     std::vector<shell::TextColumn> columns{{"form", 28, true}, {"fmt", 5, true}};
     std::vector<std::string> cells{name, std::string(format.name)};
     for (std::size_t k = 0; k < measure::judge::mesh_outcome_rows.size(); ++k) {
         const auto outcome = static_cast<MeshOutcome>(k);
         if (!can_be(outcome, result.kind)) continue;
-        std::string title(name_of(outcome));
-        std::ranges::replace(title, '_', ' ');
+        const std::string title = title_of(outcome);
         columns.push_back({title, std::max<std::size_t>(title.size(), 7)});
         cells.push_back(std::to_string(result.of(outcome)));
     }
@@ -91,8 +97,7 @@ void print_answers(const std::string& name, const Format& format, const MeshAnsw
 void print_faults(const MeshAnswersResult& result) {
     const bool points = result.kind == AnswerKind::inside;
     for (const auto& [outcome, count, first] : output::judge::mesh_fault_rows(result)) {
-        std::string title(name_of(outcome));
-        std::ranges::replace(title, '_', ' ');
+        const std::string title = title_of(outcome);
         fmt::print("  first {}: {} {}, {}\n", title, points ? "point" : "record", first->record,
                    output::judge::words_of(*first, points));
     }
@@ -105,17 +110,16 @@ Exit run_mesh_judge(const JudgeOptions& o, const std::optional<scene::file::Scen
     const scene::dump::Layout& layout = dump.layout();
     const AnswerKind kind = layout.answers();
     refuse_options(o, kind, layout.columns()[layout.index_of(scene::dump::slot_of(kind))].name);
-    const measure::judge::MeshAnswersRequest base{.mesh = mesh_given(scene, o, dump.format()),
-                                                  .contract = {.has_t = layout.has(scene::dump::slot::t),
-                                                               .unit = o.direction == "unit",
-                                                               .touching_may_miss = o.touching == "miss",
-                                                               .facing = selection::contract_of(o, dump).facing},
-                                                  .limit = {.stop = common.stop}};
-    if (kind == AnswerKind::inside) measure::judge::require_inside(base.mesh->mesh(), o.file);
+    measure::judge::MeshAnswersRequest request{.mesh = mesh_given(scene, o, dump.format()),
+                                               .contract = {.has_t = layout.has(scene::dump::slot::t),
+                                                            .unit = o.direction == "unit",
+                                                            .touching_may_miss = o.touching == "miss",
+                                                            .facing = selection::contract_of(o, dump).facing},
+                                               .limit = {.stop = common.stop}};
+    if (kind == AnswerKind::inside) measure::judge::require_inside(request.mesh->mesh(), o.file);
     const selection::ThreadLimit threads(common.threads);
     const bool by_bytes = dump.bytes() > 0;
     output::file::Progress progress(by_bytes ? dump.bytes() : 1, "judge", common.progress, common.quiet);
-    measure::judge::MeshAnswersRequest request = base;
     request.progress = [&](std::uint64_t bytes) { progress.advance(by_bytes ? bytes : 0); };
     const std::string stem = scene::toml::result_name(o.file), name = measure::judge::name_of_answers(stem);
     const auto folder = std::filesystem::path(o.out) / stem;

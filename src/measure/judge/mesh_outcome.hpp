@@ -64,7 +64,7 @@ struct ListedHit {
     double t;  ///< NaN if it is not a number; 0 if the file has no t
 };
 
-/// What the answers mean where geometry leaves it open.
+/// Meaning of the answers where geometry leaves it open.
 struct MeshContract {
     bool has_t = true;
     bool unit = false;  ///< t is a distance

@@ -1,5 +1,5 @@
 // Escapes text that users wrote: one function per kind of output. Others are `quoted_field` (csv.hpp), `shell_word`
-// (intersect/process/child.hpp), the names in `\mathit` (measure/attribution/tape_text.hpp) and nlohmann's JSON.
+// (intersect/process/child.hpp) and nlohmann's JSON.
 #pragma once
 
 #include <string>

@@ -34,7 +34,8 @@ inline constexpr int line_height(int size) { return size + (size + 2) / 3; }
 inline constexpr int digit_rise(int size) { return size * 73 / 200; }
 }  // namespace style
 
-/// What marks show, for a script on a page. An SVG has it as attributes of a group around the marks.
+/// Keys and positions of what marks show, for a script on a page. An SVG has them as attributes of a group around the
+/// marks.
 struct MarkData {
     std::string keys;               ///< rows that they show, with blanks between them; empty: none
     std::vector<double> x, y = {};  ///< positions on the canvas: of a point; of steps; of the edges of cells

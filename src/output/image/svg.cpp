@@ -68,7 +68,7 @@ public:
     [[nodiscard]] const std::string& text() const { return text_; }
 
 private:
-    /// What follows shows this; null: nothing.
+    /// Begins the group of the marks that show this; null: marks that show nothing.
     void group(const MarkData* data) {
         if (data == data_) return;
         see({});
@@ -85,7 +85,7 @@ private:
         text_ += ">\n";
     }
 
-    /// What follows is cut off outside of the box, until the next call; without a box, nothing is.
+    /// Cuts off marks outside of the box, until the next call; without a box, none.
     void see(const std::optional<PixelBox>& box) {
         if (box == seen_) return;
         if (seen_) text_ += "</svg>\n";

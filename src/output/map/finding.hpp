@@ -1,4 +1,4 @@
-// What a map shows, in a sentence.
+// The finding of a map, in a sentence.
 #pragma once
 
 #include <string>

@@ -215,7 +215,7 @@ constexpr const char* what_it_is =
     "This page shows where ray intersectors lose significand bits, and which of their operations lose them. Every form "
     "answered the same rays in each format, and each answer is compared with the proved true answer.";
 
-/// What each map shows: a row for each scene.
+/// The findings of all maps: a row for each scene.
 std::string results_table(const std::vector<MapPart>& maps) {
     if (maps.empty()) return "";
     std::string text =

@@ -26,7 +26,7 @@ inline constexpr std::size_t count = matrix + Affine<double>::numbers;
 inline constexpr std::array<std::string_view, Affine<double>::numbers> matrix_columns{
     "m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22", "m23"};
 
-/// What the answers of a file are about.
+/// Subject of the answers of a file.
 enum class AnswerKind : std::uint8_t {
     none,
     first_hit,  ///< each record is a ray and its first hit
