@@ -12,6 +12,7 @@
 #include "measure/offset/smallest.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "number/wide/running.hpp"
+#include "shapes/bounding_box.hpp"
 #include "shapes/lift.hpp"
 
 namespace lostbits::measure::offset {
@@ -40,7 +41,8 @@ std::optional<double> exit_of(const Ray<double>& ray, const Primitive<double>& p
 /// nothing.
 double least_distance(const Vec<double>& p, const Primitive<double>& primitive) {
     using Certain = number::wide::Running<double>;
-    if (primitive.placed && primitive.placed->is_inverse) return 0;  // rounding could put the ball anywhere
+    if (primitive.placed && !has_bounding_box(primitive.shape)) return 0;  // no ball holds it
+    if (primitive.placed && primitive.placed->is_inverse) return 0;        // rounding could put the ball anywhere
     const Vec<Certain> at = lift_vec<Certain>(p);
     const Primitive<Certain> certain = lift_primitive<Certain>(primitive);
     const auto from_surface = [&at](const auto& shape) { return abs(shape.off_surface(at) * shape.unit()); };

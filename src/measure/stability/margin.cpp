@@ -7,6 +7,7 @@
 
 #include "measure/stability/quartic_cases.hpp"
 #include "measure/truth/missing.hpp"
+#include "shapes/bounding_box.hpp"
 #include "shapes/capsule/parts.hpp"
 
 namespace lostbits::measure::stability {
@@ -299,7 +300,7 @@ namespace {
 /// change by ε moves that distance by at most 8 ε of these: the origin by |o|, the line by twice the way to the ball,
 /// the centre of the primitive by |c| + R, and its points by turning it, by 3 R.
 double gap(const Ray<double>& ray, const Primitive<double>& primitive) {
-    if (primitive.placed) return 0;
+    if (primitive.placed || !has_bounding_box(primitive.shape)) return 0;
     const auto ball = ball_around(primitive);
     const Vec<double> from = ray.origin - ball.centre;
     const double away = length(cross(from, ray.direction)) / length(ray.direction);

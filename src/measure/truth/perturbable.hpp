@@ -13,6 +13,7 @@
 #include "number/bounded.hpp"
 #include "number/dual.hpp"
 #include "number/real.hpp"
+#include "shapes/bounding_box.hpp"
 
 namespace lostbits::measure::truth {
 
@@ -95,6 +96,7 @@ public:
         }
         for (std::size_t i = 0; i < count_; ++i) {
             x_[i] = scaled(number(i), -unit_of(i));
+            if (S(ldexp(S(x_[i]), unit_of(i))) != number(i)) lost_[i] = std::fabs(x_[i]) * 0x1p-53 + tiny;
             step_[i] = scaled(1, std::max(exponents[i], format.emin) - format.precision - unit_of(i)) + tiny;
         }
         if (normwise_)
@@ -102,16 +104,16 @@ public:
                 std::fill(&step_[first], &step_[first] + (end - first),
                           scaled(length_of(x_, first, end), -format.precision) + tiny);
             });
-        for (std::size_t i = 0; i < count_; ++i) {
-            const double stored = std::is_same_v<S, double> ? 0 : std::fabs(x_[i]) * 0x1p-53;
-            off_[i] = (step_[i] + stored) * outward + tiny;
-        }
+        for (std::size_t i = 0; i < count_; ++i) off_[i] = (step_[i] + lost_[i]) * outward + tiny;
     }
 
     [[nodiscard]] bool is_placed() const { return placed_.has_value(); }
     [[nodiscard]] Shape shape() const { return shape_; }
     /// Interval of the values that number i may have.
     [[nodiscard]] WithinErrors at(std::size_t i) const { return {x_[i], off_[i]}; }
+    /// Number i as it is stored, without an error of the input. Its bound is 0 if it has a double in its unit; a number
+    /// that is 0 in its unit alone has a bound above 0.
+    [[nodiscard]] WithinErrors stored(std::size_t i) const { return {x_[i], lost_[i]}; }
     /// log2 of the unit of t, or of the distance.
     [[nodiscard]] int time() const { return as_distance_ ? units_[0] : units_[0] - units_[1]; }
     [[nodiscard]] WithinErrors of(const Certified& t) const {
@@ -151,7 +153,7 @@ public:
     /// For distances d is replaced by e = d/|d|, where |e| = 1 and |Δe| ≤ 2|Δd|/(2|d| − |Δd|) (Dunkl and Williams, A
     /// simple norm inequality, 1964).
     [[nodiscard]] double across(const WithinErrors& t) const {
-        if (placed_) return anywhere;
+        if (placed_ || !has_bounding_box(shape_)) return anywhere;
         Primitive<double> plain(shape_);
         std::copy_n(x_.begin() + 6, plain.used().size(), plain.numbers.begin());
         // Covers the roundings of a radius, and what its squares lose to underflow.
@@ -203,27 +205,37 @@ private:
     bool normwise_, as_distance_;
     std::array<int, 5> units_{exponent_of_zero, exponent_of_zero, exponent_of_zero, exponent_of_zero, exponent_of_zero};
     std::array<bool, capacity> is_direction_{};
-    std::array<double, capacity> x_, step_, off_;
+    std::array<double, capacity> x_, step_, off_, lost_{};
 };
 
 /// A problem as a function of its numbers: f(ray, primitive) encloses f(x') for any x' within the errors. For distances
 /// the direction is d/|d|, also a function of its numbers, so that t is the distance.
-struct Perturbable : ProblemNumbers {
+class Perturbable : public ProblemNumbers {
+    template <class Number>
+    static auto ray_of(const Number& number) {
+        using T = decltype(number(0));
+        return Ray<T>{Vec<T>(number(0), number(1), number(2)), Vec<T>(number(3), number(4), number(5))};
+    }
+    /// Sets the numbers of a primitive and its matrix to what `number` returns for their indices.
+    template <class T, class Number>
+    void fill(Primitive<T>& one, const Number& number) const {
+        for (std::size_t i = 6; i < matrix_; ++i) one.numbers[i - 6] = number(i);
+        if (!placed_) return;
+        one.placed = transformed(*placed_, [](int) { return T(0); });
+        for (std::size_t i = matrix_; i < count_; ++i) one.placed->matrix[place_in_matrix(i - matrix_)] = number(i);
+    }
+
+public:
     Ray<Differentiated> ray;
     Primitive<Differentiated> primitive;
 
     explicit Perturbable(const ProblemNumbers& numbers) : ProblemNumbers(numbers), primitive(numbers.shape()) {
-        const auto input = [&](std::size_t i) { return Differentiated::input(at(i), i, count_); };
-        ray = {{input(0), input(1), input(2)}, {input(3), input(4), input(5)}};
-        if (is_as_distance()) {
-            const Differentiated size = sqrt(square(ray.direction));
-            ray.direction = {ray.direction.x / size, ray.direction.y / size, ray.direction.z / size};
-        }
-        for (std::size_t i = 6; i < matrix_; ++i) primitive.numbers[i - 6] = input(i);
-        if (!placed_) return;
-        primitive.placed = transformed(*placed_, [](int) { return Differentiated(0); });
-        for (std::size_t i = matrix_; i < count_; ++i)
-            primitive.placed->matrix[place_in_matrix(i - matrix_)] = input(i);
+        const auto number = [&](std::size_t i) { return Differentiated::input(at(i), i, count_); };
+        ray = ray_of(number);
+        fill(primitive, number);
+        if (!is_as_distance()) return;
+        const Differentiated size = sqrt(square(ray.direction));
+        ray.direction = {ray.direction.x / size, ray.direction.y / size, ray.direction.z / size};
     }
 
     /// Calls `act(shape, ray)` in object space, with a ray that starts at the point at t.
@@ -232,6 +244,15 @@ struct Perturbable : ProblemNumbers {
         const Ray<Differentiated> from{ray.origin + Differentiated(t) * ray.direction, ray.direction};
         return visit_shape(primitive,
                            [&]<template <class> class Of>() { return in_its_space<Of>(from, primitive, act); });
+    }
+    /// Calls `act(shape, ray)` in object space with the problem as it is stored.
+    template <class Act>
+    [[nodiscard]] auto with_stored(const Act& act) const {
+        const auto number = [&](std::size_t i) { return stored(i); };
+        const Ray<WithinErrors> its = ray_of(number);
+        Primitive<WithinErrors> one(shape());
+        fill(one, number);
+        return visit_shape(one, [&]<template <class> class Of>() { return in_its_space<Of>(its, one, act); });
     }
 };
 

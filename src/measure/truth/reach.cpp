@@ -122,12 +122,13 @@ double moved_root(const Perturbable& problem, const WallSpan<Differentiated>& s)
 }
 
 /// Two planes with a primitive between them, seen from the start of a ray: its distance from each plane (above 0
-/// between the planes), and its speed across them.
+/// between the planes), and its speed across them. A line that runs along the planes meets neither.
 struct Slab {
     Differentiated from_low, from_high, across;
+    bool is_along = false;
 
     [[nodiscard]] double moved(const Perturbable& problem, MovedBy moved_by = MovedBy::every_face) const {
-        if (across.value().value() == 0) return 0;
+        if (is_along) return 0;
         const AllValues speed(across.value());
         const bool all = moved_by == MovedBy::every_face;
         const double low = all || speed.high > 0 ? moved_quotient(problem, from_low, across) : 0,
@@ -143,15 +144,32 @@ Slab slab_of(const Vec<Differentiated>& from, const Vec<Differentiated>& to, con
             dot(axis, ray.direction)};
 }
 
+/// The slabs along which the line of the stored ray runs: those of a box by axis, that of a capped primitive first. A
+/// speed is 0 only if that is exact: in units of the largest component, a component of 2^-900 beside 2^300 is 0 too.
+using AlongSlabs = std::array<bool, 3>;
+
+AlongSlabs along_slabs(const Perturbable& problem) {
+    const auto is_zero = [](const WithinErrors& speed) { return speed.value() == 0 && speed.error() == 0; };
+    return problem.with_stored([&]<class Shape>(const Shape& s, const Ray<WithinErrors>& ray) -> AlongSlabs {
+        const Vec<WithinErrors>& d = ray.direction;
+        if constexpr (requires { s.lo; }) return {is_zero(d.x), is_zero(d.y), is_zero(d.z)};
+        else if constexpr (requires { s.base; }) return {is_zero(dot(Vec<WithinErrors>(s.top - s.base), d))};
+        else return {};
+    });
+}
+
 /// Movement of t for a primitive between planes along the axes. t is the largest or smallest parameter of a plane, so
 /// it moves at most as far as any plane that can become that one.
 template <class Shape>
 double moved_between_corners(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray,
                              MovedBy moved_by) {
+    const AlongSlabs along = along_slabs(problem);
     double most = 0;
-    for (int i = 0; i < 3; ++i)
-        most = std::max(
-            most, Slab{ray.origin[i] - s.lo[i], s.hi[i] - ray.origin[i], ray.direction[i]}.moved(problem, moved_by));
+    for (int i = 0; i < 3; ++i) {
+        const Slab slab{ray.origin[i] - s.lo[i], s.hi[i] - ray.origin[i], ray.direction[i],
+                        along[static_cast<std::size_t>(i)]};
+        most = std::max(most, slab.moved(problem, moved_by));
+    }
     return most;
 }
 
@@ -228,9 +246,11 @@ template <class Shape>
 double moved_at(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray, MovedBy moved_by) {
     if constexpr (requires { s.lo; }) return moved_between_corners(problem, s, ray, moved_by);
     else if constexpr (requires { s.start; }) return PiecesAlongAxis(problem, s, ray).moved();
-    else if constexpr (requires { s.base; })
-        return std::max(moved_root(problem, s.span(ray).side), slab_of(s.base, s.top, ray).moved(problem));
-    else return moved_root(problem, s.span(ray));
+    else if constexpr (requires { s.base; }) {
+        Slab caps = slab_of(s.base, s.top, ray);
+        caps.is_along = along_slabs(problem)[0];
+        return std::max(moved_root(problem, s.span(ray).side), caps.moved(problem));
+    } else return moved_root(problem, s.span(ray));
 }
 
 double reach_of(const ProblemNumbers& numbers, const Certified& answer, MovedBy moved_by) {
