@@ -2,6 +2,7 @@
 import unittest
 
 import backward
+import offsets
 
 
 class Backward(unittest.TestCase):
@@ -18,6 +19,17 @@ class Backward(unittest.TestCase):
             worst = backward.search(form, False, 2500, 1)[0]
             self.assertLess(worst, 5)
             self.assertGreater(worst, 3.5)
+
+
+class Offsets(unittest.TestCase):
+    """The distances of docs/offsets.md, in binary32."""
+
+    def test_points_are_as_near_to_their_surface_as_is_proved(self):
+        for name, share, start in offsets.SEARCHES:
+            with self.subTest(name):
+                largest = offsets.search(share, start, 6000, 1)
+                self.assertLess(largest, 1)
+                self.assertGreater(largest, 0.5)
 
 
 if __name__ == "__main__":
