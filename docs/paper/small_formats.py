@@ -1,11 +1,12 @@
-"""The worst padding of slabs in formats of few bits, by trying every significand: a check of three theorems of paper.tex.
+"""The worst padding of slabs in formats of few bits, by trying every significand: a check of three theorems of paper.tex,
+and of the theorem about division in docs/bounds.md.
 
-    python3 docs/paper/small_formats.py 4 9     # the worst ray for each number of bits from 4 to 9
+    python3 docs/paper/small_formats.py 4 9     # the worst rays for each number of bits from 4 to 9
 
 A ray that hits a box enters through a plane of one axis no later than it leaves through one of another. Let such an
 axis have the direction d and the rounded difference S, both with significands from 2^(p-1) to 2^p - 1. The true
 difference may be anything that rounds to S. So the true time lies between (S - 1/2)/d and (S + 1/2)/d, and the computed
-one is fl(S fl(1/d)). Powers of two change nothing.
+one is fl(S fl(1/d)), or fl(S/d) by division. Powers of two change nothing.
 """
 import sys
 from fractions import Fraction
@@ -17,15 +18,16 @@ def rounded(n, d):
     return q + (2 * rest > d or (2 * rest == d and q % 2))
 
 
-def times(p):
+def times(p, divides=False):
     """For the significand of each computed time: the earliest and the latest true time, in units of its last place."""
     half, earliest, latest = 2**(p - 1), {}, {}
     for d in range(half, 2 * half):
         reciprocal = rounded(2**(2 * p - 1), d)
         for s in range(half, 2 * half):
-            product = s * reciprocal
-            shift = product.bit_length() - p
-            m = rounded(product, 2**shift)
+            # n/q is the number that is rounded last, times 2^(2p - 1).
+            n, q = (s * 2**(2 * p - 1), d) if divides else (s * reciprocal, 1)
+            shift = (n // q).bit_length() - p
+            m = rounded(n, q * 2**shift)
             if m == 2 * half:
                 m, shift = half, shift + 1
             unit = Fraction(2**(2 * p - 1), d * 2**shift)
@@ -35,10 +37,10 @@ def times(p):
     return earliest, latest
 
 
-def parted(p):
+def parted(p, divides=False):
     """(tmax, tmin) of all rays that hit, where tmin > tmax, as numbers of last places of tmax."""
     half = 2**(p - 1)
-    earliest, latest = times(p)
+    earliest, latest = times(p, divides)
     for exit in sorted(latest):
         for steps in range(1, 9):
             entry, scale = exit + steps, 1
@@ -55,13 +57,14 @@ def padded(tmax, k, p):
     return rounded(product, 2**shift) * 2**(shift - p + 1)
 
 
-def worst(p):
+def worst(p, divides=False):
     """The largest padding (tmin - tmax)/tmax in u, and its tmax and tmin."""
-    return max((Fraction((entry - exit) * 2**p, exit), exit, entry) for exit, entry in parted(p))
+    return max((Fraction((entry - exit) * 2**p, exit), exit, entry) for exit, entry in parted(p, divides))
 
 
 if __name__ == "__main__":
     for bits in range(int(sys.argv[1]), int(sys.argv[2]) + 1):
-        padding, exit, entry = worst(bits)
-        print(f"{bits} bits: {float(padding):.4f} u, {entry - exit} last places at a significand of "
-              f"{exit / 2**(bits - 1):.4f}")
+        for name, divides in (("by 1/d", False), ("divided", True)):
+            padding, exit, entry = worst(bits, divides)
+            print(f"{bits} bits, {name}: {float(padding):.4f} u, {entry - exit} last places at a significand of "
+                  f"{exit / 2**(bits - 1):.4f}")

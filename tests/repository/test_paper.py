@@ -124,6 +124,13 @@ class Theorems(unittest.TestCase):
             self.assertTrue(all(small_formats.padded(tmax, 3, p) >= tmin for tmax, tmin in small_formats.parted(p)))
         self.assertFalse(all(small_formats.padded(tmax, 2, 7) >= tmin for tmax, tmin in small_formats.parted(7)))
 
+    def test_with_division_a_factor_of_four_u_is_enough_and_one_of_two_is_not(self):
+        for p in range(5, 9):
+            gaps = list(small_formats.parted(p, divides=True))
+            self.assertTrue(all(tmin * 2**(2 * p) <= tmax * (2**p + 2)**2 for tmax, tmin in gaps))  # tmax (1 + 2u)^2
+            self.assertTrue(all(small_formats.padded(tmax, 2, p) >= tmin for tmax, tmin in gaps))
+            self.assertFalse(all(small_formats.padded(tmax, 1, p) >= tmin for tmax, tmin in gaps))
+
 
 class Checks(unittest.TestCase):
     """Each check finds an offence."""

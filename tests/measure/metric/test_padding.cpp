@@ -6,11 +6,11 @@
 // S count, and p − o_i may be anything that rounds to S: o_i small has bits below those of p. So the gap is widest
 // where the entry's difference is the least, and the exit's the greatest, that rounds so, half a last place from S.
 //
-// In units of the last place let tmax = 2^23 + x, tmin = tmax + 3 (from docs/bounds.md: more than three is impossible,
-// and less is at most 4 u). The padding is then 6 u/(1 + η), η = x/2^23. Each rounding's relative error is at most u/m,
+// In units of the last place let tmax = 2^23 + x, tmin = tmax + 3 (from docs/bounds.md: four or more are at most 16/3
+// u, and two or fewer 4 u). The padding is then 6 u/(1 + η), η = x/2^23. Each rounding's relative error is at most u/m,
 // m in [1, 2) the significand of its result, so the six of them sum to 6 u/(1 + η) only where 1 − 1/m < 6 η of each; a
 // reciprocal of d = 2^24 − j has m = 1/(1 − j/2^24), so j ≤ 12 x and a few for terms of order u². (Where tmin is in the
-// binade above that of tmax, the roundings of tmax are at most half as large: 5 u.)
+// binade above that of tmax, the rounding of that product is at most half as large: 5.5 u.)
 #include <cstdint>
 
 #include "catch.hpp"
@@ -65,6 +65,36 @@ bool can_be(const Ends& ends) {
     return ends.last_exit.d != 0 && ends.first_entry.d != 0 && !(ends.last_exit < ends.first_entry);
 }
 
+/// The nearest whole number to n/d, ties to even.
+std::uint64_t quotient(Wide n, std::uint64_t d) {
+    const Wide q = n / d, twice = 2 * (n % d);
+    return static_cast<std::uint64_t>(q) + (twice > d || (twice == d && (q & 1) != 0) ? 1 : 0);
+}
+
+/// The same where t = fl(S/d). All d are possible, since d is not rounded: for each S the least one that gives tmax,
+/// and the greatest that gives tmin. In units of the last place S/d is S 2^power/d, where power makes it 2^23 or more.
+Ends divided_ends_of(std::uint64_t tmax, std::uint64_t tmin, std::uint64_t reach) {
+    Ends ends;
+    for (std::uint64_t s = half; s <= half + reach; ++s) {
+        for (int power = 23; power <= 24; ++power) {
+            const std::uint64_t least = power == 23 ? half : s + 1, end = power == 23 ? s + 1 : whole;
+            const auto is_in = [&](std::uint64_t d) { return d >= least && d < end; };
+            const Wide n = Wide{s} << power, scale = Wide{1} << (power - 23);
+            std::uint64_t d = static_cast<std::uint64_t>((2 * n + 2 * tmax) / (2 * tmax + 1));
+            if (quotient(n, d) != tmax) ++d;
+            const Fraction exit{static_cast<std::uint64_t>((2 * s + 1) * scale), d};
+            if (is_in(d) && quotient(n, d) == tmax && (ends.last_exit.d == 0 || ends.last_exit < exit))
+                ends.last_exit = exit;
+            d = static_cast<std::uint64_t>(2 * n / (2 * tmin - 1));
+            if (quotient(n, d) != tmin) --d;
+            const Fraction entry{static_cast<std::uint64_t>((2 * s - 1) * scale), d};
+            if (s > half && is_in(d) && quotient(n, d) == tmin && (ends.first_entry.d == 0 || entry < ends.first_entry))
+                ends.first_entry = entry;
+        }
+    }
+    return ends;
+}
+
 }  // namespace
 
 TEST_CASE("in float no hit separates the slabs of a box further than the known hard ray", "[padding]") {
@@ -77,6 +107,25 @@ TEST_CASE("in float no hit separates the slabs of a box further than the known h
     const Ends ends = ends_of(half + x, half + x + 3, 12 * x + 64);
     CHECK(ends.last_exit.d == whole - 4094);
     CHECK(ends.first_entry.d == whole - 20468);
+}
+
+// Two last places are 4 u/(1 + η), and more are impossible. Half a last place from S is excluded: S + 1/2 is a tie, so
+// the exit must be later than the entry, not equal to it. Each of the four errors is 1 − 1/m < 4 η from the largest
+// possible, so S − 2^23 ≤ 4 x and a few; twice that is tried. (S = 2^23 is no entry: numbers below it are twice as
+// dense.)
+TEST_CASE("in float no hit separates slabs that divide further than the known ray", "[padding]") {
+    constexpr std::uint64_t worst = 2896;
+    const auto parts = [](std::uint64_t x) {
+        const Ends ends = divided_ends_of(half + x, half + x + 2, 8 * x + 16);
+        return ends.last_exit.d != 0 && ends.first_entry.d != 0 && ends.first_entry < ends.last_exit;
+    };
+    std::uint64_t x = 0;
+    while (x <= worst && !parts(x)) ++x;
+    REQUIRE(x == worst);
+    // The directions of the ray in data/sweeps/theorems/slabs.toml.
+    const Ends ends = divided_ends_of(half + x, half + x + 2, 8 * x + 16);
+    CHECK(ends.last_exit.d == whole - 2896);
+    CHECK(ends.first_entry.d == whole - 5791);
 }
 
 }  // namespace test_padding
