@@ -330,6 +330,20 @@ std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::Primitiv
     return nearest;
 }
 
+namespace {
+
+/// True if the point at t lies on no torus of all problems. Where two roots of the quartic are near each other, its
+/// sign changes with small changes of every problem, while the distance from the circle has one sign.
+bool is_off_torus(const Ray<Near>& ray, const Primitive<Near>& primitive, const Near& t) {
+    if (primitive.shape != shape_as<Torus>) return false;
+    const Near away = in_its_space<Torus>(ray, primitive, [&](const Torus<Near>& torus, const Ray<Near>& its) {
+        return torus.distance(its.origin + t * its.direction);
+    });
+    return away.lowest() > 0 || away.highest() < 0;
+}
+
+}  // namespace
+
 double decision_margin(const Ray<double>& ray, const Primitive<double>& primitive, Turned turned, Perturbed perturbed,
                        intersect::Convention convention, Range<double> range) {
     const Margin margin = margin_of(ray, primitive, turned, perturbed, convention, range);
@@ -346,7 +360,7 @@ double backward_error(const Ray<double>& ray, const Primitive<double>& primitive
         return asked.of_all_within(epsilon, [&](const auto& r, const auto& s, const auto* within, const auto& words) {
             const auto side =
                 with_span(r, s, [&](const auto& span) { return side_if_any(span, there, within, words); });
-            return side && *side != 0;
+            return (side && *side != 0) || is_off_torus(r, s, there);
         });
     });
 }
