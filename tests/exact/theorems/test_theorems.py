@@ -1,4 +1,5 @@
 """Tests that no ray exceeds the bounds that the theorems state, and that some rays come near them."""
+import math
 import unittest
 
 import backward
@@ -19,6 +20,24 @@ class Backward(unittest.TestCase):
             worst = backward.search(form, False, 2500, 1)[0]
             self.assertLess(worst, 5)
             self.assertGreater(worst, 3.5)
+
+    def test_the_sums_of_the_proof_are_below_their_bounds(self):
+        for i in range(1, 201):
+            for j in range(-40, 41):
+                h = i / 200  # T is 1
+                l = h * 2**(j / 4)
+                f, r2, size = math.hypot(1, l), l * l + h * h, l * l + h
+                x = 2 * (1 - h) + 3 * f + 3 * (1 - h / 2) + 1.5 * h + 2 * (1 + l)
+                self.assertLessEqual(r2 + 5 * l * l + h * h + 2 * h * x, 20 * size)  # Hearn and Baker
+                c = 3 * f * f + 5 * l * l + h * h + (1 - h) * 4 * (f + h)
+                x = 3 * (1 - h) + c / (1 + h)
+                self.assertLessEqual(r2 + 5 * l * l + h * h + 2 * h * x, 20 * size)  # both remedies
+                if f < 16 * math.sqrt(r2):
+                    continue
+                c = 3 * f * f + 13 * l * l + 5 * h * h + 4 * l + (1 - h) * (3 * f + h)
+                theta = (5 * r2 + 5 * l * l + h * h + 2 * h * (3 * (1 - h) + c / (1 + h))) / (4 * size)
+                self.assertLessEqual(theta, 4.5)  # the cross product
+                self.assertLessEqual((2 * theta + 2 + (1 + l) / (1 - h)) / 2, 6)
 
 
 class Offsets(unittest.TestCase):
