@@ -1,4 +1,5 @@
 """Tests that no ray exceeds the bounds that the theorems state, and that some rays come near them."""
+import math
 import unittest
 
 import backward
@@ -9,16 +10,36 @@ class Backward(unittest.TestCase):
     """The first-order constants of docs/stability.md, over the rays of a search."""
 
     def test_the_near_root_stays_below_the_proved_constant_and_comes_within_a_tenth(self):
-        for form, constant in ((backward.unified, 6), (backward.cross_product, 6), (backward.hearn_baker, 6.5)):
+        for form, constant in backward.FORMS.items():
             worst = max(backward.search(form, True, 2500, seed, 1 + 2**-7)[0] for seed in range(2))
             self.assertLess(worst, constant)
             self.assertGreater(worst, 0.9 * constant)
 
     def test_the_far_root_stays_below_five(self):
-        for form in (backward.unified, backward.cross_product, backward.hearn_baker):
+        for form in backward.FORMS:
             worst = backward.search(form, False, 2500, 1)[0]
             self.assertLess(worst, 5)
             self.assertGreater(worst, 3.5)
+
+    def test_the_sums_of_the_proof_are_below_their_bounds(self):
+        for i in range(1, 201):
+            for j in range(-40, 41):
+                h = i / 200  # T is 1
+                l = h * 2**(j / 4)
+                f, r2, size = math.hypot(1, l), l * l + h * h, l * l + h
+                x = 2 * (1 - h) + 3 * f + 3 * (1 - h / 2) + 1.5 * h + 2 * (1 + l)
+                self.assertLessEqual(r2 + 5 * l * l + h * h + 2 * h * x, 20 * size)  # Hearn and Baker
+                x = (1 - h) + 3 * f + 4 * (1 - h / 2) + 1 + 1.5 * h + (1 + l)
+                self.assertLessEqual(r2 + 5 * l * l + h * h + 2 * h * x, 20 * size)  # Embree's points
+                c = 3 * f * f + 5 * l * l + h * h + (1 - h) * 4 * (f + h)
+                x = 3 * (1 - h) + c / (1 + h)
+                self.assertLessEqual(r2 + 5 * l * l + h * h + 2 * h * x, 20 * size)  # both remedies
+                if f < 16 * math.sqrt(r2):
+                    continue
+                c = 3 * f * f + 13 * l * l + 5 * h * h + 4 * l + (1 - h) * (3 * f + h)
+                theta = (5 * r2 + 5 * l * l + h * h + 2 * h * (3 * (1 - h) + c / (1 + h))) / (4 * size)
+                self.assertLessEqual(theta, 4.5)  # the cross product
+                self.assertLessEqual((2 * theta + 2 + (1 + l) / (1 - h)) / 2, 6)
 
 
 class Offsets(unittest.TestCase):
