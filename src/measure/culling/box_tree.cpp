@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 
+#include "measure/culling/sort_by_index.hpp"
 #include "shapes/bounding_box.hpp"
 
 namespace lostbits::measure::culling {
@@ -99,6 +101,8 @@ int shift_of(const PrimitiveList<double>& primitives) {
     std::ranges::nth_element(powers, median);
     return std::abs(*median) <= far_from_the_ends_of_binary32 ? 0 : *median;
 }
+
+void sort(std::vector<std::uint32_t>& primitives) { sort_by_index(primitives, std::identity()); }
 
 std::array<float, 6> around(const std::array<float, 6>& a, const std::array<float, 6>& b) {
     std::array<float, 6> both;
@@ -210,7 +214,7 @@ void BoxTree::within(const Vec<double>& p, double distance, std::vector<std::uin
             if (node.has_node(c)) later.push_back(node.next[c]);
         }
     }
-    std::ranges::sort(found);
+    sort(found);
 }
 
 namespace {
@@ -320,7 +324,7 @@ void BoxTree::Walk::step() {
 
 void BoxTree::candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const {
     for (Walk walk(*this, ray, found); !walk.is_done();) walk.step();
-    std::ranges::sort(found);
+    sort(found);
 }
 
 // A node of a large tree is rarely in a cache, so a walk waits most of its time. Walks that take turns wait together.
@@ -340,7 +344,7 @@ void BoxTree::append_candidates(std::span<const Ray<double>> rays, std::vector<s
             }
         }
         for (std::size_t i = 0; i < count; ++i) {
-            std::ranges::sort(found_by[i]);
+            sort(found_by[i]);
             found.insert(found.end(), found_by[i].begin(), found_by[i].end());
             ends[begin + i] = found.size();
         }
