@@ -40,10 +40,8 @@ bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b)
         return x->distance == y->distance && x->ray.origin == y->ray.origin && x->ray.direction == y->ray.direction &&
                x->faces == y->faces && x->truth == y->truth && (x->t == y->t || (std::isnan(x->t) && std::isnan(y->t)));
     };
+    const auto same_count = [](const EdgeCount& x, const EdgeCount& y) { return x.rays == y.rays && x.with == y.with; };
     return std::ranges::equal(a, b, [&](const EdgeFinding& x, const EdgeFinding& y) {
-        const auto same_count = [](const EdgeCount& a, const EdgeCount& b) {
-            return a.rays == b.rays && a.with == b.with;
-        };
         return x.rays == y.rays && std::ranges::equal(x.nearest, y.nearest, same_ray) &&
                std::ranges::equal(x.census, y.census, same_count);
     });
