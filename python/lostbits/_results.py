@@ -184,7 +184,7 @@ class MeshJudgement(Summarised):
 
     def __init__(self, tables: dict[str, Table]) -> None:
         super().__init__(tables["summary"])
-        self.rays = tables.get("rays")
+        self.rays = tables.get("rows")
 
 
 class Hits:
