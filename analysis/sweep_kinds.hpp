@@ -50,6 +50,8 @@ struct SweepSelection {
 
     [[nodiscard]] shard::Division& division() const { return divided.division; }
     [[nodiscard]] std::filesystem::path data() const { return selection::data_folder(common.data); }
+    /// True if no form is named.
+    [[nodiscard]] bool takes_all_forms() const { return o.forms == SweepOptions().forms; }
     [[nodiscard]] std::filesystem::path folder_of(const std::string& id) const {
         return std::filesystem::path(o.out) / id;
     }

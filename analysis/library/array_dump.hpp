@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "analysis/library/lostbits.h"
 #include "scene/dump/dump.hpp"
 
 namespace lostbits::analysis::library {
@@ -16,6 +18,12 @@ struct ArrayColumn {
     std::ptrdiff_t step = 0;
     enum class Type { f32, f64, boolean } type = Type::f64;
 };
+
+/// Appends the columns of an array of the caller, if it is given, under these names.
+void put_columns(std::vector<ArrayColumn>& into, const lostbits_array& array, std::span<const std::string> names);
+/// Throws InputError if an array with that many rows and columns is larger than any memory.
+void require_reach(const lostbits_array& array, std::size_t rows, std::size_t columns, const char* name);
+OpenEnds open_ends_of(const std::string& word);
 
 /// Number i of a column, rounded once to the format.
 double number_at(const ArrayColumn& column, std::size_t i, const Format& format);

@@ -31,7 +31,7 @@ extern "C" {
 #endif
 
 /* The version of this interface. It changes when a program compiled with the old header would no longer work. */
-#define LOSTBITS_ABI 9
+#define LOSTBITS_ABI 10
 
 enum {
     LOSTBITS_OK = 0,           /* done */
@@ -223,6 +223,18 @@ LOSTBITS_API int lostbits_truth(const lostbits_rays* rays, const lostbits_run* r
  * each ray; 0 if no precision decided, and crossings may be missing. */
 LOSTBITS_API int lostbits_hits(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result,
                                lostbits_error* error);
+/* Answers about the whole surface of the meshes of `rays->scene`, in the terms of files of rays (docs/judge.md). A
+ * record is a ray or, for the column "inside", a point; points are the origins, and have no direction. */
+typedef struct lostbits_mesh_answers {
+    const char* column;     /* what is answered: "hit_index", "crossings", "parity" or "inside" */
+    lostbits_array values;  /* count: the numbers of that column; -1 or NaN as a hit_index: the ray has no hit */
+    lostbits_array objects; /* count: for "hit_index", the triangle that is hit, from 0; NaN for none */
+    int rows;               /* not 0: the result has a table with one row for each ray or point */
+} lostbits_mesh_answers;
+/* Judges them as `lostbits judge` does. Of `rays` it takes count, origin, direction, tmin, tmax, open_ends, t, scene,
+ * format, unit, touching and facing. Tables: `summary`, as summary.csv, and `rows`. */
+LOSTBITS_API int lostbits_judge_mesh(const lostbits_rays* rays, const lostbits_mesh_answers* answers,
+                                     const lostbits_run* run, lostbits_result** result, lostbits_error* error);
 /* Position of points (count x 3) relative to the meshes of a scene, which has no other primitives. Table `points`:
  * winding (number of layers of the surface that enclose the point), crossings (of the ray by which they are
  * counted), on_surface, resolved. Table `mesh`, one row: the numbers of edges, of border edges (one face), non_manifold

@@ -40,22 +40,6 @@ struct GivenRays {
     }
 };
 
-void put_columns(std::vector<ArrayColumn>& into, const lostbits_array& array, std::span<const std::string> names) {
-    if (array.data == nullptr) return;
-    using Type = ArrayColumn::Type;
-    if (array.bits != 8 && array.bits != 32 && array.bits != 64)
-        throw InputError("an array of " + names.front() + " has items of " + std::to_string(array.bits) +
-                         " bits; give 32 or 64, or 8 for decisions");
-    for (std::size_t k = 0; k < names.size(); ++k)
-        into.push_back(
-            {.name = names[k],
-             .data = static_cast<const std::byte*>(array.data) + static_cast<std::ptrdiff_t>(k) * array.item_step,
-             .step = array.step,
-             .type = array.bits == 8    ? Type::boolean
-                     : array.bits == 32 ? Type::f32
-                                        : Type::f64});
-}
-
 /// The primitives of an array that all rays share, in its order.
 std::vector<Primitive<double>> shared_primitives_of(const lostbits_rays& rays, Shape shape, const Format& format) {
     std::vector<ArrayColumn> columns;
@@ -74,25 +58,6 @@ std::vector<Primitive<double>> shared_primitives_of(const lostbits_rays& rays, S
         primitives.push_back(primitive);
     }
     return primitives;
-}
-
-OpenEnds open_ends_of(const std::string& word) {
-    for (const char* const each : {"none", "tmin", "tmax", "both"})
-        if (word == each) return open_ends_named(word);
-    throw InputError("open_ends is \"" + word + "\"; write none, tmin, tmax or both");
-}
-
-/// Throws InputError if an array with that many rows and columns is larger than any memory.
-void require_reach(const lostbits_array& array, std::size_t rows, std::size_t columns, const char* name) {
-    constexpr std::size_t most = PTRDIFF_MAX / 4;
-    const auto reach = [](std::size_t count, std::ptrdiff_t step) {
-        const std::size_t bytes = step < 0 ? 0 - static_cast<std::size_t>(step) : static_cast<std::size_t>(step);
-        return bytes == 0 || count <= most / bytes;
-    };
-    if (rows > most / sizeof(double) || !reach(rows, array.step) || !reach(columns, array.item_step))
-        throw InputError(std::string(name) + ": " + std::to_string(rows) + " rows, " + std::to_string(array.step) +
-                         " bytes apart, with items " + std::to_string(array.item_step) +
-                         " bytes apart, are more than any memory holds");
 }
 
 GivenRays given(const lostbits_rays& rays, const CallRun& running) {

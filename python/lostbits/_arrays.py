@@ -144,3 +144,43 @@ class Rays:
             value, array = array_of(value, field, columns, n, kinds)
             setattr(raw, field, array)
             self.kept.append(value)
+
+
+def whole_numbers(value: Any, name: str, count: int | None = None) -> Any:
+    """The whole numbers or booleans of an array of shape (n,), as float64."""
+    made = np.asarray(value)
+    if made.ndim != 1 or made.dtype.kind not in "iub" or count is not None and len(made) != count:
+        wanted = f"{count} " if count is not None else ""
+        raise lib.InputError(f"{name} must have {wanted}whole numbers or booleans; it has shape {made.shape} of "
+                             f"{made.dtype}")
+    return made.astype(np.float64)
+
+
+def one_per_record(kind: str, value: Any, primitive: Any, t: Any, count: int) -> tuple[Any, Any, Any, Any]:
+    """Answers about a mesh as records of a file: their numbers, triangles, rays and t. None: none, or one per ray.
+
+    The hits of a list become records in the order of their rays, with their hit_index from 0; a ray without a hit
+    becomes one with a hit_index of -1.
+    """
+    if kind != "hit_index":
+        if primitive is not None or t is not None:
+            raise lib.InputError(f"primitive and t belong to hits; leave them out beside {kind}, or give ray")
+        return whole_numbers(value, kind, count), None, None, None
+    ray = whole_numbers(value, "ray").astype(np.int64)
+    if primitive is None:
+        raise lib.InputError("primitive is None; give the triangle of each hit, one number for each item of ray")
+    primitive = whole_numbers(primitive, "primitive", len(ray))
+    t = array_of(t, "t", 0)[0]
+    if t is not None and len(t) != len(ray):
+        raise lib.InputError(f"t has {len(t)} items and ray has {len(ray)}; give one item per hit")
+    if len(ray) and not 0 <= ray.min() <= ray.max() < count:
+        raise lib.InputError(f"ray has items from {ray.min()} to {ray.max()}, but there are {count} rays, from 0")
+    without = np.setdiff1d(np.arange(count), ray)
+    order = np.argsort(np.concatenate([ray, without]), kind="stable")
+    missing = np.full(len(without), -1.0)
+    first = np.searchsorted(np.sort(ray), ray)
+    index = np.empty(len(ray))
+    index[np.argsort(ray, kind="stable")] = np.arange(len(ray))
+    values = np.concatenate([index - first, missing])[order]
+    of_t = None if t is None else np.concatenate([t, np.full(len(without), np.nan, t.dtype)])[order]
+    return values, np.concatenate([primitive, missing])[order], np.concatenate([ray, without])[order], of_t

@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 from typing import Any, Sequence
 
-ABI = 9
+ABI = 10
 
 
 class Error(Exception):
@@ -127,6 +127,7 @@ Run = _struct("Run", "int threads; stop; progress; pointer own", stop=c.POINTER(
 Rays = _struct("Rays", "size count; array origin, direction, tmin, tmax; text open_ends, shape; array primitives; "
                "size primitive_count; int paired; pointer scene; array t, hit; text format; "
                "int unit, touching, at_origin, inside, facing; array by, matrix")
+MeshAnswers = _struct("MeshAnswers", "text column; array values, objects; int rows")
 Requirement = _struct("Requirement", "double bits, tolerance, wrong; text at")
 TableWords = _struct("TableWords", "text name; size columns, rows")
 ColumnWords = _struct("ColumnWords", "text name, type, unit, meaning; pointer numbers; texts texts; "

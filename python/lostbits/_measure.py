@@ -1,4 +1,4 @@
-"""The calls that measure: map, judge, ask, truth, hits, inside, studies, sweep, explain, choose, mend."""
+"""The calls that measure: map, judge, judge_mesh, ask, truth, hits, inside, studies, sweep, explain, choose, mend."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _library as lib
-from ._arrays import Floats, Rays, array_of, primitives_in, word
+from ._arrays import Floats, Rays, array_of, one_per_record, primitives_in, word
 from ._forms import Asked, Form, Forms, Texts
-from ._results import Checked, Choice, Explanation, Hits, Inside, Judgement, Map, Mended, Study, Sweep, Truths
+from ._results import (Checked, Choice, Explanation, Hits, Inside, Judgement, Map, Mended, MeshJudgement, Study, Sweep,
+                       Truths)
 from ._scene import Scene, scene as make_scene, scene_of, toml_text
 from ._tables import Table, tables_of, texts_of
 
@@ -213,6 +214,51 @@ def inside(points: Floats, mesh: Any, *, threads: int = 0) -> Inside:
         raise lib.InputError("mesh is (vertices, faces): arrays n x 3 of numbers and m x 3 of places among them")
     return Inside(tables_of(lib.long_call("lostbits_inside", on.handle.pointer, c.byref(array), c.c_size_t(len(kept)),
                                           threads=threads)[1]))
+
+
+def judge_mesh(mesh: Any, o: Floats, d: Floats | None = None, *, ray: Any = None, primitive: Any = None,
+               t: Floats | None = None, crossings: Any = None, parity: Any = None, inside: Any = None,
+               tmin: Floats | None = None, tmax: Floats | None = None, open_ends: str = "none",
+               format: str | None = None, direction: str = "any", touching: str = "hit", facing: str = "both",
+               rows: bool = True, threads: int = 0) -> MeshJudgement:
+    """Compares answers about the whole surface of a mesh with its certified crossings, as `lostbits judge` does.
+
+    `mesh`: (vertices n x 3, faces m x 3), or a scene of meshes alone. `o`, `d`: n x 3 of float32 or float64, the rays;
+    for `inside`, `o` has points and `d` is left out. Give one of these:
+
+    - `ray`, `primitive` and, if known, `t`: all hits of the rays in the order of your code, an item each: the index of
+      the ray, that of the triangle, and the distance. A ray that is not in `ray` has no hit.
+    - `crossings`: n numbers, how often a ray crosses the surface. `parity`: n numbers, 1 for odd and 0 for even.
+    - `inside`: n booleans, the points that are inside.
+
+    `tmin`, `tmax`, `open_ends`, `format`, `direction`, `touching`, `facing`: as in lb.judge. The outcomes are those of
+    docs/meshes.md. The result has `.summary`, `.frame`, and `.rays` with a row for each ray or point.
+    """
+    kinds = {"hit_index": ray, "crossings": crossings, "parity": parity, "inside": inside}
+    given = [name for name, value in kinds.items() if value is not None]
+    if len(given) != 1:
+        raise lib.InputError("give one of ray (with primitive), crossings, parity and inside; " +
+                             (f"{' and '.join(given)} are given" if given else "none is given"))
+    kind, on = given[0], _of_mesh(mesh)
+    if not isinstance(on, Scene):
+        raise lib.InputError("mesh is (vertices, faces): arrays n x 3 of numbers and m x 3 of places among them")
+    if (d is None) != (kind == "inside"):
+        raise lib.InputError("points have no direction; leave out d" if d is not None else
+                             "d is None; give the directions of the rays, n x 3")
+    o = array_of(o, "o", 3)[0]
+    values, objects, take, of_t = one_per_record(kind, kinds[kind], primitive, t, len(o))
+    ends = {name: value if take is None or value is None else array_of(value, name, 0, len(o))[0][take]
+            for name, value in (("tmin", tmin), ("tmax", tmax))}
+    asked = Rays(o if take is None else o[take], o if d is None else d if take is None else d[take], on, "triangle",
+                 t=of_t, open_ends=open_ends, format=format, direction=direction, touching=touching, facing=facing,
+                 **ends)
+    if d is None:
+        asked.raw.direction = lib.Array()
+    answers = lib.MeshAnswers(column=kind.encode(), values=array_of(values, "values", 0)[1], rows=int(bool(rows)))
+    if objects is not None:
+        answers.objects = array_of(objects, "objects", 0)[1]
+    return MeshJudgement(tables_of(lib.long_call("lostbits_judge_mesh", c.byref(asked.raw), c.byref(answers),
+                                                 threads=threads)[1]))
 
 
 def _of_mesh(mesh: Any) -> Any:

@@ -179,6 +179,14 @@ class Truths:
         return f"<lostbits truths of {len(self)} rays, {int(self.hit.sum())} hits>"
 
 
+class MeshJudgement(Summarised):
+    """Result of `judge_mesh`: `.summary` (one row), `.frame`, and `.rays`, a row for each ray or point (rows=True)."""
+
+    def __init__(self, tables: dict[str, Table]) -> None:
+        super().__init__(tables["summary"])
+        self.rays = tables.get("rows")
+
+
 class Hits:
     """Crossings of rays with triangles, one item each, by the ray and then in the exact order of t: ray, place, primitive,
     t, t_lo, front, at_rim. `resolved`: one item for each ray."""

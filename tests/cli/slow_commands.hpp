@@ -49,6 +49,7 @@ inline constexpr std::array slow_commands{
     SlowCommand{"report sphere-height box-boundary ", "the same"},
     SlowCommand{"report near-benign --mend ", "test_report.cpp"},
     SlowCommand{"sweep mesh-edges --worst ", "test_same_bytes.cpp and test_shards.cpp"},
+    SlowCommand{"sweep mesh-census --worst -f f32 ", "the command of docs/meshes.md, with two forms"},
     SlowCommand{"sweep exhaustive-mesh-edge ", "test_mesh_floats.cpp"},
     SlowCommand{"sweep data/sweeps/sdf-", "test_march.cpp"},
     SlowCommand{"sweep instance-distance-sphere ", "test_spaces.cpp"},

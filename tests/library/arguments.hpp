@@ -92,6 +92,9 @@ struct Arguments {
     std::vector<double> origins{0, 0, 5, 0, 0, 6, 0, 0, 7}, directions{0, 0, -1, 0, 0, -1, 0, 0, -1};
     lostbits_rays rays{};
     const lostbits_rays* given_rays = &rays;
+    std::vector<double> counts{0, 1, 2};
+    lostbits_mesh_answers answers{"crossings", {counts.data(), 8, 0, 64}, {nullptr, 0, 0, 0}, 1};
+    const lostbits_mesh_answers* given_answers = &answers;
     const char* sweep =
         "schema = \"lostbits-sweep/1\"\ntitle = \"a\"\nsource = \"-\"\nscene = \"near-benign\"\n"
         "[[axis]]\nname = \"radius\"\nunit = \"world\"\nspacing = \"linear\"\nfrom = 1\nto = 2\nsteps = 2\n"
@@ -163,6 +166,11 @@ inline const Function functions[] = {
      [](Arguments& a, lostbits_error* e) {
          const lostbits_array* const array = a.given_rays == nullptr ? nullptr : &a.rays.origin;
          return lostbits_inside(a.scene == nullptr ? nullptr : a.mesh.get(), array, a.rays.count, &a.run, a.out, e);
+     }},
+    {"judge_mesh",
+     [](Arguments& a, lostbits_error* e) {
+         a.rays.scene = a.scene == nullptr ? nullptr : a.mesh.get();
+         return lostbits_judge_mesh(a.given_rays, a.given_answers, &a.run, a.out, e);
      }},
     {"sweep",
      [](Arguments& a, lostbits_error* e) { return lostbits_sweep(a.sweep, 1, a.data, &a.choice, &a.run, a.out, e); }},

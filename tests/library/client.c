@@ -260,6 +260,38 @@ int client_gives_ranges_and_groups(void) {
     return 0;
 }
 
+int client_judges_answers_about_a_mesh(void) {
+    lostbits_error error;
+    lostbits_scene* scene = NULL;
+    lostbits_result* result = NULL;
+    lostbits_column column;
+    const double corners[] = {0, 0, 0, 4, 0, 0, 0, 4, 0}, origin[] = {1, 1, 5, 9, 9, 5, 1, 1, 5},
+                 direction[] = {0, 0, -1};
+    const double counts[] = {1, 0, 2}, hits[] = {0, -1, 0}, objects[] = {0, -1, 0}, t[] = {5, 0, 5};
+    const uint32_t face[] = {0, 1, 2};
+    lostbits_rays rays = three_rays(origin, direction, 24, 8, 64);
+    lostbits_mesh_answers answers = {"crossings", {counts, 8, 0, 64}, {NULL, 0, 0, 0}, 1};
+    HOLDS(lostbits_scene_text(scene_text, NULL, &scene, &error) == LOSTBITS_OK);
+    HOLDS(lostbits_scene_mesh(scene, corners, 3, face, 1, &error) == LOSTBITS_OK);
+    rays.scene = scene, rays.direction.step = 0;
+    HOLDS(lostbits_judge_mesh(&rays, &answers, NULL, &result, &error) == LOSTBITS_OK);
+    HOLDS(column_named(result, 0, "agree", &column) && column.numbers[0] == 2);
+    HOLDS(column_named(result, 1, "true_crossings", &column) && column.numbers[0] == 1 && column.numbers[1] == 0);
+    lostbits_result_free(result);
+    answers.column = "hit_index", answers.values.data = hits, answers.objects = answers.values;
+    answers.objects.data = objects;
+    rays.t = answers.values, rays.t.data = t;
+    HOLDS(lostbits_judge_mesh(&rays, &answers, NULL, &result, &error) == LOSTBITS_OK);
+    HOLDS(column_named(result, 0, "agree", &column) && column.numbers[0] == 3);
+    HOLDS(column_named(result, 0, "ulp_error_max", &column) && column.numbers[0] == 0);
+    lostbits_result_free(result);
+    answers.column = "hits";
+    HOLDS(lostbits_judge_mesh(&rays, &answers, NULL, &result, &error) == LOSTBITS_BAD_INPUT);
+    HOLDS(strstr(error.text, "write hit_index, crossings, parity or inside") != NULL);
+    lostbits_scene_free(scene);
+    return 0;
+}
+
 int client_asks_for_studies_and_a_choice(void) {
     lostbits_error error;
     lostbits_scene* scene = NULL;

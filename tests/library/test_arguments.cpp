@@ -31,8 +31,8 @@ struct Row {
 };
 
 const std::vector<std::string> choosing{"map", "judge", "answers", "sweep", "explain", "study", "choose", "mend"},
-    aiming{"judge", "answers", "truth", "hits"},
-    running{"map", "judge", "answers", "truth", "hits", "inside", "sweep", "study", "choose", "mend"},
+    aiming{"judge", "answers", "truth", "hits"}, of_rays{"judge", "answers", "truth", "hits", "judge_mesh"},
+    running{"map", "judge", "answers", "truth", "hits", "inside", "judge_mesh", "sweep", "study", "choose", "mend"},
     opening{"scene_open", "scene_text"}, with_requirement{"choose", "mend"};
 
 const std::vector<Row> null_rows{
@@ -40,8 +40,8 @@ const std::vector<Row> null_rows{
     {"text", {"scene_text"}, [](Arguments& a) { a.text = nullptr; }},
     {"scene to make", opening, [](Arguments& a) { a.scene_out = nullptr; }},
     {"scene",
-     {"scene_primitives", "scene_mesh", "scene_transform", "scene_rays", "map", "inside", "explain", "study", "choose",
-      "mend"},
+     {"scene_primitives", "scene_mesh", "scene_transform", "scene_rays", "map", "inside", "judge_mesh", "explain",
+      "study", "choose", "mend"},
      [](Arguments& a) { a.scene = nullptr; }},
     {"shape", {"scene_primitives"}, [](Arguments& a) { a.shape = nullptr; }},
     {"numbers", {"scene_primitives"}, [](Arguments& a) { a.numbers = nullptr; }},
@@ -49,8 +49,8 @@ const std::vector<Row> null_rows{
     {"faces", {"scene_mesh"}, [](Arguments& a) { a.faces = nullptr; }},
     {"matrix", {"scene_transform"}, [](Arguments& a) { a.matrix = nullptr; }},
     {"result to make",
-     {"form_function", "scene_rays", "shapes", "map", "judge", "answers", "truth", "hits", "inside", "sweep", "explain",
-      "study", "choose", "mend"},
+     {"form_function", "scene_rays", "shapes", "map", "judge", "answers", "truth", "hits", "inside", "judge_mesh",
+      "sweep", "explain", "study", "choose", "mend"},
      [](Arguments& a) { a.out = nullptr; }},
     {"forms", {"form_make"}, [](Arguments& a) { a.given_forms = nullptr; }},
     {"named", {"form_function"}, [](Arguments& a) { a.function = nullptr; }},
@@ -60,11 +60,14 @@ const std::vector<Row> null_rows{
     {"form", {"form_write"}, [](Arguments& a) { a.form = nullptr; }},
     {"operations", {"form_write"}, [](Arguments& a) { a.operations = nullptr; }},
     {"op", {"form_write"}, [](Arguments& a) { a.listed[2].op = nullptr; }},
-    {"rays", aiming, [](Arguments& a) { a.given_rays = nullptr; }},
+    {"rays", of_rays, [](Arguments& a) { a.given_rays = nullptr; }},
+    {"answers about a mesh", {"judge_mesh"}, [](Arguments& a) { a.given_answers = nullptr; }},
+    {"their column", {"judge_mesh"}, [](Arguments& a) { a.answers.column = nullptr; }},
+    {"their values", {"judge_mesh"}, [](Arguments& a) { a.answers.values.data = nullptr; }},
     {"points", {"inside"}, [](Arguments& a) { a.given_rays = nullptr; }},
     {"points' numbers", {"inside"}, [](Arguments& a) { a.rays.origin.data = nullptr; }},
-    {"origin", aiming, [](Arguments& a) { a.rays.origin.data = nullptr; }},
-    {"direction", aiming, [](Arguments& a) { a.rays.direction.data = nullptr; }},
+    {"origin", of_rays, [](Arguments& a) { a.rays.origin.data = nullptr; }},
+    {"direction", of_rays, [](Arguments& a) { a.rays.direction.data = nullptr; }},
     {"rays' shape", aiming, [](Arguments& a) { a.rays.shape = nullptr; }},
     {"rays' primitives", aiming, [](Arguments& a) { a.rays.primitives.data = nullptr; }},
     {"sweep", {"sweep"}, [](Arguments& a) { a.sweep = nullptr; }},
@@ -125,16 +128,17 @@ std::vector<Row> count_rows() {
         rows.push_back({"forms" + of, {"form_make"}, [n](Arguments& a) { a.form_count = n; }});
         rows.push_back({"operations" + of, {"form_write"}, [n](Arguments& a) { a.operation_count = n; }});
         rows.push_back({"own" + of, choosing, [n](Arguments& a) { a.choice.own = &a.own, a.choice.own_count = n; }});
-        rows.push_back({"rays" + of, aiming, [n](Arguments& a) { a.rays.count = n; }});
+        rows.push_back({"rays" + of, of_rays, [n](Arguments& a) { a.rays.count = n; }});
         rows.push_back({"points" + of, {"inside"}, [n](Arguments& a) { a.rays.count = n; }});
         rows.push_back({"rays of one" + of, aiming,
                         [n](Arguments& a) { a.rays.count = n, a.rays.origin.step = a.rays.direction.step = 0; }});
         rows.push_back({"rays' primitives" + of, aiming, [n](Arguments& a) { a.rays.primitive_count = n; }});
     }
     for (const std::ptrdiff_t n : {PTRDIFF_MAX, PTRDIFF_MIN, PTRDIFF_MAX / 2}) {
-        rows.push_back({"step", aiming, [n](Arguments& a) { a.rays.origin.step = n; }});
+        rows.push_back({"step of values", {"judge_mesh"}, [n](Arguments& a) { a.answers.values.step = n; }});
+        rows.push_back({"step", of_rays, [n](Arguments& a) { a.rays.origin.step = n; }});
         rows.push_back({"step of points", {"inside"}, [n](Arguments& a) { a.rays.origin.step = n; }});
-        rows.push_back({"item_step", aiming, [n](Arguments& a) { a.rays.direction.item_step = n; }});
+        rows.push_back({"item_step", of_rays, [n](Arguments& a) { a.rays.direction.item_step = n; }});
         rows.push_back({"item_step of primitives", aiming, [n](Arguments& a) { a.rays.primitives.item_step = n; }});
     }
     rows.push_back({"no primitives", {"scene_primitives"}, [](Arguments& a) { a.primitive_count = 0; }});
@@ -162,8 +166,9 @@ std::vector<Row> text_rows() {
         rows.push_back({"op" + is, {"form_write"}, [text](Arguments& a) { a.listed[2].op = text; }});
         rows.push_back({"label" + is, {"form_write"}, [text](Arguments& a) { a.listed[2].label = text; }, true});
         rows.push_back({"rays' shape" + is, aiming, [text](Arguments& a) { a.rays.shape = text; }});
-        rows.push_back({"open_ends" + is, aiming, [text](Arguments& a) { a.rays.open_ends = text; }});
-        rows.push_back({"format" + is, aiming, [text](Arguments& a) { a.rays.format = text; }});
+        rows.push_back({"column of answers" + is, {"judge_mesh"}, [text](Arguments& a) { a.answers.column = text; }});
+        rows.push_back({"open_ends" + is, of_rays, [text](Arguments& a) { a.rays.open_ends = text; }});
+        rows.push_back({"format" + is, of_rays, [text](Arguments& a) { a.rays.format = text; }});
         rows.push_back({"sweep" + is, {"sweep"}, [text](Arguments& a) { a.sweep = text; }});
         rows.push_back({"study" + is, {"study"}, [text](Arguments& a) { a.study = text; }});
         rows.push_back({"option" + is, {"study"}, [text](Arguments& a) { a.option = text; }});
@@ -190,7 +195,8 @@ std::vector<Row> number_rows() {
         rows.push_back({"input" + is, {"form_write"}, [n](Arguments& a) { a.listed[0].operands[0] = n; }});
         rows.push_back({"x" + is, {"explain"}, [n](Arguments& a) { a.x = n; }});
         rows.push_back({"y" + is, {"explain"}, [n](Arguments& a) { a.y = n; }});
-        rows.push_back({"bits of an array" + is, aiming, [n](Arguments& a) { a.rays.origin.bits = n; }});
+        rows.push_back({"bits of values" + is, {"judge_mesh"}, [n](Arguments& a) { a.answers.values.bits = n; }});
+        rows.push_back({"bits of an array" + is, of_rays, [n](Arguments& a) { a.rays.origin.bits = n; }});
         rows.push_back({"bits of points" + is, {"inside"}, [n](Arguments& a) { a.rays.origin.bits = n; }});
         rows.push_back({"bits of primitives" + is, aiming, [n](Arguments& a) { a.rays.primitives.bits = n; }});
         rows.push_back({"form's shape" + is, {"form_make"}, [n](Arguments& a) { a.forms[0].shape = n; }});
@@ -201,10 +207,10 @@ std::vector<Row> number_rows() {
         rows.push_back({"form's at_origin" + is, {"form_make"}, [n](Arguments& a) { a.forms[0].at_origin = n; }});
         rows.push_back(
             {"form's flags" + is, {"form_make"}, [n](Arguments& a) { a.forms[0].flags = static_cast<unsigned>(n); }});
-        rows.push_back({"touching" + is, {"judge", "truth"}, [n](Arguments& a) { a.rays.touching = n; }});
+        rows.push_back({"touching" + is, {"judge", "truth", "judge_mesh"}, [n](Arguments& a) { a.rays.touching = n; }});
         rows.push_back({"at_origin" + is, {"judge", "truth"}, [n](Arguments& a) { a.rays.at_origin = n; }});
         rows.push_back({"inside" + is, {"judge", "truth"}, [n](Arguments& a) { a.rays.inside = n; }});
-        rows.push_back({"facing" + is, {"judge", "truth"}, [n](Arguments& a) { a.rays.facing = n; }});
+        rows.push_back({"facing" + is, {"judge", "truth", "judge_mesh"}, [n](Arguments& a) { a.rays.facing = n; }});
         if (n < 0) rows.push_back({"threads" + is, running, [n](Arguments& a) { a.run.threads = n; }});
     }
     for (const double x : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
@@ -213,7 +219,8 @@ std::vector<Row> number_rows() {
         rows.push_back({"a vertex" + is, {"scene_mesh"}, [x](Arguments& a) { a.corners[1] = x; }});
         rows.push_back(
             {"a number of the matrix" + is, {"scene_transform"}, [x](Arguments& a) { a.matrix_numbers[1] = x; }});
-        rows.push_back({"a number of a ray" + is, aiming, [x](Arguments& a) { a.origins[4] = x; }});
+        rows.push_back({"a number of values" + is, {"judge_mesh"}, [x](Arguments& a) { a.counts[1] = x; }});
+        rows.push_back({"a number of a ray" + is, of_rays, [x](Arguments& a) { a.origins[4] = x; }});
         rows.push_back({"a number of a point" + is, {"inside"}, [x](Arguments& a) { a.origins[4] = x; }});
         rows.push_back({"a primitive of rays" + is, aiming, [x](Arguments& a) { a.sphere[1] = x; }});
         rows.push_back({"bits of a requirement" + is, with_requirement, [x](Arguments& a) { a.requirement.bits = x; }});

@@ -140,5 +140,74 @@ class Inside(unittest.TestCase):
         self.assertTrue(lb.inside(np.array([[0.1, 0.2, 0.3]]), (CUBE, turned)).inside[0])
 
 
+class JudgeMesh(unittest.TestCase):
+    def setUp(self):
+        self.o, self.d = rays(300, 5)
+        self.true = lb.hits(self.o, self.d, (CUBE, FACES))
+
+    def outcomes(self, **answers):
+        judged = lb.judge_mesh((CUBE, FACES), self.o, self.d, **answers)
+        self.assertEqual(len(judged.rays), len(self.o))
+        self.assertEqual(int(judged.summary["rays"][0]), len(self.o))
+        return judged
+
+    def once(self):
+        """One hit for each crossing of the surface: triangles met at one t from one side are one crossing."""
+        keys = np.stack([self.true.ray, self.true.place, self.true.front])
+        return np.unique(keys, axis=1, return_index=True)[1]
+
+    def test_the_true_hits_are_right_and_every_spoilt_one_is_found(self):
+        keep = np.sort(self.once())
+        ray, primitive, t = self.true.ray[keep], self.true.primitive[keep], self.true.t[keep]
+        judged = self.outcomes(ray=ray, primitive=primitive, t=t)
+        self.assertEqual(set(judged.rays["outcome"]), {"agree"})
+        self.assertEqual(int(judged.summary["crossings"][0]), len(keep))
+        # In any order of the rays; the hits of each stay in order.
+        order = np.argsort(-ray, kind="stable")
+        self.assertEqual(set(self.outcomes(ray=ray[order], primitive=primitive[order], t=t[order]).rays["outcome"]),
+                         {"agree"})
+        gone = self.outcomes(ray=ray[1:], primitive=primitive[1:], t=t[1:]).rays["outcome"]
+        self.assertIn(gone[ray[0]], ("crack", "missing_hit"))
+        self.assertEqual(set(np.delete(gone, ray[0])), {"agree"})
+        twice = self.outcomes(ray=np.append(ray, ray[-1]), primitive=np.append(primitive, primitive[-1]))
+        self.assertEqual(twice.rays["outcome"][ray[-1]], "double_hit")
+
+    def test_counts_and_parity(self):
+        counts = np.bincount(self.true.ray[self.once()], minlength=len(self.o))
+        for answers in ({"crossings": counts}, {"parity": counts % 2}, {"parity": counts % 2 == 1}):
+            self.assertEqual(set(self.outcomes(**answers).rays["outcome"]), {"agree"})
+        wrong = counts.copy()
+        wrong[7] += 1
+        self.assertNotEqual(self.outcomes(crossings=wrong).rays["outcome"][7], "agree")
+
+    def test_points(self):
+        points = np.random.default_rng(3).uniform(-2, 2, (200, 3))
+        inside = (np.abs(points) < 1).all(axis=1)
+        judged = lb.judge_mesh((CUBE, FACES), points, inside=inside)
+        self.assertEqual(set(judged.rays["outcome"]), {"agree"})
+        judged = lb.judge_mesh((CUBE, FACES), points, inside=~inside)
+        self.assertEqual(int(judged.summary["false_outside"][0]), int(inside.sum()))
+        self.assertEqual(int(judged.summary["false_inside"][0]), int((~inside).sum()))
+
+    def test_mistakes(self):
+        mesh, o, d = (CUBE, FACES), self.o, self.d
+        some = np.zeros(3, np.int64)
+        for words, ask in (
+            ("none is given", lambda: lb.judge_mesh(mesh, o, d)),
+            ("crossings and parity are given", lambda: lb.judge_mesh(mesh, o, d, crossings=some, parity=some)),
+            ("primitive is None", lambda: lb.judge_mesh(mesh, o, d, ray=some)),
+            ("leave out d", lambda: lb.judge_mesh(mesh, o, d, inside=np.ones(len(o), bool))),
+            ("d is None", lambda: lb.judge_mesh(mesh, o, crossings=np.ones(len(o), np.int64))),
+            ("300 whole numbers", lambda: lb.judge_mesh(mesh, o, d, crossings=some)),
+            ("there are 300 rays", lambda: lb.judge_mesh(mesh, o, d, ray=some + 300, primitive=some)),
+            ("t has 2 items", lambda: lb.judge_mesh(mesh, o, d, ray=some, primitive=some, t=np.ones(2))),
+            ("there are 12", lambda: lb.judge_mesh(mesh, o, d, ray=some[:1], primitive=some[:1] + 12)),
+            ("odd number of faces", lambda: lb.judge_mesh((CUBE, FACES[1:]), o, inside=np.ones(len(o), bool))),
+        ):
+            with self.assertRaises(lb.InputError) as caught:
+                ask()
+            self.assertIn(words, str(caught.exception))
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -229,7 +229,11 @@ template <class S, class Kernel>
 void meet_candidates(const Kernel& kernel, const RayBlock& rays, const FormatInputs& in, bool at_once,
                      Answers& answers) {
     answers.claimed.resize(in.candidates->pairs());
-    const std::size_t together = at_once ? std::max(rays.size(), std::size_t{1}) : 512;
+    // Pairs of one part stay in a cache. Far from a large mesh a ray has all of its triangles as candidates.
+    constexpr std::size_t most_rays = 512, least_rays = 4, most_pairs = 1 << 18;
+    const std::size_t of_a_ray = in.candidates->pairs() / std::max(rays.size(), std::size_t{1}) + 1;
+    const std::size_t together =
+        at_once ? std::max(rays.size(), std::size_t{1}) : std::clamp(most_pairs / of_a_ray, least_rays, most_rays);
     const std::size_t parts = (rays.size() + together - 1) / together;
     intersect::process::in_parallel(std::size_t{0}, parts, [&](std::size_t part) {
         PairColumns<S> pairs(rays, in, part * together, std::min((part + 1) * together, rays.size()));

@@ -13,6 +13,7 @@
 #include "intersect/table/table.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/columns/columns.hpp"
+#include "measure/culling/sort_by_index.hpp"
 #include "measure/truth/format_inputs.hpp"
 #include "measure/truth/missing.hpp"
 #include "scene/rays/rays.hpp"
@@ -171,12 +172,13 @@ public:
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t k = candidates.first(i); k < candidates.first(i + 1); ++k)
                 pairs_.push_back({candidates.primitive(k), static_cast<std::uint32_t>(k), i});
-        std::ranges::sort(pairs_);
+        culling::sort_by_index(pairs_, [](const Pair& pair) { return pair.primitive; });
         const std::array from{&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz, &rays.tmax, &rays.tmin};
         for (std::size_t c = 0; c < from.size(); ++c) {
             if (from[c]->empty()) continue;
-            columns_[c].reserve(pairs_.size());
-            for (const Pair& pair : pairs_) columns_[c].push_back(static_cast<S>((*from[c])[pair.ray]));
+            columns_[c].resize(pairs_.size());
+            std::ranges::transform(pairs_, columns_[c].begin(),
+                                   [&](const Pair& pair) { return static_cast<S>((*from[c])[pair.ray]); });
         }
         buffers_.emplace(pairs_.size());
     }
@@ -215,7 +217,6 @@ private:
     struct Pair {
         std::uint32_t primitive, place;
         std::size_t ray;
-        friend auto operator<=>(const Pair&, const Pair&) = default;
     };
     [[nodiscard]] Primitive<S> primitive(std::size_t k) const {
         return lift_primitive<S>(in_.primitives[pairs_[k].primitive]);

@@ -1,5 +1,7 @@
-// Measures claims about sweeps: along axes, over named cases, or about the worst ray of a search (metric `worst`).
+// Measures claims about sweeps: along axes, over named cases, or about the worst ray of a search (metric `worst`) and
+// the counts of one at edges of a mesh.
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
 #include <memory>
@@ -7,6 +9,7 @@
 
 #include "measure/claim/claim_columns.hpp"
 #include "measure/claim/claim_subjects.hpp"
+#include "measure/edges/nearest.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "measure/sweep/worst.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -145,7 +148,8 @@ void measure(const ClaimsOn<SweepSubject>& claims, const ClaimRequest& run) {
         case SweepKind::cases: return measure_cases(claims, path, {.stop = run.stop});
         case SweepKind::search:
         case SweepKind::edge_search:
-            scene::toml::fail(first.where, "sweep \"" + called + "\" is a search; a claim needs axes or cases");
+            scene::toml::fail(first.where,
+                              "sweep \"" + called + "\" is a search; write `search = ` in place of `sweep = `");
         case SweepKind::every_float: return measure_exhaustive(claims, path, run);
         case SweepKind::axes: break;
     }
@@ -167,14 +171,74 @@ void measure(const ClaimsOn<SweepSubject>& claims, const ClaimRequest& run) {
     }
 }
 
+namespace {
+
+/// Metrics of a claim about the census of an edge search: the outcome that they count, and at which targets.
+struct CensusMetric {
+    std::string_view name;
+    answer::Outcome outcome;
+    std::optional<edges::EdgeTarget> target;  ///< absent: at all
+};
+constexpr std::array census_metrics{
+    CensusMetric{"cracks", answer::Outcome::crack, std::nullopt},
+    CensusMetric{"edge_cracks", answer::Outcome::crack, edges::EdgeTarget::edge},
+    CensusMetric{"vertex_cracks", answer::Outcome::crack, edges::EdgeTarget::vertex},
+    CensusMetric{"double_hits", answer::Outcome::double_hit, std::nullopt},
+    CensusMetric{"edge_double_hits", answer::Outcome::double_hit, edges::EdgeTarget::edge},
+    CensusMetric{"vertex_double_hits", answer::Outcome::double_hit, edges::EdgeTarget::vertex}};
+
+const CensusMetric& census_metric(const Claim& claim) {
+    const auto found = std::ranges::find(census_metrics, claim.metric, &CensusMetric::name);
+    if (found != census_metrics.end()) return *found;
+    std::vector<std::string> names;
+    for (const CensusMetric& metric : census_metrics) names.emplace_back(metric.name);
+    scene::toml::fail(claim.quantity, "\"" + claim.metric + "\" is not counted by a search at edges; " +
+                                          scene::toml::did_you_mean(claim.metric, names));
+}
+
+/// Number of rays of the census that the metric counts.
+std::uint64_t count_of(const edges::EdgeFinding& found, const CensusMetric& metric) {
+    const auto outcome =
+        static_cast<std::size_t>(std::ranges::find(edges::sought, metric.outcome) - edges::sought.begin());
+    std::uint64_t sum = 0;
+    for (std::size_t k = 0; k < found.census.size(); ++k)
+        if (!metric.target || static_cast<std::size_t>(*metric.target) == k) sum += found.census.at(k).with.at(outcome);
+    return sum;
+}
+
+/// Counts the rays of the census; the nearest of them are not searched for.
+void measure_census(const ClaimsOn<SearchSubject>& claims, const std::filesystem::path& path, const ClaimRequest& run) {
+    edges::EdgeRequest request{.search = scene::sweep::EdgeSearchFile(path, run.data_dir, {}, run.stop),
+                               .rows = {},
+                               .limit = {.stop = run.stop},
+                               .census_alone = true};
+    std::vector<std::size_t> rows;
+    for (const auto& [claim, on, result] : claims) {
+        census_metric(claim);
+        const evaluate::TestedForm row = claim_row(claim);
+        if (!request.search.meets(row.form->shapes()))
+            scene::toml::fail(claim.where, claim.form + " does not take triangles; name a form that does");
+        rows.push_back(place_or_added(request.rows, row));
+    }
+    const auto found = edges::find_nearest(request);
+    for (std::size_t k = 0; k < claims.size(); ++k) {
+        const auto& [claim, on, result] = claims[k];
+        result = judge(claim, static_cast<double>(count_of(found[rows[k]], census_metric(claim))), nullptr);
+    }
+}
+
+}  // namespace
+
 void measure(const ClaimsOn<SearchSubject>& claims, const ClaimRequest& run) {
     const Claim& first = claims.front().claim;
     const std::string& called = first.subject_name();
     const auto path = find_for_claim(first, [&] { return scene::sweep::find_sweep(called, run.data_dir); });
-    if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::search)
+    const auto kind = scene::sweep::sweep_kind(path);
+    if (kind == scene::sweep::SweepKind::edge_search) return measure_census(claims, path, run);
+    if (kind != scene::sweep::SweepKind::search)
         scene::toml::fail(first.where, "\"" + called +
-                                           "\" has no [search] table; write `sweep = ` for axes and cases, or name a "
-                                           "search (data/sweeps/worst)");
+                                           "\" has no [search] or [edge_search] table; write `sweep = ` for axes and "
+                                           "cases, or name a search (data/sweeps/worst)");
     const scene::sweep::SearchFile file(path);
     const metric::Metric* const searched = metric::find_metric(file.metric);
     if (searched == nullptr)

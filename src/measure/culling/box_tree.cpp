@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 
+#include "measure/culling/sort_by_index.hpp"
 #include "shapes/bounding_box.hpp"
 
 namespace lostbits::measure::culling {
@@ -100,6 +102,8 @@ int shift_of(const PrimitiveList<double>& primitives) {
     return std::abs(*median) <= far_from_the_ends_of_binary32 ? 0 : *median;
 }
 
+void sort(std::vector<std::uint32_t>& primitives) { sort_by_index(primitives, std::identity()); }
+
 std::array<float, 6> around(const std::array<float, 6>& a, const std::array<float, 6>& b) {
     std::array<float, 6> both;
     for (std::size_t k = 0; k < 3; ++k) both[k] = std::min(a[k], b[k]), both[k + 3] = std::max(a[k + 3], b[k + 3]);
@@ -142,17 +146,18 @@ std::shared_ptr<const BoxTree> BoxTree::make(const PrimitiveList<double>& primit
     tree->reach_ = 1.75 * reach + 0x1p-149;
     tree->behind_ = std::ldexp(growth_of_all, -shift);
     const auto count = static_cast<std::uint32_t>(tree->order_.size());
-    tree->nodes_.resize(nodes_over(count));
+    tree->nodes_.resize(1 + nodes_over(count));
+    for (std::size_t k = 0; k < 6; ++k) tree->nodes_[0].box[k][1] = k < 3 ? HUGE_VALF : -HUGE_VALF;
     // Isolated: a thread that waits here takes no other work, which might wait for this tree.
-    tbb::this_task_arena::isolate([&] { tree->build(boxes, 0, 0, count); });
+    tbb::this_task_arena::isolate([&] { tree->build(boxes, {.node = 0, .c = 0, .free = 1}, 0, count); });
     return tree;
 }
 
 std::uint32_t BoxTree::nodes_over(std::uint32_t count) {
-    return count <= most_in_leaf ? 1 : 1 + nodes_over(count / 2) + nodes_over(count - count / 2);
+    return count <= most_in_leaf ? 0 : 1 + nodes_over(count / 2) + nodes_over(count - count / 2);
 }
 
-void BoxTree::build(const std::vector<Corners>& boxes, std::uint32_t here, std::uint32_t begin, std::uint32_t end) {
+void BoxTree::build(const std::vector<Corners>& boxes, Child child, std::uint32_t begin, std::uint32_t end) {
     Corners all = boxes[order_[begin]], middles;
     for (std::size_t k = 0; k < 3; ++k) middles[k] = HUGE_VALF, middles[k + 3] = -HUGE_VALF;
     const auto middle = [&boxes](std::uint32_t primitive, std::size_t k) {
@@ -165,30 +170,31 @@ void BoxTree::build(const std::vector<Corners>& boxes, std::uint32_t here, std::
             middles[k + 3] = std::max(middles[k + 3], middle(order_[i], k));
         }
     }
-    nodes_[here] = {all, begin, end - begin};
-    if (end - begin <= most_in_leaf) return;
+    const bool is_leaf = end - begin <= most_in_leaf;
+    Node& node = nodes_[child.node];
+    for (std::size_t k = 0; k < 6; ++k) node.box[k][child.c] = all[k];
+    node.next[child.c] = is_leaf ? begin : child.free, node.count[child.c] = is_leaf ? end - begin : 0;
+    if (is_leaf) return;
     std::size_t axis = 0;
     for (std::size_t k = 1; k < 3; ++k)
         if (middles[k + 3] - middles[k] > middles[axis + 3] - middles[axis]) axis = k;
-    const std::uint32_t half = begin + (end - begin) / 2;
+    const std::uint32_t half = begin + (end - begin) / 2, below = child.free + 1;
     const auto before = [&](std::uint32_t a, std::uint32_t b) { return middle(a, axis) < middle(b, axis); };
     std::nth_element(order_.begin() + begin, order_.begin() + half, order_.begin() + end, before);
-    const std::uint32_t other = here + 1 + nodes_over(half - begin);
-    nodes_[here] = {all, other, 0};
-    const auto build_one = [&] { build(boxes, here + 1, begin, half); };
-    const auto build_other = [&] { build(boxes, other, half, end); };
+    const auto build_one = [&] { build(boxes, {child.free, 0, below}, begin, half); };
+    const auto build_other = [&] { build(boxes, {child.free, 1, below + nodes_over(half - begin)}, half, end); };
     if (end - begin > 1U << 14) tbb::parallel_invoke(build_one, build_other);
     else build_one(), build_other();
 }
 
-double BoxTree::least_distance(const Vec<double>& p, std::uint32_t i) const {
-    const Corners& box = nodes_[i].box;
+double BoxTree::least_distance(const Vec<double>& p, const Node& node, std::size_t child) const {
     Vec<double> beside(0, 0, 0);
     double size = reach_;
     for (int k = 0; k < 3; ++k) {
         const auto c = static_cast<std::size_t>(k);
         const double x = std::ldexp(p[k], -shift_);
-        beside[k] = std::max({0.0, static_cast<double>(box[c]) - x, x - static_cast<double>(box[c + 3])});
+        beside[k] = std::max(
+            {0.0, static_cast<double>(node.box[c][child]) - x, x - static_cast<double>(node.box[c + 3][child])});
         size += std::fabs(x);
     }
     return std::ldexp(length(beside) * (1 - 0x1p-40) - 0x1p-40 * size, shift_);
@@ -201,12 +207,14 @@ void BoxTree::within(const Vec<double>& p, double distance, std::vector<std::uin
     while (!later.empty()) {
         const std::uint32_t i = later.back();
         later.pop_back();
-        if (least_distance(p, i) > distance) continue;
         const Node& node = nodes_[i];
-        for (std::uint32_t k = 0; k < node.count; ++k) found.push_back(order_[node.next + k]);
-        if (node.count == 0) later.insert(later.end(), {i + 1, node.next});
+        for (std::size_t c = 0; c < 2; ++c) {
+            if (least_distance(p, node, c) > distance) continue;
+            found.insert(found.end(), leaf(node, c).begin(), leaf(node, c).end());
+            if (node.has_node(c)) later.push_back(node.next[c]);
+        }
     }
-    std::ranges::sort(found);
+    sort(found);
 }
 
 namespace {
@@ -232,60 +240,113 @@ double size_of_any(const Vec<double>& v) {
 
 }  // namespace
 
-void BoxTree::candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const {
-    found = asked_each_;
-    if (order_.empty()) return;
-    if (!is_no_ray(ray)) find_met(ray, found);
-    else found.insert(found.end(), order_.begin(), order_.begin() + std::min(order_.size(), most_for_no_ray));
-    std::ranges::sort(found);
-}
+/// Walk of one ray down the tree, node by node, so that the walks of several rays can take turns.
+class BoxTree::Walk {
+public:
+    Walk() = default;
+    /// Starts with all that is found without the tree. `found` outlives the walk.
+    Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std::uint32_t>& found);
 
-void BoxTree::find_met(const Ray<double>& ray, std::vector<std::uint32_t>& found) const {
-    Vec<double> o(std::ldexp(ray.origin.x, -shift_), std::ldexp(ray.origin.y, -shift_),
-                  std::ldexp(ray.origin.z, -shift_));
+    [[nodiscard]] bool is_done() const { return waiting_ == 0; }
+    /// Visits one node: its children that the ray may meet are found, if they are leaves, or visited later.
+    void step();
+
+private:
+    /// The t at which the ray crosses a side of the box of child `c`.
+    [[nodiscard]] double crossing(const Node& node, std::size_t c, std::size_t corner, double from,
+                                  std::size_t k) const {
+        return (static_cast<double>(node.box[corner][c]) - from) * inverse_[k];
+    }
+    [[nodiscard]] bool may_meet(const Node& node, std::size_t c) const {
+        const double enter =
+            std::max(std::max(before_, crossing(node, c, in_[0], o_in_[0], 0)),
+                     std::max(crossing(node, c, in_[1], o_in_[1], 1), crossing(node, c, in_[2], o_in_[2], 2)));
+        const double leave =
+            std::min(std::min(crossing(node, c, out_[0], o_out_[0], 0), crossing(node, c, out_[1], o_out_[1], 1)),
+                     crossing(node, c, out_[2], o_out_[2], 2));
+        return enter <= leave;
+    }
+
+    const BoxTree* tree_ = nullptr;
+    std::vector<std::uint32_t>* found_ = nullptr;
+    double before_ = 0;
+    /// Corner of each axis through which the ray enters, and the one through which it leaves.
+    std::array<std::size_t, 3> in_, out_;
+    std::array<double, 3> o_in_, o_out_, inverse_;
+    std::array<std::uint32_t, 64> later_;  ///< nodes to visit: a tree over 2^32 primitives is 33 deep
+    std::size_t waiting_ = 0;
+};
+
+BoxTree::Walk::Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std::uint32_t>& found)
+    : tree_(&tree), found_(&found) {
+    found = tree.asked_each_;
+    const auto& order = tree.order_;
+    if (order.empty()) return;
+    if (is_no_ray(ray)) {
+        found.insert(found.end(), order.begin(), order.begin() + std::min(order.size(), most_for_no_ray));
+        return;
+    }
+    const Vec<double> o(std::ldexp(ray.origin.x, -tree.shift_), std::ldexp(ray.origin.y, -tree.shift_),
+                        std::ldexp(ray.origin.z, -tree.shift_));
     if (!std::isfinite(largest(o))) {
-        found.insert(found.end(), order_.begin(), order_.end());
+        found.insert(found.end(), order.begin(), order.end());
         return;
     }
     const int e = std::ilogb(largest(ray.direction));
     const Vec<double> d(std::ldexp(ray.direction.x, -e), std::ldexp(ray.direction.y, -e),
                         std::ldexp(ray.direction.z, -e));
-    const double margin = relative_ * size_of_any(o) + relative_ * reach_;
-    const double before = behind_ == 0 ? 0 : -behind_ / length(d);
-    // Corner of each axis through which a ray enters, and the one through which it leaves.
-    std::array<std::size_t, 3> in, out;
-    std::array<double, 3> o_in, o_out, inverse;
+    const double margin = tree.relative_ * size_of_any(o) + tree.relative_ * tree.reach_;
+    before_ = tree.behind_ == 0 ? 0 : -tree.behind_ / length(d);
     for (std::size_t k = 0; k < 3; ++k) {
         const auto axis = static_cast<int>(k);
         const bool up = !std::signbit(d[axis]);
-        in[k] = up ? k : k + 3, out[k] = up ? k + 3 : k;
-        o_in[k] = up ? o[axis] + margin : o[axis] - margin;
-        o_out[k] = up ? o[axis] - margin : o[axis] + margin;
-        inverse[k] = std::copysign(1 / std::max(std::fabs(d[axis]), least_component), d[axis]);
+        in_[k] = up ? k : k + 3, out_[k] = up ? k + 3 : k;
+        o_in_[k] = up ? o[axis] + margin : o[axis] - margin;
+        o_out_[k] = up ? o[axis] - margin : o[axis] + margin;
+        inverse_[k] = std::copysign(1 / std::max(std::fabs(d[axis]), least_component), d[axis]);
     }
-    const auto may_meet = [&](const Corners& box) {
-        const auto crossing = [&](std::size_t corner, double from, std::size_t k) {
-            return (static_cast<double>(box[corner]) - from) * inverse[k];
-        };
-        const double enter = std::max(std::max(before, crossing(in[0], o_in[0], 0)),
-                                      std::max(crossing(in[1], o_in[1], 1), crossing(in[2], o_in[2], 2)));
-        const double leave = std::min(std::min(crossing(out[0], o_out[0], 0), crossing(out[1], o_out[1], 1)),
-                                      crossing(out[2], o_out[2], 2));
-        return enter <= leave;
-    };
-    std::array<std::uint32_t, 64> later;  // nodes to visit: a tree over 2^32 primitives is 32 deep
-    std::size_t waiting = 0;
-    later[waiting++] = 0;
-    while (waiting > 0) {
-        const std::uint32_t i = later[--waiting];
-        const Node& node = nodes_[i];
-        if (!may_meet(node.box)) continue;
-        if (node.count > 0) {
-            for (std::uint32_t k = 0; k < node.count; ++k) found.push_back(order_[node.next + k]);
+    later_[waiting_++] = 0;
+}
+
+void BoxTree::Walk::step() {
+    const Node& node = tree_->nodes_[later_[--waiting_]];
+    for (std::size_t c = 0; c < 2; ++c) {
+        if (!may_meet(node, c)) continue;
+        if (node.count[c] > 0) {
+            const auto primitives = tree_->leaf(node, c);
+            found_->insert(found_->end(), primitives.begin(), primitives.end());
         } else {
-            __builtin_prefetch(&nodes_[node.next]);
-            later[waiting++] = node.next;
-            later[waiting++] = i + 1;
+            __builtin_prefetch(&tree_->nodes_[node.next[c]]);
+            later_[waiting_++] = node.next[c];
+        }
+    }
+}
+
+void BoxTree::candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const {
+    for (Walk walk(*this, ray, found); !walk.is_done();) walk.step();
+    sort(found);
+}
+
+// A node of a large tree is rarely in a cache, so a walk waits most of its time. Walks that take turns wait together.
+void BoxTree::append_candidates(std::span<const Ray<double>> rays, std::vector<std::uint32_t>& found,
+                                std::span<std::size_t> ends) const {
+    constexpr std::size_t at_once = 16, together = 256;
+    std::array<Walk, at_once> walks;
+    std::vector<std::vector<std::uint32_t>> found_by(std::min(rays.size(), together));
+    for (std::size_t begin = 0; begin < rays.size(); begin += together) {
+        const std::size_t count = std::min(together, rays.size() - begin);
+        std::size_t next = 0;
+        for (bool under_way = true; under_way;) {
+            under_way = next < count;
+            for (Walk& walk : walks) {
+                if (!walk.is_done()) walk.step(), under_way = true;
+                else if (next < count) walk = Walk(*this, rays[begin + next], found_by[next]), ++next;
+            }
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            sort(found_by[i]);
+            found.insert(found.end(), found_by[i].begin(), found_by[i].end());
+            ends[begin + i] = found.size();
         }
     }
 }

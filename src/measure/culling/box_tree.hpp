@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -52,6 +53,8 @@ public:
                                                const RayBounds& bounds, const FloatFormat* format);
 
     void candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const override;
+    void append_candidates(std::span<const Ray<double>> rays, std::vector<std::uint32_t>& found,
+                           std::span<std::size_t> ends) const override;
 
     /// Fills `found` with every primitive that has a point within `distance` of p, and perhaps others, in ascending
     /// order.
@@ -70,37 +73,50 @@ public:
         if (!(std::fabs(p.x) < HUGE_VAL && std::fabs(p.y) < HUGE_VAL && std::fabs(p.z) < HUGE_VAL)) return found;
         for (const std::uint32_t primitive : asked_each_) ask(primitive);
         std::vector<std::pair<double, std::uint32_t>> later;
-        if (!nodes_.empty()) later.push_back({0, 0});  // how far a node is at least, and its place
+        if (!nodes_.empty()) later.push_back({0, 0});  // how far all below a node is at least, and its place
         while (!later.empty()) {
             const auto [least, i] = later.back();
             later.pop_back();
             if (least > best) continue;
             const Node& node = nodes_[i];
-            for (std::uint32_t k = 0; k < node.count; ++k) ask(order_[node.next + k]);
-            if (node.count > 0) continue;
-            std::pair near(least_distance(p, i + 1), i + 1), far(least_distance(p, node.next), node.next);
-            if (far.first < near.first) std::swap(near, far);
-            later.push_back(far), later.push_back(near);
+            std::array<std::pair<double, std::size_t>, 2> children{std::pair(least_distance(p, node, 0), 0),
+                                                                   std::pair(least_distance(p, node, 1), 1)};
+            if (children[0].first < children[1].first) std::swap(children[0], children[1]);
+            for (const auto& [distance_of_child, c] : children) {
+                if (distance_of_child > best) continue;
+                for (const std::uint32_t primitive : leaf(node, c)) ask(primitive);
+                if (node.has_node(c)) later.push_back({distance_of_child, node.next[c]});
+            }
         }
         return found;
     }
 
 private:
     using Corners = std::array<float, 6>;  ///< lo.x lo.y lo.z hi.x hi.y hi.z
-    /// The children of node i are i + 1 and `next`. A leaf has `count` > 0 primitives, from `next` on in `order_`.
-    struct Node {
-        Corners box;
-        std::uint32_t next, count;
+    /// Boxes of two children side by side, on one line of a cache. A child is a leaf of `count` primitives, from `next`
+    /// on in `order_`; or the node `next`, with `count` = 0. The first child of node 0 is the whole tree; its second
+    /// child has no primitives, a box that no ray meets, and `next` = 0.
+    struct alignas(64) Node {
+        std::array<std::array<float, 2>, 6> box;
+        std::array<std::uint32_t, 2> next, count;
+        [[nodiscard]] bool has_node(std::size_t c) const { return count[c] == 0 && next[c] != 0; }
     };
+    [[nodiscard]] std::span<const std::uint32_t> leaf(const Node& node, std::size_t c) const {
+        return std::span(order_).subspan(node.count[c] == 0 ? 0 : node.next[c], node.count[c]);
+    }
     static constexpr std::size_t most_in_leaf = 4;
+    class Walk;
 
-    /// Number of nodes of a tree over that many primitives.
+    /// Number of nodes that a child over that many primitives takes.
     static std::uint32_t nodes_over(std::uint32_t count);
-    /// Builds node `here` and those below it, over the primitives from `begin` to `end` in `order_`.
-    void build(const std::vector<Corners>& boxes, std::uint32_t here, std::uint32_t begin, std::uint32_t end);
-    void find_met(const Ray<double>& ray, std::vector<std::uint32_t>& found) const;
-    /// How far p is from the box of node i, less the margin of distances.
-    [[nodiscard]] double least_distance(const Vec<double>& p, std::uint32_t i) const;
+    /// Child `c` of a node. The nodes below it are stored from `free` on.
+    struct Child {
+        std::uint32_t node, c, free;
+    };
+    /// Builds a child over the primitives from `begin` to `end` in `order_`.
+    void build(const std::vector<Corners>& boxes, Child child, std::uint32_t begin, std::uint32_t end);
+    /// How far p is from the box of a child, less the margin of distances.
+    [[nodiscard]] double least_distance(const Vec<double>& p, const Node& node, std::size_t child) const;
 
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> order_, asked_each_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "geometry/capped_span.hpp"
 #include "geometry/flat_span.hpp"
@@ -18,20 +17,31 @@ namespace lostbits::measure::culling {
 
 using scene::rays::PrimitiveList;
 
+void PrimitiveIndex::append_candidates(std::span<const Ray<double>> rays, std::vector<std::uint32_t>& found,
+                                       std::span<std::size_t> ends) const {
+    std::vector<std::uint32_t> of_one;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        candidates(rays[i], of_one);
+        found.insert(found.end(), of_one.begin(), of_one.end());
+        ends[i] = found.size();
+    }
+}
+
 CandidateLists::CandidateLists(const PrimitiveIndex& index, const scene::rays::RayBlock& rays) {
     constexpr std::size_t together = 1024;
     const std::size_t parts = (rays.size() + together - 1) / together;
     std::vector<std::vector<std::uint32_t>> primitives(parts);
     ends_.resize(rays.size() + 1);
     intersect::process::in_parallel(std::size_t{0}, parts, [&](std::size_t part) {
-        std::vector<std::uint32_t> found;
-        for (std::size_t i = part * together; i < std::min(rays.size(), (part + 1) * together); ++i) {
-            index.candidates(rays[i], found);
-            ends_[i + 1] = found.size();
-            primitives[part].insert(primitives[part].end(), found.begin(), found.end());
-        }
+        const std::size_t begin = part * together, end = std::min(rays.size(), begin + together);
+        std::vector<Ray<double>> some;
+        for (std::size_t i = begin; i < end; ++i) some.push_back(rays[i]);
+        index.append_candidates(some, primitives[part], std::span(ends_).subspan(begin + 1, end - begin));
     });
-    std::partial_sum(ends_.begin(), ends_.end(), ends_.begin());
+    std::size_t before = 0;
+    for (std::size_t part = 0; part < parts; before += primitives[part].size(), ++part)
+        for (std::size_t i = part * together; i < std::min(rays.size(), (part + 1) * together); ++i)
+            ends_[i + 1] += before;
     primitives_.reserve(ends_.back());
     for (const auto& part : primitives) primitives_.insert(primitives_.end(), part.begin(), part.end());
 }

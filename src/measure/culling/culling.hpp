@@ -29,6 +29,10 @@ public:
     virtual ~PrimitiveIndex() = default;
     /// Fills `found` with the candidates for a ray in ascending order.
     virtual void candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const = 0;
+    /// Appends the candidates for several rays to `found`, ray by ray. `ends[i]` is the size of `found` after ray i.
+    /// For large trees it is faster than ray by ray.
+    virtual void append_candidates(std::span<const Ray<double>> rays, std::vector<std::uint32_t>& found,
+                                   std::span<std::size_t> ends) const;
 };
 
 /// Candidates of every ray of a block, found once for all forms: pairs of a ray and a primitive, ray by ray.

@@ -92,6 +92,16 @@ struct Subject {
     std::vector<SharedEdge> edges;
 };
 
+/// Returns the edge at which ray i of a litter has an outcome, or null. A double hit is none if the ray truly meets two
+/// triangles at one t.
+const SharedEdge* edge_with(Outcome outcome, const Subject& subject, const Aimed& one,
+                            const evaluate::BandResult& result, std::size_t i) {
+    const truth::Truth truth = result.truth(i);
+    if (!truth.is_hit() || result.outcomes[i] != outcome) return nullptr;
+    const SharedEdge* const edge = subject.edge_at(one, static_cast<std::uint32_t>(truth.object));
+    return edge != nullptr && outcome == Outcome::double_hit && is_tie(result, i) ? nullptr : edge;
+}
+
 /// Finds the nearest ray of a litter with the wanted outcome.
 class Judge {
 public:
@@ -100,12 +110,9 @@ public:
 
     void look_at(const evaluate::BandResult& result) {
         for (std::size_t i = 0; i < batch_.size(); ++i) {
-            const truth::Truth truth = result.truth(i);
-            if (!truth.is_hit() || result.outcomes[i] != wanted_) continue;
             if (nearest && batch_[i].distance >= nearest->distance) continue;
-            const auto met = static_cast<std::uint32_t>(truth.object);
-            const SharedEdge* const edge = subject_.edge_at(batch_[i], met);
-            if (edge == nullptr || (wanted_ == Outcome::double_hit && is_tie(result, i))) continue;
+            const SharedEdge* const edge = edge_with(wanted_, subject_, batch_[i], result, i);
+            if (edge == nullptr) continue;
             nearest = {.distance = batch_[i].distance,
                        .ray = batch_[i].ray,
                        .faces = edge->faces,
@@ -135,19 +142,42 @@ struct Eye {
     double distance = 0;
 };
 
-/// Searches for one outcome of one row.
+/// The census of one row, or the search for one outcome.
 class Search {
 public:
-    Search(const EdgeRequest& request, const Subject& subject, const evaluate::TestedForm& row, std::size_t wanted)
+    Search(const EdgeRequest& request, const Subject& subject, const evaluate::TestedForm& row)
         : request_(request),
           file_(request.search),
           subject_(subject),
           row_(row),
-          wanted_(wanted),
           format_(row.format.parameters.precision < binary32.precision ? row.format.parameters : binary32),
           random_(file_.seed) {}
 
-    void run(EdgeFinding& finding) {
+    void count(EdgeFinding& finding) {
+        std::int64_t left = file_.census;
+        while (left > 0) {
+            std::vector<Eye> drawn;
+            std::vector<Aimed> batch = next_batch(drawn);
+            std::erase_if(batch, [this](const Aimed& one) { return !file_.distance.holds(one.distance); });
+            batch.resize(std::min(batch.size(), static_cast<std::size_t>(left)));
+            left -= static_cast<std::int64_t>(batch.size());
+            const auto counts = [&finding](const Aimed& one) -> EdgeCount& {
+                return finding.census.at(static_cast<std::size_t>(one.vertex ? EdgeTarget::vertex : EdgeTarget::edge));
+            };
+            for (const Aimed& one : batch) ++counts(one).rays;
+            const std::vector<Aimed> few =
+                suspicious(batch, [](bool may_crack, bool may_hit_twice) { return may_crack || may_hit_twice; });
+            if (few.empty()) continue;
+            measure(few, [&](const evaluate::BandResult& result) {
+                for (std::size_t i = 0; i < few.size(); ++i)
+                    for (std::size_t k = 0; k < sought.size(); ++k)
+                        counts(few[i]).with.at(k) += edge_with(sought.at(k), subject_, few[i], result, i) != nullptr;
+            });
+        }
+    }
+
+    void find(EdgeFinding& finding, std::size_t wanted) {
+        wanted_ = wanted;
         const std::int64_t litters =
             (file_.rays + eyes * rays_of_eye - 1) / static_cast<std::int64_t>(eyes * rays_of_eye);
         // The tolerance allows for the rounding of an eye.
@@ -158,7 +188,9 @@ public:
             std::vector<Eye> drawn;
             const std::vector<Aimed> batch = next_batch(drawn);
             finding.rays[wanted_] += batch.size();
-            std::vector<Aimed> few = suspicious(batch);
+            std::vector<Aimed> few = suspicious(batch, [this](bool may_crack, bool may_hit_twice) {
+                return sought.at(wanted_) == Outcome::crack ? may_crack : may_hit_twice;
+            });
             std::erase_if(few, [this](const Aimed& one) { return !file_.distance.holds(one.distance); });
             if (few.empty()) continue;
             const Judge judge = judged(few);
@@ -254,10 +286,11 @@ private:
         return direction;
     }
 
-    /// Rays of a litter that may have the outcome, judged by what the form claims: for a crack no face of the edge or
-    /// vertex, for a double hit two faces. The truth of the others is not computed, since it takes a hundred times as
-    /// long.
-    std::vector<Aimed> suspicious(const std::vector<Aimed>& batch) const {
+    /// Rays of a litter for which `wanted(may_crack, may_hit_twice)` holds, judged by what the form claims: for a crack
+    /// no face of the edge or vertex, for a double hit two faces. The truth of the others is not computed, since it
+    /// takes a hundred times as long.
+    template <class Wanted>
+    std::vector<Aimed> suspicious(const std::vector<Aimed>& batch, const Wanted& wanted) const {
         if (row_.form->info->direction == intersect::Direction::unit) return batch;
         truth::FormatInputs inputs{.format = row_.format, .rays = block_of(batch), .stop = request_.limit.stop};
         const scene::rays::PrimitiveList<double> all =
@@ -275,12 +308,18 @@ private:
                 ++claimed;
                 touched += subject_.touches(batch[i], inputs.candidates->primitive(pair));
             }
-            if (sought[wanted_] == Outcome::crack ? touched == 0 : claimed >= 2) few.push_back(batch[i]);
+            if (wanted(touched == 0, claimed >= 2)) few.push_back(batch[i]);
         }
         return few;
     }
 
     Judge judged(const std::vector<Aimed>& batch) const {
+        Judge judge(sought.at(wanted_), subject_, batch, row_);
+        measure(batch, [&judge](const evaluate::BandResult& result) { judge.look_at(result); });
+        return judge;
+    }
+
+    void measure(const std::vector<Aimed>& batch, const evaluate::Show& show) const {
         request_.limit.stop.check();
         scene::rays::RayGroup group{.rays = block_of(batch), .primitives = {}};
         group.mesh = subject_.columns;
@@ -288,18 +327,15 @@ private:
         truth::Band band(std::move(group), request_.limit, &culler);
         const auto inputs = band.inputs_for(row_.format, *row_.form->info);
         evaluate::FormSummary summary(metrics_);
-        Judge judge(sought[wanted_], subject_, batch, row_);
-        evaluate::measure_row({row_, metrics_, [&judge](const auto& result) { judge.look_at(result); }}, band, inputs,
-                              summary);
-        return judge;
+        evaluate::measure_row({row_, metrics_, show}, band, inputs, summary);
     }
 
     const EdgeRequest& request_;
     const scene::sweep::EdgeSearchFile& file_;
     const Subject& subject_;
     const evaluate::TestedForm& row_;
-    std::size_t wanted_;
-    FloatFormat format_;  ///< format of the numbers of rays
+    std::size_t wanted_ = 0;  ///< place of the outcome in `sought`
+    FloatFormat format_;      ///< format of the numbers of rays
     scene::rays::Random random_;
     std::vector<const metric::Metric*> metrics_{metric::find_metric("lost_bits"), metric::find_metric("ulp_error")};
     std::optional<NearestRay> best_;
@@ -312,9 +348,11 @@ std::vector<EdgeFinding> find_nearest(const EdgeRequest& request) {
     const Subject subject(request.search.scene);
     const auto units = request.share.of_units(request.rows.size());
     std::vector<EdgeFinding> found(units.size());
-    intersect::process::in_parallel(std::size_t{0}, found.size() * sought.size(), [&](std::size_t k) {
-        Search(request, subject, request.rows[units.first + k / sought.size()], k % sought.size())
-            .run(found[k / sought.size()]);
+    intersect::process::in_parallel(std::size_t{0}, found.size() * edge_units, [&](std::size_t k) {
+        const std::size_t row = k / edge_units, unit = k % edge_units;
+        Search search(request, subject, request.rows[units.first + row]);
+        if (unit == sought.size()) search.count(found[row]);
+        else if (!request.census_alone) search.find(found[row], unit);
         request.progress(1);
     });
     return found;

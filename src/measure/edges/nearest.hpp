@@ -1,11 +1,12 @@
-// Searches, with a seed, for the smallest distance from which a form lets a ray through an edge of a mesh, or counts it
-// twice.
+// Aims rays at edges and vertices of a mesh, with a seed: counts those that a form lets through or counts twice, and
+// searches for the smallest distance from which it does so.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "measure/evaluate/evaluate.hpp"
@@ -25,8 +26,19 @@ struct NearestRay {
     double truth = 0;                      ///< t*, correctly rounded to binary64
 };
 
+/// Targets of the rays of a census.
+enum class EdgeTarget : std::uint8_t { edge, vertex };
+inline constexpr std::array<std::string_view, 2> edge_target_names{"edge", "vertex"};
+
+/// Number of rays of a census at one kind of target, and of those with an outcome, in the order of `sought`.
+struct EdgeCount {
+    std::uint64_t rays = 0;
+    std::array<std::uint64_t, sought.size()> with{};
+};
+
 /// Results of a search for one row, in the order of `sought`.
 struct EdgeFinding {
+    std::array<EdgeCount, edge_target_names.size()> census{};  ///< by target
     std::array<std::optional<NearestRay>, sought.size()> nearest;
     /// Number of rays tested: all, or those until one was found at the smallest distance of the search.
     std::array<std::uint64_t, sought.size()> rays{};
@@ -36,17 +48,22 @@ struct EdgeRequest {
     scene::sweep::EdgeSearchFile search;
     std::vector<evaluate::TestedForm> rows;  ///< with forms for triangles
     truth::TruthLimit limit{};
-    shard::Share share = {};  ///< share of the rows
+    shard::Share share = {};    ///< share of the rows
+    bool census_alone = false;  ///< the rays of the census are counted, and the nearest are not searched for
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 
-/// Searches for each row and outcome separately; the results have one element for each row of the share. The result
-/// depends only on the file and its scene, not on the number of threads.
+/// Units of progress of one row: the census, and a search for each outcome.
+inline constexpr std::size_t edge_units = 1 + sought.size();
+
+/// Counts for each row, and searches for each row and outcome separately; the results have one element for each row of
+/// the share. The result depends only on the file and its scene, not on the number of threads.
 ///
 /// A litter has 512 rays, aimed from 16 eyes at a point of an edge each; one point in four is an end of the edge. Of an
 /// eye's 32 rays, all but the first have the components of their directions moved by up to `ulps` places of the format.
 /// Eyes are drawn from all distances up to the nearest found, each octave as often as another. Once there is a nearest
-/// ray, every other eye is its eye, moved to between its distance and a sixteenth of it.
+/// ray, every other eye is its eye, moved to between its distance and a sixteenth of it. The eyes of the census are all
+/// drawn anew from the whole range, the same for each row.
 ///
 /// A ray counts if it truly meets first a face of the edge or vertex that it is aimed at. For double hits, no other
 /// face that the form claims may truly be at the same t: rounding has no part in such a tie. A ray is tested again

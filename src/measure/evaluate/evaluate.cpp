@@ -23,9 +23,12 @@ BandOfRows::BandOfRows(Band& band, const std::vector<TestedForm>& rows, const st
     if (asked & metric::needs_condition) band.find_condition();
     std::map<std::string, BandNeeds> formats;
     for (const TestedForm& row : rows) {
-        BandNeeds& needs = formats[row.format.name];
-        for (const intersect::table::Intersector* form : {row.form, row.against})
-            needs.unit_rays |= form != nullptr && form->info->direction == intersect::Direction::unit;
+        BandNeeds& needs = formats.try_emplace(row.format.name, BandNeeds{.no_forms = true}).first->second;
+        for (const intersect::table::Intersector* form : {row.form, row.against}) {
+            if (form == nullptr) continue;
+            needs.unit_rays |= form->info->direction == intersect::Direction::unit;
+            needs.no_forms &= !form->exists_in(row.format);  // so is the row of a file's answers
+        }
         needs.own_truth = (asked & metric::needs_own_truth) != 0;
         const truth::Length length = truth::length_of(row.form->info->direction);
         if (asked & metric::needs_reach) needs.add_reach(truth::Perturbed::componentwise, length);

@@ -247,7 +247,7 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     // Ray generators end with directions of length one, up to their rounding.
     const bool are_unit = ideal_ && ideal_->made;
     if (needs.unit_rays) in.unit_rays = are_unit ? in.rays : normalised(in.rays, shape, limit_.stop);
-    if (const auto index = culler_ ? culler_->for_forms(shape, in.primitives) : nullptr) {
+    if (const auto index = culler_ && !needs.no_forms ? culler_->for_forms(shape, in.primitives) : nullptr) {
         in.index = std::dynamic_pointer_cast<const culling::SphereIndex>(index);
         if (!in.index) in.candidates = std::make_shared<culling::CandidateLists>(*index, in.rays);
     }

@@ -72,6 +72,7 @@ struct FormatInputs {
 struct BandNeeds {
     bool unit_rays = false;
     bool own_truth = false;
+    bool no_forms = false;  ///< all answers are given, so that no form is asked about candidates
     std::array<std::array<bool, 2>, 2> reach = {};  ///< by `Perturbed` and `Length`
 
     void add_reach(Perturbed perturbed, Length length) {

@@ -171,27 +171,43 @@ private:
     void find_pairs(const Wanted& wanted) {
         for (const ShapeRow& row : shape_rows) gathered(row.shape).size = 0;
         matrices_.fill({});
+        std::vector<std::size_t> some;
         for (std::size_t i = 0; i < count_; ++i) {
-            if (!wanted(i)) continue;
+            if (wanted(i)) some.push_back(i);
+            if (some.empty() || (problems_.index && some.size() < found_together && i + 1 < count_)) continue;
             limit_.stop.check();
-            add_pairs(i);
-            if (pairs_.size() >= settled_together) join_pairs();
+            if (problems_.index) find_candidates(some);
+            for (std::size_t k = 0; k < some.size(); ++k) {
+                add_pairs(some[k], k);
+                if (pairs_.size() >= settled_together) join_pairs();
+            }
+            some.clear();
         }
         join_pairs();
     }
 
-    void add_pairs(std::size_t i) {
+    /// Finds the candidates of some rays, and loads them into the cache.
+    void find_candidates(std::span<const std::size_t> rays) {
+        std::array<Ray<double>, found_together> words;
+        for (std::size_t k = 0; k < rays.size(); ++k)
+            for (int c = 0; c < 3; ++c) {
+                words[k].origin[c] = rays_.words[static_cast<std::size_t>(c)][rays[k]];
+                words[k].direction[c] = rays_.words[static_cast<std::size_t>(c) + 3][rays[k]];
+            }
+        candidates_.clear();
+        problems_.index->append_candidates(std::span(words).first(rays.size()), candidates_, ends_);
+        problems_.primitives.prefetch(candidates_);
+    }
+
+    /// Adds the pairs of ray i, which is the k-th of those whose candidates were found.
+    void add_pairs(std::size_t i, std::size_t k) {
         asked_.push_back(i);
-        const auto& primitives = problems_.primitives;
         if (problems_.index) {
-            std::array<double, 6> ray;
-            for (std::size_t k = 0; k < 6; ++k) ray[k] = rays_.words[k][i];
-            problems_.index->candidates({{ray[0], ray[1], ray[2]}, {ray[3], ray[4], ray[5]}}, candidates_);
-            for (const std::uint32_t s : candidates_) add_pair(i, s);
+            for (std::size_t c = k == 0 ? 0 : ends_[k - 1]; c < ends_[k]; ++c) add_pair(i, candidates_[c]);
         } else if (problems_.paired) {
             add_pair(i, static_cast<std::uint32_t>(begin_ + i));
         } else {
-            for (std::size_t s = 0; s < primitives.size(); ++s) add_pair(i, static_cast<std::uint32_t>(s));
+            for (std::size_t s = 0; s < problems_.primitives.size(); ++s) add_pair(i, static_cast<std::uint32_t>(s));
         }
     }
 
@@ -313,7 +329,9 @@ private:
     std::array<std::array<std::size_t, settled_together>, shape_rows.size()>
         places_;  ///< indices into `pairs_` of the pairs that are gathered, by shape
     std::array<stages::UnderMatrix, shape_rows.size()> matrices_;  ///< kind of matrix of these pairs, by shape
-    std::vector<std::uint32_t> candidates_;
+    static constexpr std::size_t found_together = 64;
+    std::vector<std::uint32_t> candidates_;         ///< those of some rays
+    std::array<std::size_t, found_together> ends_;  ///< their number up to each of these rays
 };
 
 template <class S>

@@ -185,11 +185,14 @@ void Layout::find_slots(const Complain& complain) {
     }
     // A typing error: only for words of three letters and more, and only for columns that are missing. The letters of
     // `a_x` are in too many words.
+    const bool has_answer = first_hits || has_any(slot::hit_index, slot::matrix);
     std::vector<std::string> missing;
     for (const KnownName& known : known_names()) {
         if (known.shape && shapes.chosen && shapes.are_own(*known.shape)) continue;
         if (known.slot >= slot::matrix && !has_any_of_matrix()) continue;
-        if (known.slot > slot::hit_index && known.slot < slot::matrix) continue;
+        if (known.slot > slot::hit_index && known.slot < slot::matrix &&
+            (has_answer || directions == (known.slot == slot::inside)))
+            continue;
         if (known.name.size() >= (known.shape ? 4 : 3) && !places_[known.slot]) missing.push_back(known.name);
     }
     for (std::size_t c = 0; c < columns_.size(); ++c) {

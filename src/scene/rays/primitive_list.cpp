@@ -55,6 +55,15 @@ MeshColumns::MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, std::option
     if (placed_) placed_ = transformed(*placed_, stored);
 }
 
+void MeshColumns::prefetch(std::span<const std::uint32_t> triangles, std::size_t first) const {
+    for (const std::uint32_t i : triangles)
+        if (i >= first) __builtin_prefetch(&mesh_->faces[i - first]);
+    for (const std::uint32_t i : triangles) {
+        if (i < first) continue;
+        for (const std::uint32_t corner : mesh_->faces[i - first]) __builtin_prefetch(&vertices_[corner]);
+    }
+}
+
 std::vector<Primitive<double>> shared_listed(const file::Scene& scene) {
     std::vector<Primitive<double>> listed;
     for (const Primitive<Real>& primitive : scene.listed) listed.push_back(round_primitive(primitive, binary32));

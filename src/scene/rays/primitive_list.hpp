@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -61,6 +62,8 @@ public:
         return triangle;
     }
     [[nodiscard]] const triangle::Mesh& mesh() const { return *mesh_; }
+    /// Loads triangles into the cache. `triangles` lists indices, from `first` on.
+    void prefetch(std::span<const std::uint32_t> triangles, std::size_t first) const;
 
 private:
     std::shared_ptr<const triangle::Mesh> mesh_;
@@ -91,6 +94,11 @@ public:
         const std::size_t triangles = first_of_mesh();
         return transformed(i < triangles ? (*made_.flake)[i - listed_.size()] : (*made_.mesh)[i - triangles],
                            [this](double x) { return S(rounded(x)); });
+    }
+    /// Loads primitives into the cache that will be asked for soon. In a large mesh that is several times as fast as to
+    /// wait for each of them.
+    void prefetch(std::span<const std::uint32_t> primitives) const {
+        if (made_.mesh) made_.mesh->prefetch(primitives, first_of_mesh());
     }
     [[nodiscard]] const Made& made() const { return made_; }
     /// The triangles of meshes; null if there are none.

@@ -115,6 +115,7 @@ EdgeSearchFile::EdgeSearchFile(const std::filesystem::path& path, const std::fil
     table.read("ulps", ulps, 0, 1024);
     table.read("seed", seed, 0, 1LL << 53);
     table.read("rays", rays, 1, 1LL << 40);
+    table.read("census", census, 0, 1LL << 40);
     table.reject_unknown_keys();
     file.reject_unknown_keys();
 }

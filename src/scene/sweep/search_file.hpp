@@ -68,7 +68,7 @@ public:
 class EdgeSearchFile : public SweepHead {
 public:
     /// Throws InputError with a position for anything that is not such a search. A scene is looked up in `data_dir`.
-    /// `set` changes keys of the table first: `rays`, `seed`.
+    /// `set` changes keys of the table first: `rays`, `census`, `seed`.
     EdgeSearchFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
                    const std::vector<toml::Override>& set = {}, intersect::process::StopToken stop = {});
 
@@ -78,6 +78,7 @@ public:
     int ulps = 2;                       ///< each component of a direction is moved by at most this many
     std::uint64_t seed = 1;
     std::int64_t rays = 1 << 20;  ///< number of rays tried for each form and each outcome
+    std::int64_t census = 20000;  ///< number of rays from the whole range whose outcomes are counted for each form
 
     [[nodiscard]] bool meets(Shapes forms) const { return forms == Shapes(triangle::Mesh::shape); }
 };

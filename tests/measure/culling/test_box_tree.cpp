@@ -11,6 +11,7 @@
 #include "intersect/table/union_field.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/culling/box_tree.hpp"
+#include "measure/culling/sort_by_index.hpp"
 #include "measure/truth/band.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "number/random.hpp"
@@ -89,8 +90,11 @@ TEST_CASE("a tree of boxes finds every primitive that a ray meets", "[culling]")
         const auto tree = BoxTree::make(PrimitiveList<double>(primitives), measure::culling::bounds_of(rays), nullptr);
         REQUIRE(tree);
         std::vector<std::uint32_t> found;
+        // Those of many rays at once are the same: after what was there before, and more rays than walk at a time.
+        const measure::culling::CandidateLists lists(*tree, rays);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             tree->candidates(rays[i], found);
+            CHECK(std::ranges::equal(lists.of(i), found));
             CHECK(std::ranges::is_sorted(found));
             CHECK(std::ranges::adjacent_find(found) == found.end());
             asked += found.size(), pairs += primitives.size();
@@ -104,6 +108,40 @@ TEST_CASE("a tree of boxes finds every primitive that a ray meets", "[culling]")
     }
     CHECK(met > 2000);
     CHECK(asked < pairs / 2);  // and it spares most of the others
+}
+
+TEST_CASE("candidates of more rays than walk down a tree together are those of each", "[culling]") {
+    Draw draw(11);
+    std::vector<Ray<double>> rays;
+    for (int i = 0; i < 700; ++i) rays.push_back({draw.point(8), draw.point(1)});
+    rays[3].direction = {0, 0, 0};
+    rays[300].origin.x = std::nan("");
+    rays[699].origin.y = 0x1p1020;
+    const auto tree = BoxTree::make(PrimitiveList<double>(primitives_of(draw, 1)), {8, 1, 1}, nullptr);
+    REQUIRE(tree);
+    std::vector<std::uint32_t> all{77}, one, expected{77};
+    std::vector<std::size_t> ends(rays.size());
+    tree->append_candidates(rays, all, ends);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        tree->candidates(rays[i], one);
+        expected.insert(expected.end(), one.begin(), one.end());
+        CHECK(ends[i] == expected.size());
+    }
+    CHECK(all == expected);
+}
+
+TEST_CASE("a long list is sorted by its indices as a short one is, and equal indices keep their order", "[culling]") {
+    Draw draw(5);
+    for (const double most : {1.0, 700.0, 5e6, 4294967295.0})
+        for (const std::size_t count :
+             {std::size_t{0}, std::size_t{1}, std::size_t{512}, std::size_t{513}, std::size_t{9000}}) {
+            std::vector<std::pair<std::uint32_t, std::size_t>> list, expected;
+            for (std::size_t i = 0; i < count; ++i) list.emplace_back(static_cast<std::uint32_t>(draw.in(0, most)), i);
+            expected = list;
+            std::ranges::sort(expected);
+            measure::culling::sort_by_index(list, [](const auto& one) { return one.first; });
+            CHECK(list == expected);
+        }
 }
 
 TEST_CASE("the truth through a tree equals the truth among all primitives", "[culling]") {

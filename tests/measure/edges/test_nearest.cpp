@@ -15,7 +15,7 @@ namespace test_nearest {
 using namespace lostbits;
 using namespace lostbits::test;
 using measure::answer::Outcome;
-using measure::edges::EdgeFinding;
+using measure::edges::EdgeCount, measure::edges::EdgeFinding;
 using measure::edges::NearestRay;
 using scene::sweep::EdgeSearchFile;
 
@@ -40,8 +40,10 @@ bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b)
         return x->distance == y->distance && x->ray.origin == y->ray.origin && x->ray.direction == y->ray.direction &&
                x->faces == y->faces && x->truth == y->truth && (x->t == y->t || (std::isnan(x->t) && std::isnan(y->t)));
     };
+    const auto same_count = [](const EdgeCount& x, const EdgeCount& y) { return x.rays == y.rays && x.with == y.with; };
     return std::ranges::equal(a, b, [&](const EdgeFinding& x, const EdgeFinding& y) {
-        return x.rays == y.rays && std::ranges::equal(x.nearest, y.nearest, same_ray);
+        return x.rays == y.rays && std::ranges::equal(x.nearest, y.nearest, same_ray) &&
+               std::ranges::equal(x.census, y.census, same_count);
     });
 }
 
@@ -98,6 +100,32 @@ TEST_CASE("an edge search finds the leak that contraction opens in a watertight 
     const auto found = found_by(search, {plain, {&measure::tape::contracted_row(*plain.form), plain.format}});
     CHECK_FALSE(found[0].nearest[0].has_value());
     CHECK(found[1].nearest[0].has_value());
+}
+
+TEST_CASE("a census counts the cracks that contraction opens, at edges and not at vertices", "[edges][contraction]") {
+    const Scratch folder;
+    const auto search = search_of(folder,
+                                  "scene = \"mesh-icosphere-near\"\ndistance = [\"0x1p-10\", \"0x1p20\"]\n"
+                                  "rays = 1\ncensus = 8000\n");
+    const measure::evaluate::TestedForm plain = row("triangle.woop", "f32");
+    const std::vector rows{plain,
+                           {&measure::tape::contracted_row(*plain.form), plain.format},
+                           row("triangle.filtered", "f32"),
+                           row("triangle.undivided", "f32")};
+    const auto found = measure::edges::find_nearest({.search = search, .rows = rows, .census_alone = true});
+    for (const EdgeFinding& one : found) {
+        CHECK(one.census[0].rays + one.census[1].rays == 8000);
+        CHECK(one.census[0].rays > 4 * one.census[1].rays / 2);
+        CHECK(one.rays == decltype(one.rays){});
+    }
+    const auto cracks = [&](std::size_t row, std::size_t target) { return found[row].census.at(target).with[0]; };
+    CHECK(cracks(0, 0) + cracks(0, 1) == 0);
+    CHECK(cracks(1, 0) > 40);
+    CHECK(found[0].census[0].with[1] > 40);
+    for (std::size_t target : {0, 1}) {
+        CHECK(found[2].census.at(target).with == std::array<std::uint64_t, 2>{});
+        CHECK(cracks(3, target) > 40);
+    }
 }
 
 TEST_CASE("an edge search does not depend on other rows, shards or repetition", "[edges]") {

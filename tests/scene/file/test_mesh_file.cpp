@@ -95,6 +95,11 @@ TEST_CASE("a file that is not a mesh is refused with its line or offset", "[mesh
           "a.obj:4:3: names vertex 0; vertices count from 1, and -1 is the last one");
     CHECK(error_of_file("a.obj", three + " f 1 2\n") == "a.obj:4:2: is a face of fewer than 3 corners");
     CHECK(error_of_file("a.obj", three + "f 1 2 x\n") == "a.obj:4:7: the corner \"x\" is not the number of a vertex");
+    CHECK(error_of_file("a.obj", "v 0 1 2 x\n")
+              .starts_with("a.obj:1:9: \"x\" follows the x, y and z of a vertex and is not a number"));
+    CHECK(error_of_file("a.obj", "v 0 1 2 0.5 1,5\n").starts_with("a.obj:1:13: \"1,5\" follows"));
+    CHECK(read_mesh_file(Scratch().write("a.obj", "v 0 0 0 1\nv 1 0 0 +.5 1e-3 0 # red\nv 0 1 0 #\nf 1 2 3\n"))
+              .faces.size() == 1);
     CHECK(error_of_file("a.obj", "v 0 nan 0\n") ==
           "a.obj:1:5: y is \"nan\", which is not finite; a vertex has finite numbers");
     CHECK(error_of_file("a.obj", "v 0 1e999 0\n") == "a.obj:1:5: y is \"1e999\", which overflows");

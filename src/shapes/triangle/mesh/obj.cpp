@@ -31,16 +31,31 @@ std::uint32_t corner(const TextLines& lines, std::string_view word, std::size_t 
     return static_cast<std::uint32_t>(place > 0 ? place - 1 : count + place);
 }
 
-/// Goes past what is left of a statement, with the lines on which it continues. A vertex or a face is refused there: a
-/// comment may end with a backslash and mean nothing by it.
+/// Refuses a vertex or a face where a statement continues: a comment may end with a backslash and mean nothing by it.
+void refuse_element(const TextLines& lines, std::string_view word) {
+    if (word == "v" || word == "f")
+        lines.fail(toml::quoted_excerpt(word) +
+                   " begins a line that continues the one above, which ends with \\, so a vertex or a face might be "
+                   "left out; remove the \\, or write this line elsewhere");
+}
+
+/// Goes past what is left of a statement, with the lines on which it continues.
 void skip_rest(TextLines& lines) {
-    while (lines.go_on()) {
-        const std::string_view what = lines.word();
-        if (what == "v" || what == "f")
-            lines.fail(
-                toml::quoted_excerpt(what) +
-                " begins a line that continues the one above, which ends with \\, so a vertex or a face might be "
-                "left out; remove the \\, or write this line elsewhere");
+    while (lines.go_on()) refuse_element(lines, lines.word());
+}
+
+/// Goes past the numbers that may follow x, y and z: a weight or a colour. Another word there may be a coordinate that
+/// was cut in two.
+void skip_more_numbers(TextLines& lines) {
+    for (std::string_view word = lines.word(); !word.empty() && word[0] != '#'; word = lines.word()) {
+        refuse_element(lines, word);
+        double x = 0;
+        const std::string_view digits = word.starts_with('+') ? word.substr(1) : word;
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
+        if (error == std::errc::invalid_argument || end != digits.data() + digits.size())
+            lines.fail(toml::quoted_excerpt(word) +
+                       " follows the x, y and z of a vertex and is not a number; a weight or a colour may follow them, "
+                       "so correct it or remove it");
     }
 }
 
@@ -58,6 +73,7 @@ MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& terms) {
             const auto number = [&](const char* name) { return lines.coordinate<double>(name, terms.stored); };
             const double x = number("x"), y = number("y"), z = number("z");
             found.mesh.vertices.emplace_back(x, y, z);
+            skip_more_numbers(lines);
         } else if (what == "f") {
             corners.clear();
             for (std::string_view word = lines.word(); !word.empty(); word = lines.word())
