@@ -8,6 +8,7 @@
 #include "measure/answer/against.hpp"
 #include "measure/attribution/culprits.hpp"
 #include "output/map/map_tables.hpp"
+#include "output/map/row_names.hpp"
 #include "scene/toml/counted.hpp"
 
 namespace lostbits::output::map {
@@ -26,12 +27,6 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
     if (share < 0.1) return "<0.1%";
     if (share > 99 && share < 100) return ">99%";
     return fmt::format(fmt::runtime(share < 10 ? "{:.1f}%" : "{:.0f}%"), share);
-}
-
-std::string in_words(std::string_view name) {
-    std::string words(name);
-    std::ranges::replace(words, '_', ' ');
-    return words;
 }
 
 std::string short_number(double x) {

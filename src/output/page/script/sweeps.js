@@ -300,12 +300,22 @@ async function drawSweep() {
         sweepParts.chart = chartOf(figure);
         if (line) sweepParts.order = sweep.steps.map((_, k) => k).sort((a, b) => sweep.steps[a] - sweep.steps[b]);
         emphasize(sweepParts.chart, keyOf(now.chosen), null);
+        sweepParts.names.replaceChildren(...(line ? lineNames(now) : []));
         drawSweepPickers();
         sweepParts.showNote(index.sweeps.find((s) => s.id === sweep.id).note);
         onsets.replaceChildren(
             ...(line ? [make("p.hint", sweep.absent[now.chosen.format]), ...onsetLines(now.chosen)] : []));
     }
     showCell(null);
+}
+
+/** The lines of the chart with their colours, for windows in which the chart's own legend is out of sight. */
+function lineNames({ rows }) {
+    return sweepParts.chart.lines.map(({ group, keys }) => {
+        const colour =
+            group.querySelector("path").getAttribute("stroke").match(/[\da-f]{2}/g).map((c) => parseInt(c, 16));
+        return ofColour(colour, rows.filter((row) => keys.includes(keyOf(row))).map(shortName).join(", "));
+    });
 }
 
 function onsetLines(row) {
@@ -346,6 +356,7 @@ function buildSweeps() {
         charts: new Map(index.sweeps.map(({ id }) => [id, chartsOf(`sweep-${id}`)])),
         pickers: make("div.pickers"),
         element: buildChart(),
+        names: make("div.legend.names"),
         under: make("p.hint#sweep-under", "\u00a0"),
         facts: make("div.facts#sweep-facts", { "aria-live": "polite" }),
         onsets: make("div.onsets")
@@ -360,7 +371,7 @@ function buildSweeps() {
     root.append(
         parts.pickers, note,
         make(
-            "div.stage", make("div.picture.wide", parts.element, parts.under),
+            "div.stage", make("div.picture.wide", parts.element, parts.names, parts.under),
             make("div.side", parts.facts, make("div.buttons", ...buttons), copied, parts.onsets)));
     root.hidden = false;
     listeners.push(drawSweep);
