@@ -232,11 +232,11 @@ std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {
     const auto& [scene, named, rows, paint, several, zooms, explained_by] = sheet;
     std::vector<std::string> lines{fmt::format("{}, {} x {} rays{}", scene.id, scene.width, scene.height,
                                                paint.metric().by_run ? "" : "; percentages are of all rays"),
-                                   paint.note(several), rows.empty() ? "" : input_note(scene, rows)};
+                                   paint.note(several), explained_by.empty() ? paint.quantile_note() : "",
+                                   rows.empty() ? "" : input_note(scene, rows)};
     if (!explained_by.empty()) {
         lines.push_back(fmt::format("p99, the order of forms and worst pixels: as explained in {}", explained_by));
     } else {
-        lines.push_back(paint.quantile_note());
         if (!rows.empty())
             lines.push_back(
                 fmt::format("order of forms: fewest wrong decisions in {} first, then the smallest p99 of lost bits",

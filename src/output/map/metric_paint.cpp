@@ -148,7 +148,7 @@ pixel::Look MetricPaint::look(bool of_mesh) const {
 
 std::vector<LegendEntry> MetricPaint::widest_culprit_legend(std::uint64_t pixels) const {
     const std::string count = pixel::widest_count(pixels);
-    std::vector<LegendEntry> entries(most_culprits + 2, {std::string(longest_culprit, 'e'), no_culprit, count});
+    std::vector<LegendEntry> entries(most_culprits + 2, {std::string(longest_culprit, '+'), no_culprit, count});
     for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved})
         entries.push_back({plain_name(o), pixel::colour_of(o), count});
     return entries;

@@ -309,14 +309,26 @@ async function drawSweep() {
     showCell(null);
 }
 
-/** The lines of the chart with their colours, for windows in which the chart's own legend is out of sight. */
-function lineNames({ rows }) {
-    return sweepParts.chart.lines.map(({ group, keys }) => {
-        const colour =
-            group.querySelector("path").getAttribute("stroke").match(/[\da-f]{2}/g).map((c) => parseInt(c, 16));
-        return ofColour(colour, rows.filter((row) => keys.includes(keyOf(row))).map(shortName).join(", "));
-    });
+/** A short piece of a line as in the chart: its colour, and its marker if it has one. */
+function lineSample(group) {
+    const line = group.querySelector("path"), marker = group.querySelector("circle, path:not([fill=none])");
+    const svg = document.createElementNS(line.namespaceURI, "svg"), piece = line.cloneNode();
+    svg.setAttribute("viewBox", "0 0 26 12");
+    piece.setAttribute("d", "M1 6h24");
+    svg.append(piece);
+    if (marker) {
+        const { x, y, width, height } = marker.getBBox(), copy = marker.cloneNode();
+        copy.setAttribute("transform", `translate(${13 - x - width / 2} ${6 - y - height / 2})`);
+        svg.append(copy);
+    }
+    return svg;
 }
+
+/** The lines of the chart by name, for windows in which the chart's own legend is out of sight. */
+const lineNames = ({ rows }) => sweepParts.chart.lines.map(({ group, keys }) => {
+    const names = rows.filter((row) => keys.includes(keyOf(row))).map(shortName);
+    return make("span.class", lineSample(group), ` ${names.join(", ")}`);
+});
 
 function onsetLines(row) {
     if (row.onsets.length === 0) return [make("p", "No threshold is crossed along this sweep.")];
@@ -324,7 +336,7 @@ function onsetLines(row) {
     for (const [event, statistic, threshold, good, bad, low, high] of row.onsets)
         body.append(cells(
             "td", `${words(event)} ${statistic}`, decimal(threshold), good === null ? "–" : decimal(good), decimal(bad),
-            low === high ? "–" : `${decimal(low)} to ${decimal(high)}`));
+            low === high ? "–" : `${rounded(low)} to ${rounded(high)}`));
     return [make(
         "details", { open: true }, make("summary", `Onsets of ${title(row)}: ${row.onsets.length}`),
         make("table", header("event", "threshold", "last good", "first seen bad", "range over draws"), body))];
