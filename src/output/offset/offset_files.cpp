@@ -80,8 +80,8 @@ void add_notes(const OffsetStudy& study, std::size_t line, const measure::offset
                std::vector<study::Note>& notes) {
     if (side.safe.count() > 0)
         notes.push_back({{0, line},
-                         fmt::format("p50 {}, max {}\n(world units)", file::short_decimal(side.safe.quantile(0.5), 3),
-                                     file::short_decimal(side.safe.quantile(1), 3))});
+                         fmt::format("p50 {}, max {}\n(world units)", file::short_decimal(side.safe.quantile(0.5), 2),
+                                     file::short_decimal(side.safe.quantile(1), 2))});
     for (std::size_t k = 0; k < study.strategies.size(); ++k) {
         const auto& of = side.strategies[k];
         std::string note =

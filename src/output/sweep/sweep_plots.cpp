@@ -170,7 +170,7 @@ void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sw
                               return std::ranges::any_of(step.rows, truly_misses);
                           });
     if (possible) quantity.note = "a line at 0, below the log scale, means no such ray in that step";
-    else quantity.nothing = "no ray of this sweep truly misses, so none can be a false hit";
+    else quantity.nothing = "No ray of this sweep truly misses, so none can be a false hit.";
     write_lines(path, sweep, format, quantity, size);
 }
 
