@@ -187,7 +187,7 @@ async function reach({ open, lostbits }) {
         assert.ok((await shown.locator("#pick-ray option:checked").innerText()).startsWith(`${x}, ${y}: `));
         assert.match(await page.locator("#inspector h3").innerText(), new RegExp(`Pixel ${x}, ${y}$`));
     };
-    for (let k = rays.length - 1; k >= 0; k -= 3) {
+    for (let k = (rays.length - 1) % 3; k < rays.length; k += 3) {  // includes the last one
         await page.selectOption("#pick-ray", String(k));
         await isShown(rays[k]);
     }
