@@ -24,6 +24,7 @@ std::string decimal(double value) { return shortest(value); }
 std::string decimal(float value) { return shortest(value); }
 
 std::string short_decimal(double value, int digits) {
+    if (!std::isfinite(value)) return decimal(value);
     char text[400];
     const auto written = [&text](double x, auto... how) {
         return std::string(text, std::to_chars(text, text + sizeof text, x, how...).ptr);

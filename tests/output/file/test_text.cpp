@@ -40,6 +40,7 @@ TEST_CASE("numbers for a reader have few digits, and powers of ten where they ar
     CHECK(short_decimal(100000, 6) == "100000");
     CHECK(short_decimal(1000000.5, 8) == "1000000.5");
     CHECK(short_decimal(-0.0, 3) == "0");
+    CHECK(short_decimal(-std::numeric_limits<double>::infinity(), 3) == "-inf");
     CHECK(short_decimal(3 * 0.1, 6) == "0.3");
 }
 
