@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 from typing import Any, Sequence
 
-ABI = 9
+ABI = 10
 
 
 class Error(Exception):

@@ -54,14 +54,20 @@ class Pixels(Table):
 
     def outcome_colours(self) -> NDArray[np.uint8]:
         """Red, green and blue of the outcome of each pixel, as an array of shape (height, width, 3)."""
-        outcome = self.columns["outcome"]
-        return outcome.colours[outcome.codes].reshape(self.size[1], self.size[0], 3)
+        codes, colours, _ = self._outcomes()
+        return colours[codes].reshape(self.size[1], self.size[0], 3)
 
     def outcomes_in(self, mask: NDArray[np.bool_]) -> list[tuple[str, NDArray[np.uint8]]]:
         """Names and colours of the outcomes of the pixels in a mask, in the order of the program."""
+        codes, colours, names = self._outcomes()
+        return [(names[k].replace("agree_", "correct_").replace("_", " "), colours[k])
+                for k in np.unique(codes[mask.ravel()])]
+
+    def _outcomes(self) -> tuple[NDArray[np.uint8], NDArray[np.uint8], list[str]]:
+        """The code of the outcome of each pixel, and the colours and names of the codes."""
         outcome = self.columns["outcome"]
-        return [(outcome.categories[k].replace("agree_", "correct_").replace("_", " "), outcome.colours[k])
-                for k in np.unique(outcome.codes[mask.ravel()])]
+        assert outcome.codes is not None and outcome.colours is not None
+        return outcome.codes, outcome.colours, outcome.categories
 
 
 class Summarised:
