@@ -71,6 +71,9 @@ void require_folder(const std::string& out);
                                                                      const Common& common, const std::string& subject,
                                                                      output::file::ResultFolder::Rules rules = {});
 
+/// Prints the path of each file of a drawing.
+void print_figures(const std::filesystem::path& path);
+
 /// Marks the results in the folder as complete, see `ResultFolder::complete`. Does nothing for null.
 void complete(const std::unique_ptr<output::file::ResultFolder>& folder);
 

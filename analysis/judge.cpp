@@ -15,7 +15,6 @@
 #include "intersect/conventions.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/file/number_text.hpp"
-#include "output/image/figure.hpp"
 #include "output/judge/judge_files.hpp"
 #include "scene/dump/number_parser.hpp"
 #include "scene/file/march_table.hpp"
@@ -283,9 +282,8 @@ Exit run(const JudgeOptions& o, const Common& common) {
         print_judged(request, result, o.by);
         print_pairs(request.rows, request.metrics, result.summaries);
         if (common.verbose) print_stages(stages);
-        fmt::print(
-            "{}\n",
-            (request.picture ? output::image::figure_path(folder / "contact.png") : folder / "summary.csv").string());
+        if (request.picture) print_figures(folder / "contact.png");
+        else fmt::print("{}\n", (folder / "summary.csv").string());
         if (worst) fmt::print("{}\n", (folder / "worst.toml").string());
     }
     if (const auto file = request.file_place())

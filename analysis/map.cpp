@@ -17,7 +17,6 @@
 #include "measure/contract/suspect.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "output/attribution/explain_command.hpp"
-#include "output/image/figure.hpp"
 #include "output/map/map_exr.hpp"
 #include "output/map/map_files.hpp"
 #include "output/map/needed_files.hpp"
@@ -157,7 +156,7 @@ void say_results(const SceneWork& work, const SceneSummaries& summaries, const s
     print_pairs(work.map.rows, work.map.metrics, summaries.map);
     if (work.needed) print_table(*work.needed, summaries.needed);
     if (verbose) print_stages(*work.map.stages);
-    fmt::print("{}\n", output::image::figure_path(folder / "contact.png").string());
+    print_figures(folder / "contact.png");
     if (work.needed) fmt::print("{}\n", (folder / "needed.csv").string());
     note_lost_crossings(work, summaries.map);
     const measure::evaluate::FormSummary& first = summaries.map.front();
@@ -174,6 +173,7 @@ struct MapContext {
     output::file::Progress& progress;
     shard::Division& division;
     const SceneFolders::Complete& complete;
+    std::string explained_by;  ///< see `MapFilesOptions`
 };
 
 /// Maps one scene. Returns the number of its rays without a proved truth; 0 in a shard, since the whole run counts
@@ -206,6 +206,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
                    .singles = o.pictures == "all",
                    .pixels_csv = pixels,
                    .named = selection::name_of_scene(scene, selection::data_folder(common.data)) + input_of(o),
+                   .explained_by = context.explained_by,
                    .envelope = o.envelope,
                    .exr = book,
                    .also = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
@@ -305,9 +306,9 @@ Exit run(MapOptions o, const Common& common) {
                                         common.quiet, bands);
         work.map.progress = advancing(progress, &estimate);
         work.map.stages = &stages;
-        return map_scene(work, o,
-                         drawn_of(selection::applicable_metrics(drawn, work.map.rows, work.map.scene->id), work),
-                         {common, progress, divided.division, complete});
+        return map_scene(
+            work, o, drawn_of(selection::applicable_metrics(drawn, work.map.rows, work.map.scene->id), work),
+            {common, progress, divided.division, complete, k == 0 ? "" : works.front().map.scene->id + "/contact"});
     });
     finish(divided, common);
     if (divided.division.is_shard()) return Exit::done;

@@ -113,16 +113,19 @@ bool is_about_sweep(const Claim& c, const std::string& id) {
     return c.on<SweepSubject>() && std::filesystem::path(c.subject_name()).stem() == id;
 }
 
+bool has_row(const std::vector<TestedForm>& rows, const Claim& c) {
+    const auto row = measure::claim::claim_row(c);
+    return std::ranges::any_of(rows,
+                               [&row](const TestedForm& r) { return r.form == row.form && r.format == row.format; });
+}
+
 /// The selected rows and, `with_claims`, those of the claims about the subject. External forms come first, then the
 /// others in the order of the catalogue.
 std::vector<TestedForm> rows_for(const std::string& subject, std::vector<TestedForm> rows,
                                  const std::vector<Claim>& claims, bool with_claims) {
     for (const Claim& c : claims) {
         if (!with_claims || !(is_about_scene(c, subject) || is_about_sweep(c, subject))) continue;
-        const TestedForm row{measure::claim::claim_row(c).form, measure::claim::claim_row(c).format};
-        if (std::ranges::none_of(rows,
-                                 [&row](const TestedForm& r) { return r.form == row.form && r.format == row.format; }))
-            rows.push_back(row);
+        if (!has_row(rows, c)) rows.push_back({measure::claim::claim_row(c).form, measure::claim::claim_row(c).format});
     }
     const auto place = [](const TestedForm& row) {
         if (row.form->is_set()) return std::pair{true, PTRDIFF_MAX};
@@ -166,13 +169,15 @@ void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesy
     if (!fit.empty()) work.sweeps.push_back({path, data, fit});
 }
 
-/// True if a claim goes onto the page: --claims names it; without --claims, it is about something that is shown, or no
-/// subject is named.
+/// True if a claim goes onto the page: --claims names it; without --claims, a form that it is about is shown on its
+/// subject, or no subject is named.
 bool is_chosen(const Claim& c, const ReportOptions& o, const Work& work) {
     if (!o.claims.empty()) return selection::matches_any(o.claims, c.id);
     if (o.subjects.empty()) return true;
-    return std::ranges::any_of(work.maps, [&](const MapWork& m) { return is_about_scene(c, m.scene.id); }) ||
-           std::ranges::any_of(work.sweeps, [&](const SweepWork& s) { return is_about_sweep(c, s.path.stem()); });
+    return std::ranges::any_of(work.maps,
+                               [&](const MapWork& m) { return is_about_scene(c, m.scene.id) && has_row(m.rows, c); }) ||
+           std::ranges::any_of(
+               work.sweeps, [&](const SweepWork& s) { return is_about_sweep(c, s.path.stem()) && has_row(s.rows, c); });
 }
 
 /// The words of -i; without -i, all forms.

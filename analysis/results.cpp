@@ -12,6 +12,8 @@
 #include "measure/truth/truth.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
+#include "output/image/figure.hpp"
+#include "output/map/row_names.hpp"
 #include "scene/toml/counted.hpp"
 
 namespace lostbits::analysis {
@@ -163,6 +165,10 @@ void note_suspicions(const std::vector<measure::evaluate::TestedForm>& rows, con
         fmt::print(stderr, "lostbits: {}\n", line);
 }
 
+void print_figures(const std::filesystem::path& path) {
+    for (const auto& file : output::image::figure_paths(path)) fmt::print("{}\n", file.string());
+}
+
 void print_pairs(const std::vector<measure::evaluate::TestedForm>& rows,
                  const std::vector<const measure::metric::Metric*>& metrics,
                  const std::vector<measure::evaluate::FormSummary>& summaries) {
@@ -173,9 +179,10 @@ void print_pairs(const std::vector<measure::evaluate::TestedForm>& rows,
         std::string words;
         for (std::size_t c = 0; c < measure::answer::against_names.size(); ++c) {
             const std::uint64_t n = summaries[r].categories[against][c];
-            if (n > 0) words += fmt::format("{}{} {}", words.empty() ? "" : ", ", n, measure::answer::against_names[c]);
+            if (n > 0)
+                words += fmt::format("{}{} {}", words.empty() ? "" : ", ", n,
+                                     output::map::in_words(measure::answer::against_names[c]));
         }
-        std::ranges::replace(words, '_', ' ');
         fmt::print("  {} {} against {}: {}\n", rows[r].form->info->name, rows[r].format.name,
                    rows[r].against->info->name, words);
     }

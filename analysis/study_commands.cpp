@@ -13,7 +13,6 @@
 #include "analysis/study/studies.hpp"
 #include "commands.hpp"
 #include "measure/offset/along.hpp"
-#include "output/image/figure.hpp"
 
 namespace lostbits::analysis {
 
@@ -167,7 +166,7 @@ std::uint64_t measure_scene(typename Words::View::Study study, const StudyRun& r
     complete();
     if (!run.common.quiet) {
         run.progress.aside([&] {
-            fmt::print("{}\n", output::image::figure_path(folder / "contact.png").string());
+            print_figures(folder / "contact.png");
             Words::say(study, *summaries, run.common.verbose);
         });
     }

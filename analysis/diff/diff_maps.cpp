@@ -180,7 +180,7 @@ std::vector<fs::path> draw_maps(const MapSides& sides, const fs::path& out, inte
                 picture, *a, *b,
                 {(map.empty() ? "" : map.string() + ": ") + (first == second ? first : first + " and " + second),
                  first == second ? sides.a.string() : first, first == second ? sides.b.string() : second});
-            drawn.push_back(output::image::figure_path(picture));
+            std::ranges::copy(output::image::figure_paths(picture), std::back_inserter(drawn));
         }
     }
     if (drawn.empty())

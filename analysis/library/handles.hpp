@@ -43,7 +43,8 @@ struct ResultColumn {
     std::vector<double> numbers = {};
     std::vector<std::optional<std::string>> texts = {};
     std::vector<std::uint8_t> codes = {};
-    std::vector<std::string> names = {};  ///< name of the category of each code
+    std::vector<std::string> names = {};    ///< name of the category of each code
+    const std::uint8_t* colours = nullptr;  ///< of the names, three bytes each; null: they have none
 
     std::vector<const char*> text_pointers = {}, name_pointers = {};  ///< filled by `seal`
 };

@@ -296,6 +296,7 @@ typedef struct lostbits_column {
     const uint8_t* categories;                /* one index in `names` per row, 255 if missing; NULL for other columns */
     const char* const* names;                 /* of the categories */
     size_t name_count;
+    const uint8_t* colours; /* red, green and blue of each name, as in pictures; NULL if the names have no colours */
 } lostbits_column;
 
 /* Fills `into` with a table, or with a column of a table; both are counted from 0. Returns LOSTBITS_NOTHING beyond the

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "measure/evaluate/summary_columns.hpp"
+#include "output/image/colour.hpp"
 #include "output/map/map_tables.hpp"
 
 namespace lostbits::analysis::library {
@@ -71,6 +72,7 @@ RayTable::RayTable(ResultTable& table, const measure::evaluate::TestedForm& row,
                    const std::vector<const Metric*>& metrics)
     : table_(table), row_(row), metrics_(metrics) {
     put_names(table["outcome"], measure::answer::outcome_names);
+    table["outcome"].colours = &output::image::outcome_colours.front().r;
     for (const Metric* m : metrics) put_names(table[measure::evaluate::column_name(*m)], m->categories);
 }
 
@@ -125,7 +127,8 @@ int lostbits_result_column(const lostbits_result* result, size_t table, size_t c
              .texts = texts ? c.text_pointers.data() : nullptr,
              .categories = coded ? c.codes.data() : nullptr,
              .names = coded ? c.name_pointers.data() : nullptr,
-             .name_count = c.names.size()};
+             .name_count = c.names.size(),
+             .colours = c.colours};
     return LOSTBITS_OK;
 }
 

@@ -131,7 +131,7 @@ MeshAnswers = _struct("MeshAnswers", "text column; array values, objects; int ro
 Requirement = _struct("Requirement", "double bits, tolerance, wrong; text at")
 TableWords = _struct("TableWords", "text name; size columns, rows")
 ColumnWords = _struct("ColumnWords", "text name, type, unit, meaning; pointer numbers; texts texts; "
-                      "pointer categories; texts names; size name_count")
+                      "pointer categories; texts names; size name_count; pointer colours")
 _here = Path(__file__).resolve().parent
 
 

@@ -52,6 +52,23 @@ class Pixels(Table):
     def __getitem__(self, column: str) -> NDArray[Any]:
         return super().__getitem__(column).reshape(self.size[1], self.size[0])
 
+    def outcome_colours(self) -> NDArray[np.uint8]:
+        """Red, green and blue of the outcome of each pixel, as an array of shape (height, width, 3)."""
+        codes, colours, _ = self._outcomes()
+        return colours[codes].reshape(self.size[1], self.size[0], 3)
+
+    def outcomes_in(self, mask: NDArray[np.bool_]) -> list[tuple[str, NDArray[np.uint8]]]:
+        """Names and colours of the outcomes of the pixels in a mask, in the order of the program."""
+        codes, colours, names = self._outcomes()
+        return [(names[k].replace("agree_", "correct_").replace("_", " "), colours[k])
+                for k in np.unique(codes[mask.ravel()])]
+
+    def _outcomes(self) -> tuple[NDArray[np.uint8], NDArray[np.uint8], list[str]]:
+        """The code of the outcome of each pixel, and the colours and names of the codes."""
+        outcome = self.columns["outcome"]
+        assert outcome.codes is not None and outcome.colours is not None
+        return outcome.codes, outcome.colours, outcome.categories
+
 
 class Summarised:
     """A result with the table `.summary`, which is `.frame` in pandas."""
@@ -78,19 +95,27 @@ class Map(Summarised):
         self.pixels = ByRow({name: Pixels(table, size) for name, table in tables.items()})
 
     def figure(self, column: str = "lost_bits") -> Any:
-        """A picture for each form and format, as a matplotlib Figure. All have the same range. Grey: no agreed hit."""
+        """A picture for each form and format, as a matplotlib Figure. All have the same range.
+
+        A ray without a value has the colour of its outcome, as in the program's pictures, and a legend names it.
+        """
         rows = list(self.pixels)
         images = [np.asarray(self.pixels[row][column], dtype=float) for row in rows]
         figure = optional("matplotlib.figure").Figure(figsize=(3 * len(rows) + 0.8, 3.4))
         top = max((float(np.nanmax(i)) for i in images if np.isfinite(i).any()), default=1.0)
         axes = figure.subplots(1, len(rows), squeeze=False)[0]
         for axis, (form, format), image in zip(axes, rows, images):
-            axis.set_facecolor("0.85")
+            axis.imshow(self.pixels[form, format].outcome_colours(), interpolation="nearest")
             shown = axis.imshow(image, vmin=0, vmax=max(top, 1e-9), interpolation="nearest")
             axis.set_title(f"{form}, {format}", fontsize=9)
             axis.set_xticks([]), axis.set_yticks([])
         label = f"{column} ({self.pixels[rows[0]].columns[column].unit})"
         figure.colorbar(shown, ax=list(axes), label=label, shrink=0.8)
+        seen = {name: colour for row, image in zip(rows, images)
+                for name, colour in self.pixels[row].outcomes_in(np.isnan(image))}
+        patch = optional("matplotlib.patches").Patch
+        figure.legend(handles=[patch(color=colour / 255, label=name) for name, colour in seen.items()],
+                      loc="lower center", ncols=max(len(seen), 1), fontsize=8, frameon=False)
         return figure
 
     def _repr_png_(self) -> bytes | None:

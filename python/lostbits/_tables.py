@@ -33,9 +33,12 @@ class Column:
         self.name, self.type, self.unit, self.meaning = (
             text.decode() for text in (raw.name, raw.type, raw.unit, raw.meaning))
         self.codes: NDArray[np.uint8] | None = None
+        self.colours: NDArray[np.uint8] | None = None  # red, green and blue of each category, as in pictures
         if raw.categories:
             self.codes = _view(raw.categories, rows, c.c_uint8, keeps)
             self.categories = [raw.names[i].decode() for i in range(raw.name_count)]
+            if raw.colours:
+                self.colours = _view(raw.colours, 3 * raw.name_count, c.c_uint8, keeps).reshape(-1, 3)
         elif raw.texts:
             texts = [None if text is None else text.decode() for text in raw.texts[:rows]]
             self._kept = np.array(texts, dtype=object)

@@ -93,6 +93,6 @@ module.exports = {
     settled,
     stateOf,
     sticksOut,
-    schoolbook : "#scene=near-benign&form=sphere.schoolbook&format=f32",
+    schoolbook : "#scene=near-benign&form=sphere.schoolbook&format=f32&other=",
     sweep : "sphere-tilt"
 };

@@ -116,6 +116,34 @@ async function halves({ open }) {
     await page.selectOption("#pick-other", "");
     await settled(page);
     assert.equal(await page.locator(".half:visible").count(), 0);
+    // Two forms are compared from the start: the best one beside the first. Links need not say so.
+    const fresh = await open("report", { hash: schoolbook.replace("&other=", "") });
+    await settled(fresh);
+    assert.equal(await fresh.locator(".half:visible").count(), 2);
+    const least = await fresh.evaluate(() => {
+        const [wrong, lost] = rankOf(otherRow());
+        return mapNow()
+            .rows.filter((row) => row.format === "f32")
+            .every((row) => rankOf(row)[0] > wrong || (rankOf(row)[0] === wrong && rankOf(row)[1] >= lost));
+    });
+    assert.ok(least);
+    await fresh.locator("#map").press("w");
+    await settled(fresh);
+    assert.ok(!(await fresh.evaluate(() => location.hash)).includes("other"));
+}
+
+/** In a narrow window the colours are explained above the picture, and the lines of a chart below it. */
+async function narrow({ open }) {
+    const page = await open("report", { hash: `${schoolbook}&sweep=${sweep}`, width: 400, height: 800 });
+    await settled(page);
+    const legend = await boxOf(page, "#map-view .legend"), map = await boxOf(page, "#map");
+    assert.ok(legend.bottom <= map.top && legend.right <= 400);
+    const names = page.locator(".names .class"), lines = await page.evaluate(() => sweepParts.chart.lines.length);
+    assert.ok(lines > 1);
+    assert.equal(await page.locator(".names .class:visible").count(), lines);
+    assert.match(await names.first().innerText(), /\w/);
+    await resize(page, 1280, 900);
+    assert.equal(await page.locator(".names:visible").count(), 0);
 }
 
 /** Small pictures of a row start at the same height, and so do their names. They say why they have no quantile. */
@@ -232,6 +260,7 @@ exports.promises = {
     opening,
     subjects,
     halves,
+    narrow,
     thumbnails,
     lines,
     margins

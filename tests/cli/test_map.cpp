@@ -61,6 +61,9 @@ TEST_CASE("map writes every file of every form and format") {
     CHECK(scratch.files().size() == 1 + rows + 4);
     const auto package = nlohmann::json::parse(contents(scratch / "scene/datapackage.json"));
     CHECK(package["resources"][0]["schema"]["fields"].size() == summary.front().size());
+    const auto both = must("map near-benign --size 6x4 -i sphere.press -f f32 --figure png,svg" + into(scratch, ""));
+    const std::string sheet = (scratch / "near-benign/contact.").string();
+    CHECK(both.out.ends_with("\n" + sheet + "png\n" + sheet + "svg\n"));
 }
 
 TEST_CASE("the EXR of a scene has one part per row and its truth once, however it is requested") {

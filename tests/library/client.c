@@ -92,6 +92,7 @@ int client_maps_a_text(void) {
     HOLDS(column_named(result, 1, "outcome", &column) && column.categories != NULL);
     HOLDS(strcmp(column.names[column.categories[0]], "agree_miss") == 0);
     HOLDS(strcmp(column.names[column.categories[8 * 16 + 8]], "agree_hit") == 0);
+    HOLDS(column.colours != NULL && column.colours[3 * column.categories[0]] == 231); /* light grey */
     HOLDS(lostbits_result_table(result, 2, &table) == LOSTBITS_NOTHING);
     lostbits_result_free(result);
     lostbits_scene_free(scene);

@@ -79,6 +79,21 @@ class Bits(unittest.TestCase):
                     self.assertEqual([x or "" for x in pixels[name].ravel()], [row[name] for row in rows])
         self.assertGreater(np.nanmax(m.pixels["sphere.schoolbook", "f32"].lost_bits), 1)
 
+    def test_pixels_have_the_colours_of_the_pictures(self):
+        size = (40, 30)
+        scene = lb.scene("rtg-fig-7-3-4100-oblique", size=size)
+        pixels = lb.map(scene, "sphere.schoolbook", "f32", progress=False).pixels["sphere.schoolbook", "f32"]
+        colours, outcome = pixels.outcome_colours(), pixels["outcome"]
+        self.assertEqual(colours.shape, (30, 40, 3))
+        # Colours that every picture has, see src/output/image/colour.hpp.
+        for name, colour in (("agree_miss", (231, 231, 231)), ("false_hit", (114, 51, 0))):
+            self.assertGreater((outcome == name).sum(), 0)
+            self.assertTrue((colours[outcome == name] == colour).all())
+        empty = np.isnan(pixels["lost_bits"])
+        names = [name for name, _ in pixels.outcomes_in(empty)]
+        self.assertIn("false hit", names)
+        self.assertNotIn("correct hit", names)
+
     def test_judge(self):
         scene = lb.scene("rtg-fig-7-3-100-oblique", size=(64, 64))
         o, d, spheres = scene.arrays()

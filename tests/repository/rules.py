@@ -126,6 +126,17 @@ def names_are_unique(files):
     return offences
 
 
+def script_names_are_unique(files):
+    """Offences: names that two scripts of the page define at their outermost level, since they share one scope."""
+    found, offences = {}, []
+    for path, text in files:
+        for name in re.findall(r"^(?:async )?(?:function\*? |const |let |var |class )(\w+)", text, re.MULTILINE):
+            if name in found:
+                offences.append(f"{path}: {name} is also defined in {found[name]}")
+            found[name] = path
+    return offences
+
+
 def room_sizes(files):
     """A room has at most 22 files, so that a reader can survey it. Forms do not count, since each is read alone."""
     sizes = Counter(room_of(path) for path, text in files if not is_form(path, text))

@@ -40,6 +40,13 @@ class Tree(unittest.TestCase):
         self.assertGreater(sum(len(definitions_in(*file)) for file in files), 500)
         self.assertEqual(names_are_unique(files), [])
 
+    def test_no_two_definitions_of_the_scripts_of_the_page_share_a_name(self):
+        folder = "src/output/page/script/"
+        names = sorted(name for name in os.listdir(ROOT / folder) if name.endswith(".js"))
+        files = [(folder + name, read(folder + name)) for name in names]
+        self.assertGreater(len(files), 8)
+        self.assertEqual(script_names_are_unique(files), [])
+
     def test_forms_use_four_folders_and_obey_the_rules_of_a_formula(self):
         self.assertGreaterEqual(sum(bool(is_form(*file)) for file in tree("src/shapes")), 21)
         self.assertFalse(is_form("src/shapes/cone/forms/parts.hpp", read("src/shapes/cone/forms/parts.hpp")))
@@ -133,6 +140,12 @@ class Rules(unittest.TestCase):
                 (room + kind, room + "/* struct Standing {} */ void f() { struct Standing {}; }\n", 0)):
             files = [("src/measure/evaluate/a.hpp", a + "}\n"), ("src/measure/sweep/b.hpp", b + "}\n")]
             self.assertEqual(len(names_are_unique(files)), offences, (a, b))
+
+    def test_two_definitions_of_one_name_in_scripts_are_detected(self):
+        for a, b, offences in (("const twice = 2;\n", "function twice(x) {\n}\n", 1),
+                               ("let twice;\n", "async function twice() {\n}\n", 1),
+                               ("const twice = 2;\n", "function f() {\n    const twice = 3;\n}\n", 0)):
+            self.assertEqual(len(script_names_are_unique([("a.js", a), ("b.js", b)])), offences, (a, b))
 
     def test_a_forbidden_include_in_a_form_and_a_broken_formula_rule_are_detected(self):
         form, table = "src/shapes/sphere/forms/snippet.hpp", "src/intersect/table/table.cpp"

@@ -65,7 +65,7 @@ std::filesystem::path picture_path(const ShownSubject& shown, const std::string&
 }
 
 std::string picture_link(const ShownSubject& shown, const std::string& title, const std::string& file) {
-    const std::string name = image::figure_path(picture_path(shown, file)).filename().string();
+    const std::string name = image::figure_paths(picture_path(shown, file)).front().filename().string();
     return fmt::format("![{}](pictures/{})\n", file::markdown_text(title), file::markdown_path(name));
 }
 

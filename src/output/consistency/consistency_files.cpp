@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "output/attribution/explain_command.hpp"
+#include "output/file/number_text.hpp"
 #include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
 
@@ -61,7 +62,8 @@ std::string note_of(const Check& check, const CheckSummary& s) {
     if (const auto inputs = s.of(CheckResult::by_inputs); inputs > 0 && !check.numbers)
         note += fmt::format("\n{} by inputs", share_text(inputs, s.asked()));
     if (s.excess.count() > 0)
-        note += fmt::format("\np99 {:.3g}, max {:.3g} ulps", s.excess.quantile(0.99), s.excess.quantile(1));
+        note += fmt::format("\np99 {}, max {} ulps", file::short_decimal(s.excess.quantile(0.99), 3),
+                            file::short_decimal(s.excess.quantile(1), 3));
     else if (s.of(CheckResult::other_number) > 0)
         note += fmt::format("\n{} other bits", share_text(s.of(CheckResult::other_number), s.asked()));
     return note;

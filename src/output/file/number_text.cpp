@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 namespace lostbits::output::file {
@@ -21,6 +22,25 @@ std::string shortest(F value) {
 
 std::string decimal(double value) { return shortest(value); }
 std::string decimal(float value) { return shortest(value); }
+
+std::string short_decimal(double value, int digits) {
+    if (!std::isfinite(value)) return decimal(value);
+    char text[400];
+    const auto written = [&text](double x, auto... how) {
+        return std::string(text, std::to_chars(text, text + sizeof text, x, how...).ptr);
+    };
+    // A negative zero is 0.
+    const std::string scientific = written(value + 0.0, std::chars_format::scientific, digits - 1);
+    const double round = number_in(scientific).value_or(value), size = std::fabs(round);
+    if (size == 0 || (size >= 1e-4 && size < std::pow(10, std::max(digits, 6))))
+        return written(round, std::chars_format::fixed);
+    const auto e = scientific.find('e');
+    const std::string power = "10^" + std::to_string(std::atoi(scientific.c_str() + e + 1));
+    std::string factor = scientific.substr(0, e);
+    if (factor.find('.') != std::string::npos) factor.erase(factor.find_last_not_of('0') + 1);
+    if (factor.ends_with('.')) factor.pop_back();
+    return factor == "1" ? power : factor == "-1" ? "-" + power : factor + "×" + power;
+}
 
 std::string hex(double value) {
     if (!std::isfinite(value)) return shortest(value);

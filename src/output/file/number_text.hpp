@@ -15,6 +15,10 @@ namespace lostbits::output::file {
 /// The shortest decimal that reads back to the same float: `0.1`, not `0.10000000149011612`.
 [[nodiscard]] std::string decimal(float value);
 
+/// The value rounded to `digits` significant digits, for a reader: `0.5`, `12900`, `2.78×10^-6`, `10^9`. Powers of ten
+/// begin below 10^-4 and at 10^6, or where the digits end. `nan`, `inf`, `-inf` as in `decimal`.
+[[nodiscard]] std::string short_decimal(double value, int digits);
+
 /// The exact value as a C hexadecimal float: `0x1.8p+1`, `-0x0p+0`; `nan`, `inf`, `-inf`. A float converts to
 /// double exactly, so one function serves both.
 [[nodiscard]] std::string hex(double value);

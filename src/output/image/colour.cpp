@@ -1,7 +1,6 @@
 #include "output/image/colour.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -154,7 +153,7 @@ Rgb8 ColourScale::map(double value) const {
 
 /// Ticks at both ends, then at powers of two where there is space, powers of four first.
 std::vector<ColourScale::Tick> ColourScale::root_ticks(int most) const {
-    std::vector<Tick> out{{0, tick_label(lo_)}, {1, tick_label(hi_)}};
+    std::vector<Tick> out{{0, file::short_decimal(lo_, tick_digits)}, {1, file::short_decimal(hi_, tick_digits)}};
     const double gap = 0.75 / most;
     for (const int first : {0, 1}) {
         for (int e = first; e < 1024 && static_cast<int>(out.size()) < most; e += 2) {
@@ -162,7 +161,7 @@ std::vector<ColourScale::Tick> ColourScale::root_ticks(int most) const {
             if (!(value > lo_ && value < hi_)) continue;
             const double at = position(value);
             if (std::ranges::all_of(out, [&](const Tick& t) { return std::fabs(t.position - at) >= gap; }))
-                out.push_back({at, tick_label(value)});
+                out.push_back({at, file::short_decimal(value, tick_digits)});
         }
     }
     std::ranges::sort(out, {}, &Tick::position);
@@ -188,10 +187,11 @@ std::vector<ColourScale::Tick> ColourScale::ticks(int most) const {
         }
     } else {
         const double step = step_between(lo_, hi_, (hi_ / 2 - lo_ / 2) / (most - 1) * 2);
-        for (const double value : multiples(step, lo_, hi_)) out.push_back({position(value), tick_label(value)});
+        for (const double value : multiples(step, lo_, hi_))
+            out.push_back({position(value), file::short_decimal(value, tick_digits)});
     }
     // A range without two round values is labelled at its ends.
-    if (out.size() < 2) out = {{0, tick_label(lo_)}, {1, tick_label(hi_)}};
+    if (out.size() < 2) out = {{0, file::short_decimal(lo_, tick_digits)}, {1, file::short_decimal(hi_, tick_digits)}};
     return out;
 }
 
@@ -208,13 +208,6 @@ std::vector<double> multiples(double step, double lo, double hi) {
     const auto inside = [&](double value) { return std::isfinite(value) && value <= hi + step * 1e-9; };
     for (double k = std::ceil(lo / step - 1e-9); inside(k * step); k += 1) out.push_back(k * step);
     return out;
-}
-
-std::string tick_label(double value, int digits) {
-    char text[40];
-    // A negative zero is labelled 0.
-    const auto end = std::to_chars(text, text + sizeof text, value + 0.0, std::chars_format::general, digits).ptr;
-    return {text, end};
 }
 
 std::uint16_t linear_light(std::uint8_t srgb) noexcept { return linear_table()[srgb]; }

@@ -114,14 +114,14 @@ private:
 
 // Round values for the ticks of axes and colour bars.
 
+/// Significant digits of a tick's label: a tick at 3 times 0.1 is not 0.30000000000000004.
+inline constexpr int tick_digits = 6;
+
 /// The least of 1, 2 or 5 times 10^k that is at least `least` > 0.
 [[nodiscard]] double round_step(double least);
 
 /// Multiples of `step` from `lo` to `hi`. Both ends are included if they are multiples up to rounding.
 [[nodiscard]] std::vector<double> multiples(double step, double lo, double hi);
-
-/// The value with `digits` significant digits: a tick at 3 times 0.1 is not 0.30000000000000004.
-[[nodiscard]] std::string tick_label(double value, int digits = 6);
 
 /// Linear light of an sRGB byte, from 0 to 65535. Pixels are averaged in linear light.
 [[nodiscard]] std::uint16_t linear_light(std::uint8_t srgb) noexcept;

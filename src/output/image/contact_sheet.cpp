@@ -1,6 +1,11 @@
 #include "output/image/contact_sheet.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <limits>
 #include <stdexcept>
 
 namespace lostbits::output::image {
@@ -14,6 +19,10 @@ constexpr int block_gap = 10;
 constexpr int column_head = 22;  // the name of the form, if it has one line
 constexpr int name_line = 16;    // every further line of it
 constexpr int note_line = 14;
+constexpr std::size_t telling = 6;  // forms in the first block of a sheet that collapses
+constexpr int part_line = 20;       // height of the line that says which forms a part of the sheet has
+constexpr int zoom_pixels = 5;      // size of an enlarged sample
+constexpr int zoom_reach = 4;       // samples on each side of the middle one
 
 /// The name of a form in one line if it fits, perhaps in smaller letters. Otherwise a composed name,
 /// `FORM^BOX@TRANSFORM`, gets a line for each part, because two such names shortened in the middle look alike.
@@ -42,7 +51,7 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
 
     // Make blocks even: 22 forms are 6 + 6 + 6 + 4 rather than 7 + 7 + 7 + 1.
     const std::size_t blocks = (spec_.forms.size() + most_columns - 1) / most_columns;
-    columns_ = static_cast<int>((spec_.forms.size() + blocks - 1) / blocks);
+    columns_ = static_cast<int>(spec_.collapses && blocks > 1 ? telling : (spec_.forms.size() + blocks - 1) / blocks);
     for (const auto& format : spec_.formats) {
         row_label_width_ =
             std::max(row_label_width_, image_backend().render_text(format, style::text_size, true).width);
@@ -87,6 +96,14 @@ void ContactSheet::add_rows(std::size_t form, std::size_t format, int y_begin, s
                                  spec_.categories ? Thumbnail::Shrink::pick : Thumbnail::Shrink::average);
     }
     target.thumbnail->add_rows(y_begin, samples);
+    if (!spec_.zooms) return;
+    const auto width = static_cast<std::size_t>(spec_.field_width);
+    target.samples.resize(width * static_cast<std::size_t>(spec_.field_height));
+    std::ranges::copy(samples, target.samples.begin() + static_cast<std::ptrdiff_t>(width) * y_begin);
+}
+
+void ContactSheet::set_zoom(std::size_t form, std::size_t format, int x, int y) {
+    cell(form, format).zoom = Zoom{x, y};
 }
 
 void ContactSheet::set_note(std::size_t form, std::size_t format, std::string note) {
@@ -97,6 +114,7 @@ void ContactSheet::draw_cell(Canvas& page, int x, int y, const Cell& cell) const
     page.frame(x + 1, y + 1, thumb_width_, thumb_height_, style::line);
     if (cell.thumbnail && cell.thumbnail->complete()) {
         page.field({x + 1, y + 1, thumb_width_, thumb_height_}, thumb_width_, cell.thumbnail->pixels());
+        if (cell.zoom && !cell.samples.empty()) draw_zoom(page, x + 1, y + 1, cell);
     } else {
         const auto text = fit_text("not in this format", style::small_size, false, thumb_width_ - 4);
         page.text(x + 1 + (thumb_width_ - text.width) / 2, y + 1 + (thumb_height_ - text.height) / 2, text,
@@ -106,6 +124,38 @@ void ContactSheet::draw_cell(Canvas& page, int x, int y, const Cell& cell) const
     for (std::size_t i = 0; i < lines.size(); ++i) {
         page.text(x, y + thumb_height_ + 5 + static_cast<int>(i) * note_line, lines[i], style::soft_ink);
     }
+}
+
+void ContactSheet::draw_zoom(Canvas& page, int x, int y, const Cell& cell) const {
+    const auto window = [](int middle, int side) {
+        const int length = std::min(2 * zoom_reach + 1, side);
+        return std::pair(std::clamp(middle - zoom_reach, 0, side - length), length);
+    };
+    const auto [left, columns] = window(cell.zoom->x, spec_.field_width);
+    const auto [top, rows] = window(cell.zoom->y, spec_.field_height);
+    std::vector<Rgb8> samples;
+    for (int row = top; row < top + rows; ++row) {
+        const auto begin = cell.samples.begin() + std::ptrdiff_t{row} * spec_.field_width + left;
+        samples.insert(samples.end(), begin, begin + columns);
+    }
+    // A light line inside a dark one is visible on every colour.
+    const auto box = [&page](int x0, int y0, int width, int height) {
+        page.frame(x0 - 1, y0 - 1, width + 2, height + 2, style::ink);
+        page.frame(x0, y0, width, height, style::page);
+    };
+    const auto shown = [](int sample, int field, int thumb) {
+        return static_cast<int>(std::int64_t{sample} * thumb / field);
+    };
+    const int from_x = shown(left, spec_.field_width, thumb_width_),
+              to_x = shown(left + columns, spec_.field_width, thumb_width_),
+              from_y = shown(top, spec_.field_height, thumb_height_),
+              to_y = shown(top + rows, spec_.field_height, thumb_height_);
+    box(x + from_x, y + from_y, to_x - from_x, to_y - from_y);
+    const int width = columns * zoom_pixels, height = rows * zoom_pixels;
+    const PixelBox inset{x + (from_x + to_x < thumb_width_ ? thumb_width_ - width - 2 : 2),
+                         y + (from_y + to_y < thumb_height_ ? thumb_height_ - height - 2 : 2), width, height};
+    box(inset.x, inset.y, width, height);
+    page.field(inset, columns, std::move(samples));
 }
 
 std::vector<TextBitmap> ContactSheet::note_of(std::string_view note) const {
@@ -135,14 +185,21 @@ int ContactSheet::page_height(std::size_t columns) const {
     const int blocks = (static_cast<int>(columns) + columns_ - 1) / columns_,
               grid = blocks * (block_height_ + block_gap) - block_gap,
               bar = bars_.size() == 1 ? bars_.front().height() : 0;
-    return style::margin + heading_.height() + style::gap + std::max(grid, bar) + legend_->height() + style::margin;
+    return block_y(0) + (is_parted_ ? part_line : 0) + std::max(grid, bar) + legend_->height() + style::margin;
+}
+
+int ContactSheet::block_y(int block) const {
+    const int lines = is_parted_ ? std::min(block + 1, 2) * part_line : 0;
+    return style::margin + heading_.height() + style::gap + lines + block * (block_height_ + block_gap);
 }
 
 bool ContactSheet::are_alike(std::size_t a, std::size_t b) const {
     for (std::size_t first = 0; first < cells_.size(); first += spec_.forms.size()) {
         const Cell &one = cells_[first + a], &other = cells_[first + b];
         const bool is_drawn = one.thumbnail && one.thumbnail->complete();
-        if (one.note != other.note || is_drawn != (other.thumbnail && other.thumbnail->complete())) return false;
+        if (one.note != other.note || one.zoom != other.zoom ||
+            is_drawn != (other.thumbnail && other.thumbnail->complete()))
+            return false;
         if (is_drawn && one.thumbnail->pixels() != other.thumbnail->pixels()) return false;
     }
     return true;
@@ -160,16 +217,65 @@ std::vector<ContactSheet::Alike> ContactSheet::columns_of(std::span<const std::s
     return columns;
 }
 
+/// Sum of the differences of all colours of two forms.
+std::uint64_t ContactSheet::difference(std::size_t a, std::size_t b) const {
+    const auto apart = [](std::uint8_t x, std::uint8_t y) { return static_cast<std::uint64_t>(std::abs(x - y)); };
+    std::uint64_t sum = 0;
+    for (std::size_t first = 0; first < cells_.size(); first += spec_.forms.size()) {
+        const Cell &one = cells_[first + a], &other = cells_[first + b];
+        if (!one.thumbnail || !one.thumbnail->complete() || !other.thumbnail || !other.thumbnail->complete()) continue;
+        const auto &left = one.thumbnail->pixels(), &right = other.thumbnail->pixels();
+        for (std::size_t p = 0; p < left.size(); ++p)
+            sum += apart(left[p].r, right[p].r) + apart(left[p].g, right[p].g) + apart(left[p].b, right[p].b);
+    }
+    return sum;
+}
+
+/// Moves the best form, the worst and those that differ most from the ones chosen before to the front. Both parts keep
+/// their order.
+void ContactSheet::put_telling_first(std::vector<Alike>& columns) const {
+    std::vector<std::uint64_t> distance(columns.size(), std::numeric_limits<std::uint64_t>::max());  // from the chosen
+    std::vector<bool> is_chosen(columns.size());
+    const auto choose = [&](std::size_t k) {
+        is_chosen[k] = true;
+        for (std::size_t i = 0; i < columns.size(); ++i)
+            distance[i] = is_chosen[i] ? 0 : std::min(distance[i], difference(columns[i].front(), columns[k].front()));
+    };
+    choose(0);
+    choose(columns.size() - 1);
+    for (std::size_t n = 2; n < telling; ++n) {
+        // Forms with the same picture differ in their texts; the first that is left is as good as any.
+        const auto next = std::ranges::max_element(distance);
+        choose(*next > 0 ? static_cast<std::size_t>(next - distance.begin())
+                         : static_cast<std::size_t>(std::ranges::find(is_chosen, false) - is_chosen.begin()));
+    }
+    std::vector<Alike> all;
+    for (const bool chosen : {true, false})
+        for (std::size_t k = 0; k < columns.size(); ++k)
+            if (is_chosen[k] == chosen) all.push_back(std::move(columns[k]));
+    columns = std::move(all);
+}
+
+/// Says which forms each part of the sheet has.
+void ContactSheet::draw_parts(Canvas& page, std::size_t columns) const {
+    const std::array<std::string, 2> lines{
+        "The six that differ most, from the best to the worst:",
+        fmt::format("{}, from the best to the worst:",
+                    columns == telling + 1 ? "One more" : fmt::format("The other {}", columns - telling))};
+    for (int part = 0; part < 2; ++part)
+        page.text(style::margin, block_y(part) - part_line,
+                  image_backend().render_text(lines[static_cast<std::size_t>(part)], style::text_size),
+                  style::soft_ink);
+}
+
 /// Draws one bar beside the first block, or one beside each line of every block, as high as its thumbnails.
-void ContactSheet::draw_bars(Canvas& page, int top, std::size_t columns) const {
+void ContactSheet::draw_bars(Canvas& page, std::size_t columns) const {
     const int x = style::margin + grid_width_ + style::gap;
-    if (bars_.size() == 1) return page.picture(x, top, bars_.front());
+    if (bars_.size() == 1) return page.picture(x, block_y(0), bars_.front());
     for (std::size_t line = 0; line < bars_.size(); ++line) {
-        const int y = top + head_ - unit_height + static_cast<int>(line) * row_height_;
-        for (std::size_t column = 0; column < columns; column += static_cast<std::size_t>(columns_)) {
-            const int block = static_cast<int>(column) / columns_;
-            page.picture(x, y + block * (block_height_ + block_gap), bars_[line]);
-        }
+        const int y = head_ - unit_height + static_cast<int>(line) * row_height_;
+        for (std::size_t column = 0; column < columns; column += static_cast<std::size_t>(columns_))
+            page.picture(x, block_y(static_cast<int>(column) / columns_) + y, bars_[line]);
     }
 }
 
@@ -198,17 +304,18 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
         spec_.subtitle.insert(spec_.subtitle.begin(), spec_.title);
         heading_ = heading(headline, spec_.subtitle, heading_.width());
     }
-    const auto columns = columns_of(order);
+    auto columns = columns_of(order);
+    is_parted_ = spec_.collapses && !order.empty() && columns.size() > static_cast<std::size_t>(columns_);
+    if (is_parted_) put_telling_first(columns);
     if (columns.size() < spec_.forms.size()) {  // the names of forms that share a column are a line of their own
         head_ += name_line;
         block_height_ += name_line;
     }
     Canvas page(page_width_, page_height(columns.size()));
     page.picture(style::margin, style::margin, heading_);
-    const int top = style::margin + heading_.height() + style::gap;
+    if (is_parted_) draw_parts(page, columns.size());
     for (std::size_t place = 0; place < columns.size(); ++place) {
-        const int across = static_cast<int>(place) % columns_,
-                  y = top + static_cast<int>(place) / columns_ * (block_height_ + block_gap);
+        const int across = static_cast<int>(place) % columns_, y = block_y(static_cast<int>(place) / columns_);
         draw_column(page, style::margin + row_label_width_ + style::gap + across * (cell_width_ + style::gap), y,
                     columns[place]);
         for (std::size_t format = 0; format < spec_.formats.size() && across == 0; ++format) {
@@ -218,7 +325,7 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
                       style::ink);
         }
     }
-    draw_bars(page, top, columns.size());
+    draw_bars(page, columns.size());
     page.picture(style::margin, page.height() - style::margin - legend_->height(), legend_->draw(legend));
     files_->save(page);
 }

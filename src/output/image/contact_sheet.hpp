@@ -74,10 +74,13 @@ struct SheetSpec {
     bool categories = false;                ///< colours are names, so cells are not averaged
     std::size_t note_lines = 4;             ///< number of lines of small text under each cell
     bool collapses = false;                 ///< forms whose cells and texts are all the same share a column
+    bool zooms = false;                     ///< cells keep their samples, so that `set_zoom` can enlarge some of them
 };
 
-/// A grid of thumbnails: forms across and formats down, in blocks of at most seven forms. Different cells may be filled
-/// concurrently, each by one thread. A cell that is never finished is drawn empty, as `not in this format`.
+/// A grid of thumbnails: forms across and formats down, in blocks of at most seven forms. If forms collapse and still
+/// fill several blocks, the first block has the six that tell most: the best, the worst, and those that differ most
+/// from the ones chosen before. Different cells may be filled concurrently, each by one thread. A cell that is never
+/// finished is drawn empty, as `not in this format`.
 class ContactSheet {
 public:
     /// Opens the files of the picture `path`. Throws EnvironmentError, and std::logic_error for a sheet without cells.
@@ -90,6 +93,10 @@ public:
     /// letters each. Longer lines are wrapped, and a text of more lines is shortened.
     void set_note(std::size_t form, std::size_t format, std::string note);
 
+    /// Enlarges the samples around column `x` and row `y` of the field, in the corner of the cell that is farthest
+    /// away.
+    void set_zoom(std::size_t form, std::size_t format, int x, int y);
+
     /// Draws the page and gives the files their final names. `legend` is as for HeatmapWriter::finish. `order` lists
     /// the indices of the forms in the order in which they are drawn; empty: the given order. `headline` says what the
     /// sheet shows; it stands above the title of the spec. Empty: none.
@@ -97,26 +104,38 @@ public:
                 std::string_view headline = {});
 
 private:
+    struct Zoom {
+        int x, y;
+        friend bool operator==(const Zoom&, const Zoom&) = default;
+    };
     struct Cell {
         std::optional<Thumbnail> thumbnail;
         std::string note;
+        std::vector<Rgb8> samples = {};  ///< of the whole field if the sheet zooms
+        std::optional<Zoom> zoom = {};
     };
     /// Forms that share a column, the first of which is drawn.
     using Alike = std::vector<std::size_t>;
     Cell& cell(std::size_t form, std::size_t format);
     [[nodiscard]] bool are_alike(std::size_t a, std::size_t b) const;
     [[nodiscard]] std::vector<Alike> columns_of(std::span<const std::size_t> order) const;
+    [[nodiscard]] std::uint64_t difference(std::size_t a, std::size_t b) const;
+    void put_telling_first(std::vector<Alike>& columns) const;
+    [[nodiscard]] int block_y(int block) const;
     [[nodiscard]] int page_height(std::size_t columns) const;
+    void draw_parts(Canvas& page, std::size_t columns) const;
     void draw_column(Canvas& page, int x, int y, const Alike& forms);
     [[nodiscard]] std::vector<TextBitmap> note_of(std::string_view note) const;
     void draw_cell(Canvas& page, int x, int y, const Cell& cell) const;
+    void draw_zoom(Canvas& page, int x, int y, const Cell& cell) const;
 
     SheetSpec spec_;
     std::vector<Cell> cells_;  // by format
     int thumb_width_, thumb_height_;
-    void draw_bars(Canvas& page, int top, std::size_t columns) const;
+    void draw_bars(Canvas& page, std::size_t columns) const;
     int columns_ = 1, cell_width_ = 0, row_label_width_ = 0, head_ = 0, row_height_ = 0, block_height_ = 0;
     int page_width_ = 0, grid_width_ = 0;
+    bool is_parted_ = false;  ///< the first block has the forms that tell most
     Canvas heading_{0, 0};
     std::vector<Canvas> bars_;  // one per scale
     std::optional<Legend> legend_;

@@ -31,6 +31,10 @@ void FigureFiles::save(const Canvas& canvas) {
 
 void save_figure(const fs::path& path, const Canvas& canvas) { FigureFiles(path).save(canvas); }
 
-fs::path figure_path(const fs::path& path) { return fs::path(path).replace_extension(file::figures_in(path).front()); }
+std::vector<fs::path> figure_paths(const fs::path& path) {
+    std::vector<fs::path> paths;
+    for (const std::string& kind : file::figures_in(path)) paths.push_back(fs::path(path).replace_extension(kind));
+    return paths;
+}
 
 }  // namespace lostbits::output::image

@@ -30,8 +30,8 @@ private:
 /// Opens and writes the files of a drawing.
 void save_figure(const std::filesystem::path& path, const Canvas& canvas);
 
-/// Path of the first file of a drawing, to print it or to link to it.
-[[nodiscard]] std::filesystem::path figure_path(const std::filesystem::path& path);
+/// Paths of the files of a drawing, to print them or to link to one.
+[[nodiscard]] std::vector<std::filesystem::path> figure_paths(const std::filesystem::path& path);
 
 /// The drawing as an SVG, with `words` as its metadata. Text is text, in DejaVu Sans if the viewer has it. A field is a
 /// PNG inside.

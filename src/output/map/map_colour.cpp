@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "output/map/row_names.hpp"
 #include "output/pixel/look.hpp"
 
 namespace lostbits::output::map {
@@ -19,9 +20,8 @@ Rgb8 paler(Rgb8 c) {
 
 std::string plain_name(Outcome o) {
     if (o == Outcome::wrong_primitive) return "wrong primitive";
-    std::string name(measure::answer::outcome_names[static_cast<std::size_t>(o)]);
-    if (name.starts_with("agree_")) name.replace(0, 5, "correct");
-    std::ranges::replace(name, '_', ' ');
+    std::string name = in_words(measure::answer::outcome_names[static_cast<std::size_t>(o)]);
+    if (name.starts_with("agree ")) name.replace(0, 5, "correct");
     return name;
 }
 

@@ -22,6 +22,8 @@ struct MapFilesOptions {
     bool singles = false;     ///< also a picture of each metric of each row
     bool pixels_csv = false;  ///< a row per pixel in `<form>.<format>.csv`
     std::string named;        ///< names the scene to `lostbits explain`: an id and perhaps options
+    std::string explained_by =
+        {};  ///< the sheet of this run that explains p99, orders and worst pixels; empty: this one
     /// Draws lost bits in a paler colour where the problem explains them (`inside_envelope`). Needs `excess_bits`.
     bool envelope = false;
     MapExr* exr = nullptr;  ///< for the same request; filled, and closed before summary.csv; null: no EXR is written

@@ -26,6 +26,8 @@ using measure::metric::Metric;
 
 namespace {
 
+constexpr std::uint64_t most_kept_pixels = std::uint64_t{512} * 512;  // of each cell of a sheet that zooms
+
 std::size_t index_of(const std::vector<const Metric*>& all, const Metric* one) {
     return static_cast<std::size_t>(std::ranges::find(all, one) - all.begin());
 }
@@ -92,7 +94,8 @@ pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
     const auto said_of = options_.listed ? std::span<const TestedForm>() : request_.rows;
     return {alone ? options_.sheet_alone : options_.folder / name,
             {.title = scene.title,
-             .subtitle = sheet_subtitle(scene, options_.named, said_of, sheet.paint, several),
+             .subtitle = sheet_subtitle({scene, options_.named, said_of, sheet.paint, several, zooms(sheet.paint),
+                                         &sheet == sheets_.data() ? options_.explained_by : "contact"}),
              .forms = sheet.forms,
              .formats = sheet.lines,
              .scales = std::move(scales),
@@ -100,7 +103,13 @@ pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
              .legend = {},
              .categories = !sheet.paint.scale(),
              .note_lines = cell_note_lines,
-             .collapses = !alone}};
+             .collapses = !alone,
+             .zooms = zooms(sheet.paint)}};
+}
+
+bool MapPictures::zooms(const MetricPaint& paint) const {
+    return request_.scene->mesh != nullptr && paint.names_worst() && options_.sheet_alone.empty() && !options_.listed &&
+           request_.scene->pixels() <= most_kept_pixels;
 }
 
 /// Adds the columns row by row, in the order in which they are drawn.
@@ -200,6 +209,7 @@ void MapPictures::finish(const std::vector<FormSummary>& summaries) {
         files_.writer().set_caption(
             c, d.paint->caption(summaries[d.row], d.metric) + (worst ? worst_words(d, *worst) : ""));
         files_.writer().set_note(d.place, cell_note(*d.paint, summaries[d.row], d.metric));
+        if (worst && zooms(*d.paint)) files_.writer().set_zoom(d.place, static_cast<int>(worst->x), worst->y);
     }
     std::vector<pixel::SheetEnd> ends;
     for (std::size_t s = 0; s < sheets_.size(); ++s) ends.push_back(end_of(s, summaries));
@@ -218,24 +228,28 @@ std::string input_note(const scene::file::Scene& scene, std::span<const measure:
                        file::enumerated(narrow));
 }
 
-std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, const std::string& named,
-                                        std::span<const measure::evaluate::TestedForm> rows, const MetricPaint& paint,
-                                        bool several) {
+std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {
+    const auto& [scene, named, rows, paint, several, zooms, explained_by] = sheet;
     std::vector<std::string> lines{fmt::format("{}, {} x {} rays{}", scene.id, scene.width, scene.height,
                                                paint.metric().by_run ? "" : "; percentages are of all rays"),
-                                   paint.note(several), paint.quantile_note(),
+                                   paint.note(several), explained_by.empty() ? paint.quantile_note() : "",
                                    rows.empty() ? "" : input_note(scene, rows)};
-    if (!rows.empty())
-        lines.push_back(
-            fmt::format("order of forms: fewest wrong decisions in {} first, then the smallest p99 of lost bits",
-                        rows.front().format.name));
-    if (paint.names_worst())
-        lines.push_back(
-            named.empty()
-                ? "worst pixel: summary.csv has the command that explains its ray, in the column worst_explain"
-                : fmt::format("worst pixel X,Y: lostbits explain {} --pixel X,Y -i FORM -f FORMAT{} shows how its "
-                              "answer came about",
-                              named, attribution::where_forms_are_from()));
+    if (!explained_by.empty()) {
+        lines.push_back(fmt::format("p99, the order of forms and worst pixels: as explained in {}", explained_by));
+    } else {
+        if (!rows.empty())
+            lines.push_back(
+                fmt::format("order of forms: fewest wrong decisions in {} first, then the smallest p99 of lost bits",
+                            rows.front().format.name));
+        if (paint.names_worst())
+            lines.push_back(
+                named.empty()
+                    ? "worst pixel: summary.csv has the command that explains its ray, in the column worst_explain"
+                    : fmt::format("worst pixel X,Y: lostbits explain {} --pixel X,Y -i FORM -f FORMAT{} shows how its "
+                                  "answer came about{}",
+                                  named, attribution::where_forms_are_from(),
+                                  zooms ? "; the inset enlarges its surroundings" : ""));
+    }
     std::erase(lines, "");
     return lines;
 }

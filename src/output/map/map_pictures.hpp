@@ -25,11 +25,17 @@ namespace lostbits::output::map {
 [[nodiscard]] std::string input_note(const scene::file::Scene& scene,
                                      std::span<const measure::evaluate::TestedForm> rows);
 
-/// Lines below the title of a contact sheet. `several`: the sheet has several colour bars. `named` names the scene to
-/// `lostbits explain`; it is empty for rays of a file. Without rows nothing is said about inputs.
-[[nodiscard]] std::vector<std::string> sheet_subtitle(const scene::file::Scene& scene, const std::string& named,
-                                                      std::span<const measure::evaluate::TestedForm> rows,
-                                                      const MetricPaint& paint, bool several);
+/// A contact sheet, for the lines below its title.
+struct SheetSubject {
+    const scene::file::Scene& scene;
+    std::string named;                                    ///< see `MapFilesOptions`; empty for rays of a file
+    std::span<const measure::evaluate::TestedForm> rows;  ///< without rows nothing is said about inputs
+    const MetricPaint& paint;
+    bool several = false;           ///< it has several colour bars
+    bool zooms = false;             ///< its cells enlarge the worst pixel
+    std::string explained_by = {};  ///< see `MapFilesOptions`
+};
+[[nodiscard]] std::vector<std::string> sheet_subtitle(const SheetSubject& sheet);
 
 /// Four lines of a glance, and one that names the worst pixel.
 inline constexpr std::size_t cell_note_lines = 5;
@@ -86,6 +92,7 @@ private:
     [[nodiscard]] pixel::Look look_of(const Drawing& drawing) const;
     [[nodiscard]] bool is_enveloped(const measure::metric::Metric& drawn) const;
     [[nodiscard]] pixel::Sheet page_of(MapSheet& sheet) const;
+    [[nodiscard]] bool zooms(const MetricPaint& paint) const;
     [[nodiscard]] std::string worst_words(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const;
     [[nodiscard]] pixel::SheetEnd end_of(std::size_t sheet,
                                          const std::vector<measure::evaluate::FormSummary>& summaries) const;

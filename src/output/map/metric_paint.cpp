@@ -7,7 +7,9 @@
 
 #include "measure/answer/against.hpp"
 #include "measure/attribution/culprits.hpp"
+#include "output/file/number_text.hpp"
 #include "output/map/map_tables.hpp"
+#include "output/map/row_names.hpp"
 #include "scene/toml/counted.hpp"
 
 namespace lostbits::output::map {
@@ -28,17 +30,8 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
     return fmt::format(fmt::runtime(share < 10 ? "{:.1f}%" : "{:.0f}%"), share);
 }
 
-std::string in_words(std::string_view name) {
-    std::string words(name);
-    std::ranges::replace(words, '_', ' ');
-    return words;
-}
-
-std::string short_number(double x) {
-    if (x == 0) return "0";
-    if (std::fabs(x) >= 1000 && std::fabs(x) < 10000) return fmt::format("{:.0f}", x);
-    return std::fabs(x) >= 0.01 && std::fabs(x) < 10000 ? fmt::format("{:.3g}", x) : fmt::format("{:.1e}", x);
-}
+/// A value in a text with little space.
+std::string short_number(double x) { return file::short_decimal(x, 3); }
 
 constexpr Rgb8 no_culprit = image::outcome_colours[0];  ///< a hit to which no operation adds an error
 constexpr const char* hit_without_value = "correct hit without a value";
@@ -153,7 +146,7 @@ pixel::Look MetricPaint::look(bool of_mesh) const {
 
 std::vector<LegendEntry> MetricPaint::widest_culprit_legend(std::uint64_t pixels) const {
     const std::string count = pixel::widest_count(pixels);
-    std::vector<LegendEntry> entries(most_culprits + 2, {std::string(longest_culprit, 'e'), no_culprit, count});
+    std::vector<LegendEntry> entries(most_culprits + 2, {std::string(longest_culprit, '+'), no_culprit, count});
     for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved})
         entries.push_back({plain_name(o), pixel::colour_of(o), count});
     return entries;
@@ -267,8 +260,8 @@ std::string MetricPaint::caption(const FormSummary& s, std::size_t m) const {
 std::string MetricPaint::widest_caption(std::uint64_t pixels) const {
     if (metric_->by_run) return fmt::format("99% of {} culprits: {}", pixels, std::string(48, 'e'));
     if (!is_of_hits())
-        return fmt::format("median 1.2e+03 {0}; largest 1.2e+03 {0}; of {1} rays that both forms hit", metric_->unit,
-                           pixels);
+        return fmt::format("median 1.23×10^-10 {0}; largest 1.23×10^-10 {0}; of {1} rays that both forms hit",
+                           metric_->unit, pixels);
     return fmt::format(
         "99% false miss, 99% false hit; 99 of 100 hits: at most 22.7 of 53 lost, 30 kept; of {} agreed hits", pixels);
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "measure/evaluate/evaluate.hpp"
@@ -30,6 +31,13 @@ namespace lostbits::output::map {
 /// `sphere.unified.f32`
 [[nodiscard]] inline std::string row_name(const measure::evaluate::TestedForm& row) {
     return std::string(row.form->info->name) + "." + row.format.name;
+}
+
+/// A name in words: `wrong primitive` for `wrong_primitive`.
+[[nodiscard]] inline std::string in_words(std::string_view name) {
+    std::string words(name);
+    std::ranges::replace(words, '_', ' ');
+    return words;
 }
 
 /// Index of a name in a list; a new name is appended.

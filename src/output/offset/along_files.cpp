@@ -53,7 +53,7 @@ void AlongFiles::plot_wrong(std::size_t row, Side side) const {
     plot::LinePlotSpec spec{.title = fmt::format("Rays that go wrong along {}", name_of(along_)),
                             .subtitle = {study_.scene.title, subject(study_.rows[row], side)},
                             .x = axis_of(along_),
-                            .y = {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0},
+                            .y = {"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1},
                             .series = {}};
     for (std::size_t k = 0; k < study_.strategies.size(); ++k) {
         plot::Series series{.label = short_name(*study_.strategies[k]), .x = steps_, .y = {}, .low = {}, .high = {}};

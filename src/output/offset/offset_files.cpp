@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "measure/offset/offsets.hpp"
+#include "output/file/number_text.hpp"
 #include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
 #include "scene/toml/counted.hpp"
@@ -57,7 +58,8 @@ StrategyResult strategy_result_of(const OffsetBand& band, std::size_t pixel, Sid
 /// Colours of the smallest safe offset, and of pixels that are not on its scale.
 pixel::Look safe_look() {
     return {{no_point,
-             {"needs no offset", colour_of(Outcome::agree_hit)},
+             // Not the colour of `every ray is right`, which other cells of the sheet have.
+             {"needs no offset", colour_of(Outcome::out_of_order)},
              {"no offset is safe", colour_of(Outcome::not_a_number)},
              {""}},
             pixel::magnitude_scale(0x1p-2, 0x1p14),
@@ -77,14 +79,15 @@ std::size_t line_of(std::size_t row, Side side) { return 2 * row + static_cast<s
 void add_notes(const OffsetStudy& study, std::size_t line, const measure::offset::SideSummary& side,
                std::vector<study::Note>& notes) {
     if (side.safe.count() > 0)
-        notes.push_back(
-            {{0, line},
-             fmt::format("p50 {:.3g}, max {:.3g}\n(world units)", side.safe.quantile(0.5), side.safe.quantile(1))});
+        notes.push_back({{0, line},
+                         fmt::format("p50 {}, max {}\n(world units)", file::short_decimal(side.safe.quantile(0.5), 2),
+                                     file::short_decimal(side.safe.quantile(1), 2))});
     for (std::size_t k = 0; k < study.strategies.size(); ++k) {
         const auto& of = side.strategies[k];
         std::string note =
             side.rays > 0 && of.bad == 0 ? "every ray right" : pixel::share_text(of.bad, side.rays) + " of rays wrong";
-        if (const double much = of.oversize.quantile(0.5); much > 0) note += fmt::format("\n{:.3g} x needed", much);
+        if (const double much = of.oversize.quantile(0.5); much > 0)
+            note += fmt::format("\n{} x needed", file::short_decimal(much, 3));
         notes.push_back({{k + 1, line}, std::move(note)});
     }
 }
@@ -246,7 +249,7 @@ std::vector<std::string> row_in_words(const OffsetStudy& study, std::size_t r, c
         const std::string safe =
             std::isnan(largest)
                 ? fmt::format("no offset is safe at any of {}", scene::toml::counted(on.never_safe, "point"))
-                : fmt::format("smallest safe offset up to {:.3g}{}", largest,
+                : fmt::format("smallest safe offset up to {}{}", file::short_decimal(largest, 3),
                               on.never_safe == 0   ? ""
                               : on.never_safe == 1 ? " (1 point has none)"
                                                    : fmt::format(" ({} points have none)", on.never_safe));

@@ -152,12 +152,21 @@ std::string trades_body(const Report& report) {
     return text;
 }
 
+std::string second_line(const std::string& text) {
+    std::istringstream lines(text);
+    std::string line;
+    std::getline(lines, line);
+    std::getline(lines, line);
+    return line;
+}
+
 std::string choices_body(const Report& report) {
     if (report.choices.empty()) return "";
     std::string text =
         fmt::format("<p>Every form and format, measured on the scene's own rays. {}</p>\n", machine_of(report));
     for (const ChoicePart& c : report.choices)
-        text += part("", named(c.requirement, c.scene), preformatted(html(c.words)) + figure(c.front) + c.table);
+        text += part("", named(c.requirement, c.scene) + "<br>" + html(second_line(c.words)),
+                     preformatted(html(c.words)) + figure(c.front) + c.table);
     return text;
 }
 
@@ -172,6 +181,13 @@ std::string with_diffs(const std::string& words) {
     return text;
 }
 
+/// Each sentence once. Different changes may be told in the same words.
+std::vector<std::string> distinct(const std::vector<std::string>& sentences) {
+    std::vector<std::string> once;
+    for (const std::string& sentence : sentences) static_cast<void>(map::find_or_add(once, sentence));
+    return once;
+}
+
 std::string mends_body(const Report& report) {
     if (report.mends.empty()) return "";
     std::string text =
@@ -182,7 +198,7 @@ std::string mends_body(const Report& report) {
     text += "</p>\n";
     for (const MendPart& m : report.mends) {
         std::string changes;
-        for (const std::string& change : m.changes) changes += fmt::format("<li>{}</li>\n", html(change));
+        for (const std::string& change : distinct(m.changes)) changes += fmt::format("<li>{}</li>\n", html(change));
         text += part(
             "", named(m.form + ": " + m.requirement, m.scene),
             fmt::format("<ul>\n{}</ul>\n", changes) + m.table + figure(m.front) + preformatted(with_diffs(m.words)));
@@ -219,7 +235,7 @@ constexpr const char* what_it_is =
 std::string results_table(const std::vector<MapPart>& maps) {
     if (maps.empty()) return "";
     std::string text =
-        "<table id=\"results\">" + header_row({"scene", "result", "forms and formats that decide a ray wrongly"});
+        "<table id=\"results\">" + header_row({"scene", "result", "forms and formats with wrong decisions"});
     for (const MapPart& m : maps)
         text += fmt::format(
             "<tr><th scope=\"row\"><a class=\"jump\" href=\"#scene-{0}\" data-view=\"scene={0}\">{1}"
@@ -232,8 +248,8 @@ std::string results_table(const std::vector<MapPart>& maps) {
 std::string what_to_do(const Report& report) {
     if (!report.maps.empty())
         return "<b>First</b>, choose a scene and a form under <a href=\"#maps\">Maps</a> and point at the picture. The "
-               "numbers of that ray appear beside it. A click keeps them. The buttons below the picture lead to rays "
-               "whose operations are listed.";
+               "numbers of that ray appear beside it. A click keeps them. The list below the picture leads to rays "
+               "whose operations are shown.";
     if (!report.sweeps.empty())
         return "<b>First</b>, choose a statistic under <a href=\"#sweeps\">Sweeps</a> and point at a line or a cell. "
                "Its numbers appear beside it.";

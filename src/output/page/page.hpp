@@ -72,8 +72,8 @@ struct TradePart {
 /// The form chosen for a scene by a requirement. Its times differ from run to run.
 struct ChoicePart {
     std::string scene, requirement;  ///< id of the scene; `18 correct bits of every hit, no wrong decision`
-    std::string words;
-    std::string table;  ///< HTML, see `choice_table`
+    std::string words;               ///< the second line is the answer
+    std::string table;               ///< HTML, see `choice_table`
     Chart front;
 };
 

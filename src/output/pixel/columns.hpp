@@ -101,6 +101,8 @@ public:
     void set_note(SheetPosition place, std::string note) {
         sheets_[place.sheet]->set_note(place.across, place.down, std::move(note));
     }
+    /// Enlarges the pixels around a pixel of a cell.
+    void set_zoom(SheetPosition place, int x, int y) { sheets_[place.sheet]->set_zoom(place.across, place.down, x, y); }
     /// Sets the text below a column's own picture. The picture shows it only if its `widest_caption` reserved space.
     void set_caption(std::size_t column, std::string caption) { captions_[column] = std::move(caption); }
     /// Gives all files their final names. `ends` has one entry per sheet, or is empty.

@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "output/file/number_text.hpp"
 #include "output/image/figure.hpp"
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_axis.hpp"
@@ -31,6 +32,7 @@ constexpr std::size_t few_points = 24;  // a line with at most this many points 
 constexpr double marker_pitch = 58;     // pixels between markers on a line of many points
 constexpr double triangle_pitch = 11;
 constexpr double band_opacity = 0.12;
+constexpr std::array<double, 2> limit_dashes{2, 4};
 
 /// Counts of what could not be drawn, for the footnotes.
 struct Lacking {
@@ -101,7 +103,7 @@ std::string ending(const PlotLine& line, const LinePlotSpec& spec, const AxisRan
     if (std::ranges::none_of(rest, [&](double value) { return has_place(x, value); })) return {};
     const double at = series.x[*last];
     return spec.x.scale == AxisSpec::Scale::log2 ? fmt::format(" (ends at 2^{:.3g})", std::log2(at))
-                                                 : fmt::format(" (ends at {:.3g})", at);
+                                                 : fmt::format(" (ends at {})", file::short_decimal(at, 3));
 }
 
 std::vector<PlotArea> areas_of(const LinePlotSpec& spec) {
@@ -144,6 +146,16 @@ public:
             stroke.polyline(way, 0.9);
             stroke.paint(canvas, lines[k].colour, 0.5);
         }
+    }
+
+    /// Draws a dashed line at the largest possible value.
+    void limit(Canvas& canvas) {
+        const auto position = y_.limit_position();
+        if (!position) return;
+        const double y = frame_.up(*position);
+        const std::array<Point, 2> ends{{{frame_.x + 0.0, y}, {frame_.x + frame_.width + 0.0, y}}};
+        stroke_.polyline(ends, 1.2, limit_dashes);
+        stroke_.paint(canvas, image::style::soft_ink);
     }
 
     void envelope(Canvas& canvas) {
@@ -256,11 +268,23 @@ private:
     image::Stroke stroke_;
 };
 
+/// Title and subtitle, and a sentence that says why there is no plot.
+void write_without_plot(const std::filesystem::path& path, const LinePlotSpec& spec) {
+    const int content = spec.width - 2 * image::style::margin;
+    const Canvas head = image::heading(spec.title, spec.subtitle, content),
+                 sentence = image::heading({}, std::span(&spec.nothing, 1), content);
+    Canvas page(spec.width, 2 * image::style::margin + head.height() + image::style::gap + sentence.height());
+    page.picture(image::style::margin, image::style::margin, head);
+    page.picture(image::style::margin, image::style::margin + head.height() + image::style::gap, sentence);
+    image::save_figure(path, page);
+}
+
 }  // namespace
 
 void write_line_plot(const std::filesystem::path& path, const LinePlotSpec& spec) {
     if (spec.width < 400 || spec.height < 200)
         throw std::invalid_argument(path.string() + ": a plot needs at least 400 x 200 pixels");
+    if (spec.series.empty() && !spec.envelope) return write_without_plot(path, spec);
     auto lines = plot_lines(spec.series);
     if (spec.envelope)
         static_cast<void>(plot_lines({&*spec.envelope, 1}));  // checks its columns like those of any series
@@ -316,6 +340,7 @@ void write_line_plot(const std::filesystem::path& path, const LinePlotSpec& spec
     plot.shades(page);
     if (spec.envelope) plot.envelope(page);
     axes.draw_grid(page, frame);
+    plot.limit(page);
     if (spec.envelope) plot.envelope_line(page);
     for (const auto& line : lines) plot.band(page, line);
     labels.draw(page, frame.y - 1, frame.y + frame.height);

@@ -45,12 +45,12 @@ struct LinePlotSpec {
     std::optional<Series> envelope = {};  ///< lower bound for any form: grey below it
     std::vector<PlotMark> marks = {};
     std::vector<PlotShade> shades = {};
-    std::string nothing = "no data";      ///< text in the middle if no line has a value
+    std::string nothing = "no data";      ///< text in the middle if no line has a value, and without lines alone
     std::vector<std::string> notes = {};  ///< sentences below the plot
     int width = 1100, height = 620;       ///< the height grows if legend or marks need it
 };
 
-/// Writes the plot as a PNG; the same spec gives the same bytes.
+/// Writes the plot; the same spec gives the same bytes. Without lines and envelope it is only a heading and a sentence.
 /// Many forms agree bit for bit. Series with the same points (and band) are drawn once and share one line of the
 /// legend, which says how many they are. Each entry of the legend stands as near to the end of its line as the others
 /// allow, and a thin line leads there. If the legend needs two columns, it is only sorted in the order in which the

@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "output/file/number_text.hpp"
+
 namespace lostbits::output::plot {
 
 using image::TextBitmap;
@@ -17,6 +19,10 @@ constexpr double least_extent = 1e-12;
 constexpr double least_size = 1e-300;
 /// Share of a log axis between 0 and its low end.
 constexpr double below_low_end = 0.08;
+/// An axis shows at least this share of all possible values, so that differences of a hundredth of them look small.
+constexpr double least_share = 1.0 / 12;
+/// From this share on it shows all of them.
+constexpr double near_limit = 0.75;
 
 /// Multiples of 1, 2 or 5 times 10^k from `lo` to `hi`, at most `most` + 1 of them.
 std::vector<double> round_values(double lo, double hi, int most) {
@@ -30,17 +36,21 @@ std::vector<std::string> labels_of(const std::vector<double>& values) {
         largest = std::max(largest, std::fabs(values[i]));
         if (i == 1) step = values[1] - values[0];
     }
-    const double digits = step > 0 && std::isfinite(step) ? std::ceil(std::log10(largest / step)) + 1 : 6;
+    const double digits = step > 0 && std::isfinite(step) ? std::ceil(std::log10(largest / step)) + 1 : 0;
     std::vector<std::string> out;
     for (const double value : values)
-        out.push_back(image::tick_label(value, static_cast<int>(std::clamp(digits, 6.0, 16.0))));
+        out.push_back(file::short_decimal(value, static_cast<int>(std::clamp<double>(digits, image::tick_digits, 16))));
     return out;
 }
 
 }  // namespace
 
 AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values)
-    : title_(axis.title), scale_(axis.scale), zero_(axis.zero && is_log()), decimals_(axis.decimals) {
+    : title_(axis.title),
+      scale_(axis.scale),
+      zero_(axis.zero && is_log()),
+      decimals_(axis.decimals),
+      limit_(is_log() ? std::nullopt : axis.limit) {
     for (const auto& end : {axis.low, axis.high}) {
         if (end && (!std::isfinite(*end) || (is_log() && !(*end > 0)))) {
             throw std::invalid_argument("axis " + axis.title +
@@ -59,8 +69,18 @@ AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values)
     if (lo > hi) lo = hi = 0;
     if (!is_log() && !axis.low && lo > 0 && lo < hi / 4) lo = 0;
     lo_ = axis.low ? scaled(*axis.low) : lo;
-    hi_ = axis.high ? scaled(*axis.high) : hi;
+    hi_ = axis.high ? scaled(*axis.high) : limit_ ? fitted_high(hi) : hi;
     widen(axis.low.has_value(), axis.high.has_value());
+}
+
+double AxisRange::fitted_high(double highest) const noexcept {
+    const double all = *limit_ - lo_, shown = std::max(highest - lo_, all * least_share);
+    return shown >= all * near_limit ? *limit_ : lo_ + shown;
+}
+
+std::optional<double> AxisRange::limit_position() const noexcept {
+    if (!limit_ || *limit_ > hi_) return {};
+    return position(*limit_);
 }
 
 void AxisRange::widen(bool low_fixed, bool high_fixed) {
@@ -123,7 +143,7 @@ std::vector<AxisRange::Tick> AxisRange::ticks_within_a_step(int most) const {
 std::string AxisRange::power_label(double exponent, const std::string& text) const {
     const bool two = scale_ == AxisSpec::Scale::log2;
     // Six digits: 2^-4 is 0.0625, 2^16 is 65536.
-    if (decimals_) return image::tick_label(two ? std::exp2(exponent) : std::pow(10, exponent));
+    if (decimals_) return file::short_decimal(two ? std::exp2(exponent) : std::pow(10, exponent), image::tick_digits);
     return (two ? "2^" : "10^") + text;
 }
 
@@ -165,7 +185,16 @@ std::vector<AxisRange::Tick> AxisRange::ticks(int most) const {
     const auto labels = labels_of(values);
     std::vector<Tick> out;
     for (std::size_t i = 0; i < values.size(); ++i) out.push_back({place(values[i]), labels[i]});
+    mark_limit(out, most);
     return out;
+}
+
+/// Labels the limit itself; a round value so near that the labels would touch gives way.
+void AxisRange::mark_limit(std::vector<Tick>& ticks, int most) const {
+    const auto at = limit_position();
+    if (!at) return;
+    std::erase_if(ticks, [&](const Tick& tick) { return std::fabs(tick.position - *at) < 0.4 / most; });
+    ticks.push_back({*at, file::short_decimal(*limit_, image::tick_digits)});
 }
 
 namespace {

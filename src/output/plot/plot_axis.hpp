@@ -18,6 +18,9 @@ struct AxisSpec {
     std::optional<double> low, high;  ///< the ends; the data gives a missing one
     bool zero = false;                ///< log axis only: 0 is drawn below the low end
     bool decimals = false;            ///< log axis only: ticks are `0.5` and `64`, not `2^-1` and `2^6`
+    /// Linear axis only: largest possible value, such as all bits of a format. The axis fits the data below it, and
+    /// reaches it, with a line there, if the data come near.
+    std::optional<double> limit = {};
 };
 
 /// An axis with known ends.
@@ -45,6 +48,9 @@ public:
     /// Round values between the ends, with about `most` (at least 2) labels.
     [[nodiscard]] std::vector<Tick> ticks(int most) const;
 
+    /// Position of the largest possible value if the axis reaches it.
+    [[nodiscard]] std::optional<double> limit_position() const noexcept;
+
     [[nodiscard]] const std::string& title() const noexcept { return title_; }
     [[nodiscard]] bool is_log() const noexcept { return scale_ != AxisSpec::Scale::linear; }
 
@@ -53,6 +59,8 @@ private:
     [[nodiscard]] double place(double s) const noexcept;
     [[nodiscard]] std::string power_label(double exponent, const std::string& text) const;
     void widen(bool low_fixed, bool high_fixed);
+    [[nodiscard]] double fitted_high(double highest) const noexcept;
+    void mark_limit(std::vector<Tick>& ticks, int most) const;
     [[nodiscard]] std::vector<Tick> exponent_ticks(int most) const;
     /// Ticks for less than two powers between the ends.
     [[nodiscard]] std::vector<Tick> ticks_within_a_step(int most) const;
@@ -60,6 +68,7 @@ private:
     std::string title_;
     AxisSpec::Scale scale_;
     bool zero_, decimals_;
+    std::optional<double> limit_;
     double lo_ = 0, hi_ = 1;  // exponents on a log scale
 };
 

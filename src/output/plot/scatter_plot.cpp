@@ -137,6 +137,7 @@ public:
         for (const auto& p : spec_.points) {
             if (!has_place(p, x_, y_)) continue;
             (p.faint ? avoided : taken).push_back(around(place(p.x, p.y), marker_half));
+            if (!p.faint) avoided.push_back(around(place(p.x_low, p.y), place(p.x_high, p.y)));
             if (p.faint || p.label.empty()) continue;
             texts.push_back(image::image_backend().render_text(p.label, image::style::text_size));
             requests.push_back(

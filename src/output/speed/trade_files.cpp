@@ -215,7 +215,7 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
                      "before more bits, so the front may step down to a "
                      "form that is never wrong."};
     spec.x = {request.scene ? scene_time_title : time_title, plot::AxisSpec::Scale::log2, {}, {}, false, true};
-    spec.y = {kept_title, plot::AxisSpec::Scale::linear, 0.0, {}};
+    spec.y = {kept_title, plot::AxisSpec::Scale::linear, {}, {}};
     std::vector<FrontPoint> points;
     for (std::size_t k = 0; k < all.size(); ++k) {
         const TradeKernel& kernel = request.kernels[k];
@@ -282,15 +282,15 @@ std::string cheapest_text(const TradeRequest& request, const std::vector<measure
 }  // namespace
 
 std::string trade_in_words(const TradeRequest& request, const TradeResult& result) {
-    std::string text = timed_in_words(request, result);
+    std::string text;
     const auto sets = measure::speed::trade_sets(request);
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto all = pareto_points_of(request, result, s);
-        text += fmt::format("\n{}: {}, {}\n", sets[s].name, sets[s].title,
+        text += fmt::format("{}: {}, {}\n", sets[s].name, sets[s].title,
                             scene::toml::counted(result.accuracy(s, 0).rays, "ray"));
-        text += standings_text(request, result, all) + cheapest_text(request, all);
+        text += standings_text(request, result, all) + cheapest_text(request, all) + "\n";
     }
-    return text;
+    return text + timed_in_words(request, result);
 }
 
 TradeFiles::TradeFiles(const TradeRequest& request, const std::filesystem::path& folder)

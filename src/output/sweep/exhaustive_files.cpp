@@ -9,6 +9,7 @@
 
 #include "measure/truth/lost_bits.hpp"
 #include "output/attribution/explain_command.hpp"
+#include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
 #include "scene/toml/counted.hpp"
 
@@ -247,8 +248,7 @@ std::string kinds_text(const FloatTally& tally) {
     std::vector<std::string> kinds;
     for (const Outcome o : measure::answer::wrong_decisions) {
         if (tally.count(o) == 0) continue;
-        kinds.push_back(fmt::format("{} {}", tally.count(o), outcome_name(o)));
-        std::ranges::replace(kinds.back(), '_', ' ');
+        kinds.push_back(fmt::format("{} {}", tally.count(o), map::in_words(outcome_name(o))));
     }
     return fmt::format(" ({})", fmt::join(kinds, ", "));
 }

@@ -12,6 +12,7 @@
 #include "measure/truth/missing.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/form_look.hpp"
+#include "output/sweep/sweep_plots.hpp"
 
 namespace lostbits::output::sweep {
 
@@ -137,7 +138,7 @@ std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request
     plot::LinePlotSpec lost{.title = "Lost bits of the worst float in f32",
                             .subtitle = drawn.subtitle(),
                             .x = drawn.axis(),
-                            .y = {"lost bits", S::linear, 0.0, static_cast<double>(binary32.precision)},
+                            .y = lost_bits_axis(binary32, "f32"),
                             .series = {}};
     plot::LinePlotSpec wrong{.title = "Floats with a wrong decision in f32",
                              .subtitle = drawn.subtitle(),

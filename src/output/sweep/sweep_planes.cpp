@@ -210,8 +210,8 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
     if (any_none) legend.push_back({gap_means(), no_value, ""});
     if (any_explained) legend.push_back({map::paler_means, map::paler(scale.bar().at(0.5)), ""});
     const auto along = [](const scene::sweep::Axis& axis, const std::vector<double>& values) {
-        return fmt::format("{}, from {} to {}", plot_axis(axis).title, image::tick_label(values.front(), 4),
-                           image::tick_label(values.back(), 4));
+        return fmt::format("{}, from {} to {}", plot_axis(axis).title, file::short_decimal(values.front(), 3),
+                           file::short_decimal(values.back(), 3));
     };
     const auto& axes = request.sweep.axes;
     image::ContactSheet sheet(

@@ -31,11 +31,19 @@ plot::AxisSpec plot_axis(const scene::sweep::Axis& axis) {
     return {axis.label, axis.spacing == scene::sweep::Axis::Spacing::log2 ? S::log2 : S::linear, {}, {}};
 }
 
+plot::AxisSpec lost_bits_axis(const FloatFormat& format, std::string_view name) {
+    const double bits = format.precision;
+    return {
+        fmt::format("lost bits, of {} in {}", bits, name), plot::AxisSpec::Scale::linear, 0.0, {}, false, false, bits};
+}
+
 double wrong_share(const FormSummary& s) { return static_cast<double>(s.wrong_count()) / static_cast<double>(s.rays); }
 
 namespace {
 
 using scene::sweep::Axis;
+
+const plot::AxisSpec share_axis{"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1};
 
 /// One value of a row along the sweep, by rising parameter.
 Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std::string& label,
@@ -137,11 +145,10 @@ void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep
     const SweepRequest& request = sweep.request;
     const std::size_t lost = measure::metric::index_of(request.metrics, "lost_bits"),
                       inherent = measure::metric::index_of(request.metrics, "inherent_bits");
-    Quantity quantity{
-        .title = fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
-        .axis = {"lost bits", plot::AxisSpec::Scale::linear, 0.0, static_cast<double>(format.parameters.precision)},
-        .value = [lost, q](const FormSummary& s) { return drawn_quantile(s, lost, q); },
-        .over_hits = true};
+    Quantity quantity{.title = fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
+                      .axis = lost_bits_axis(format.parameters, format.name),
+                      .value = [lost, q](const FormSummary& s) { return drawn_quantile(s, lost, q); },
+                      .over_hits = true};
     if (inherent < request.metrics.size())
         quantity.envelope = [inherent, q](const FormSummary& s) { return drawn_quantile(s, inherent, q); };
     write_lines(path, sweep, format, quantity, size);
@@ -163,7 +170,7 @@ void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sw
                               return std::ranges::any_of(step.rows, truly_misses);
                           });
     if (possible) quantity.note = "a line at 0, below the log scale, means no such ray in that step";
-    else quantity.nothing = "no ray of this sweep truly misses, so none can be a false hit";
+    else quantity.nothing = "No ray of this sweep truly misses, so none can be a false hit.";
     write_lines(path, sweep, format, quantity, size);
 }
 
@@ -243,10 +250,7 @@ void write_march_plots(const std::filesystem::path& folder, const MeasuredSweep&
                static_cast<double>(s.rays);
     };
     write_lines(folder / fmt::format("unfinished.{}.png", format.name), sweep, format,
-                {.title = "Marches that did not finish",
-                 .axis = {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0},
-                 .value = unfinished,
-                 .shows = marches});
+                {.title = "Marches that did not finish", .axis = share_axis, .value = unfinished, .shows = marches});
     write_lines(folder / fmt::format("iterations.{}.png", format.name), sweep, format,
                 {.title = "Samples of the field, 99th percentile",
                  .axis = {"samples", plot::AxisSpec::Scale::log2, 1.0, {}},
@@ -282,8 +286,8 @@ void write_culprit_plot(const std::filesystem::path& path, const MeasuredSweep& 
     }
     if (order.empty()) return;
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return peak[a] > peak[b]; });
-    LinePlotSpec spec = plot_along(sweep, fmt::format("Culprits of {} in {}", row.form->info->name, row.format.name),
-                                   {"share of rays", plot::AxisSpec::Scale::linear, 0.0, 1.0});
+    LinePlotSpec spec =
+        plot_along(sweep, fmt::format("Culprits of {} in {}", row.form->info->name, row.format.name), share_axis);
     spec.subtitle.back() += "; an operation's share of the rays that have a culprit";
     const auto add = [&](const std::string& label, std::span<const std::size_t> places) {
         spec.series.push_back(series_of(sweep.steps, r, label, [&](const FormSummary& s) {

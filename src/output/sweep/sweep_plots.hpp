@@ -22,6 +22,8 @@ struct MeasuredSweep {
 [[nodiscard]] std::vector<Format> formats_of(const MeasuredSweep& sweep);
 /// Axis of a plot for an axis of a sweep.
 plot::AxisSpec plot_axis(const scene::sweep::Axis& axis);
+/// Axis of lost bits in a format, whose name is in the title: `lost bits, of 24 in f32`.
+plot::AxisSpec lost_bits_axis(const FloatFormat& format, std::string_view name);
 /// Share of rays with a wrong decision or NaN.
 double wrong_share(const measure::evaluate::FormSummary& s);
 

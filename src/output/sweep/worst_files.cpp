@@ -10,6 +10,7 @@
 #include "output/attribution/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
+#include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
 #include "scene/toml/counted.hpp"
 
@@ -258,8 +259,7 @@ std::string NearestFiles::sentence(std::size_t r) const {
     std::string text = fmt::format("{} in {}:", request.rows[r].form->info->name, request.rows[r].format.name);
     if (const std::string counts = census_words(found[r]); !counts.empty()) text += " " + counts + ";";
     for (std::size_t k = 0; k < sought.size(); ++k) {
-        std::string what = sought_name(k);
-        std::ranges::replace(what, '_', ' ');
+        const std::string what = map::in_words(sought_name(k));
         const auto& nearest = found[r].nearest.at(k);
         text += nearest ? fmt::format("{} the nearest {} of {} rays is {:.4g} edge lengths away", k > 0 ? "," : "",
                                       what, found[r].rays.at(k), nearest->distance)

@@ -29,6 +29,21 @@ CsvTable table(const std::string& text) { return parse_csv(text, "t.csv"); }
 
 }  // namespace
 
+TEST_CASE("numbers for a reader have few digits, and powers of ten where they are very large or small",
+          "[number_text]") {
+    CHECK(short_decimal(0.0009999, 3) == "0.001");
+    CHECK(short_decimal(999900, 3) == "10^6");
+    CHECK(short_decimal(-1e-9, 3) == "-10^-9");
+    CHECK(short_decimal(12876, 3) == "12900");
+    CHECK(short_decimal(2.7777e-6, 3) == "2.78×10^-6");
+    CHECK(short_decimal(2.5e8, 3) == "2.5×10^8");
+    CHECK(short_decimal(100000, 6) == "100000");
+    CHECK(short_decimal(1000000.5, 8) == "1000000.5");
+    CHECK(short_decimal(-0.0, 3) == "0");
+    CHECK(short_decimal(-std::numeric_limits<double>::infinity(), 3) == "-inf");
+    CHECK(short_decimal(3 * 0.1, 6) == "0.3");
+}
+
 TEST_CASE("numbers are written as the shortest decimal and as exact C hexadecimal", "[number_text]") {
     const struct {
         double x;

@@ -146,7 +146,7 @@ TEST_CASE("ticks of a colour bar are round, within the range and few", "[colour]
     CHECK(labels({"g", grey_ramp(), 0, 24}, 6) == "0 6 12 18 24 ");
     CHECK(labels({"g", grey_ramp(), 0, 1}, 6) == "0 0.2 0.4 0.6 0.8 1 ");
     CHECK(labels({"g", grey_ramp(), -3, 3}, 4) == "-3 0 3 ");
-    CHECK(labels({"g", grey_ramp(), 0, 1e-12}, 3) == "0 5e-13 1e-12 ");
+    CHECK(labels({"g", grey_ramp(), 0, 1e-12}, 3) == "0 5×10^-13 10^-12 ");
     CHECK(labels({"g", grey_ramp(), 0, 53}, 7) == "0 10 20 30 40 50 ");
     CHECK(labels({"g", grey_ramp(), 1.5, 1.6}, 2) == "1.5 1.6 ");
     CHECK(labels({"g", grey_ramp(), 1.5, 3, Spacing::log2}, 5) == "1.5 3 ");

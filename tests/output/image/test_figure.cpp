@@ -98,11 +98,13 @@ TEST_CASE("the files of a picture are of the kinds that the run asks for, and re
     const Scratch scratch;
     const auto write = [&](const char* name, std::vector<std::string> kinds) {
         const auto folder = scratch.path() / name;
-        const std::string first = kinds.empty() ? "png" : kinds.front();
+        std::vector<std::filesystem::path> paths;
+        for (const std::string& kind : kinds.empty() ? std::vector<std::string>{"png"} : kinds)
+            paths.push_back(folder / ("plot.f32." + kind));
         const file::ResultFolder own(folder, {"lostbits map '" + hostile + "'", "lostbits 1"},
                                      {.figures = std::move(kinds)});
         save_figure(folder / "plot.f32.png", drawing());
-        CHECK(figure_path(folder / "plot.f32.png") == folder / ("plot.f32." + first));
+        CHECK(figure_paths(folder / "plot.f32.png") == paths);
         HeatmapWriter heatmap(folder / "map.png", {.title = hostile,
                                                    .subtitle = {},
                                                    .width = 3,

@@ -312,6 +312,62 @@ TEST_CASE("forms that are alike in every format share a column, and a headline t
     CHECK(sheet(true, "", "A headline").height == few.height + style::line_height(style::text_size));
 }
 
+TEST_CASE("the forms that differ most come first: the best, the worst, and the most different", "[contact_sheet]") {
+    const Scratch folder;
+    constexpr std::size_t forms = 9;
+    ContactSheet sheet(folder / "s.png", {.title = "T",
+                                          .subtitle = {},
+                                          .forms = words("form_", forms),
+                                          .formats = {"f32"},
+                                          .field_width = 160,
+                                          .field_height = 160,
+                                          .scales = {},
+                                          .unit = "",
+                                          .legend = {},
+                                          .collapses = true});
+    // Neighbours among the first five are nearly alike, the others are far apart.
+    const auto colour = [](std::size_t form) {
+        return Rgb8{static_cast<std::uint8_t>(form < 5 ? form : 40 * (form - 4)), 9, 9};
+    };
+    for (std::size_t form = 0; form < forms; ++form)
+        sheet.add_rows(form, 0, 0, std::vector<Rgb8>(160 * 160, colour(form)));
+    std::vector<std::size_t> order(forms);
+    for (std::size_t k = 0; k < forms; ++k) order[k] = k;
+    sheet.finish({}, order);
+    const auto image = backend().read_png(folder / "s.png");
+    const auto row_of = [&](std::size_t form) {
+        for (int y = 0; y < image.height; ++y)
+            for (int x = 0; x < image.width; ++x)
+                if (pixel_at(image, x, y) == colour(form)) return y;
+        return -1;
+    };
+    for (const std::size_t telling : {0, 4, 5, 6, 7, 8}) CHECK(row_of(telling) == row_of(0));
+    for (const std::size_t other : {1, 2, 3}) CHECK(row_of(other) > row_of(0) + 160);
+}
+
+TEST_CASE("a cell enlarges the samples around a pixel in the corner that is farthest away", "[contact_sheet]") {
+    const Scratch folder;
+    ContactSheet sheet(folder / "s.png", {.title = "T",
+                                          .subtitle = {},
+                                          .forms = {"a"},
+                                          .formats = {"f32"},
+                                          .field_width = 160,
+                                          .field_height = 160,
+                                          .scales = {},
+                                          .unit = "",
+                                          .legend = {},
+                                          .zooms = true});
+    std::vector<Rgb8> field(160 * 160, Rgb8{1, 2, 3});
+    field[20 * 160 + 30] = {250, 0, 7};
+    sheet.add_rows(0, 0, 0, field);
+    sheet.set_zoom(0, 0, 30, 20);
+    sheet.finish({});
+    const auto image = backend().read_png(folder / "s.png");
+    // The sample itself, and 5 by 5 pixels of the inset.
+    CHECK(count_of(image, {250, 0, 7}) == 1 + 5 * 5);
+    CHECK(rim_is_blank(image));
+}
+
 TEST_CASE("a cell without data is drawn as empty, and a wrong cell is refused", "[contact_sheet]") {
     const Scratch folder;
     const SheetSpec spec{.title = "T",

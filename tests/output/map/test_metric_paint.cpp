@@ -260,9 +260,10 @@ TEST_CASE("a sheet is sorted by fewest wrong decisions, then by smallest 99th pe
     CHECK(has_word(cell_note(paint, seen, 0), "\nworst pixel 5,6"));
     // The command above the sheet can be pasted for forms from outside, too.
     const lostbits::scene::file::Scene scene{};
-    const auto above = [&](const std::string& named = "mine.toml") {
+    const auto above = [&](const std::string& named = "mine.toml", const std::string& explained_by = "") {
         std::string text;
-        for (const auto& line : sheet_subtitle(scene, named, {}, paint, false)) text += line + "\n";
+        for (const auto& line : sheet_subtitle({scene, named, {}, paint, false, false, explained_by}))
+            text += line + "\n";
         return text;
     };
     CHECK(has_word(above(), "lostbits explain mine.toml --pixel X,Y -i FORM -f FORMAT shows how"));
@@ -272,6 +273,9 @@ TEST_CASE("a sheet is sorted by fewest wrong decisions, then by smallest 99th pe
     // Rays of a file have no scene to name.
     CHECK_FALSE(has_word(above(""), "--pixel"));
     CHECK(has_word(above(""), "in the column worst_explain"));
+    // The second sheet of a run names the one that explains.
+    CHECK(has_word(above("mine.toml", "other/contact"), "as explained in other/contact"));
+    CHECK_FALSE(has_word(above("mine.toml", "other/contact"), "--pixel"));
     CHECK_FALSE(has_word(cell_note(MetricPaint(*find_metric("iterations"), binary32), seen, 0), "worst"));
 }
 

@@ -81,6 +81,21 @@ TEST_CASE("on a log axis 0 has a position below the low end, and times are decim
           Labels{"0.01", "0.1", "1", "10", "100"});
 }
 
+TEST_CASE("an axis fits its data, and reaches the largest possible value only if they come near", "[plot]") {
+    using Labels = std::vector<std::string>;
+    const AxisSpec bits{"", AxisSpec::Scale::linear, 0.0, {}, false, false, 24};
+    const AxisRange low(bits, {0, 1, 3.5}), nothing(bits, {0, 0}), high(bits, {0, 20});
+    CHECK(low.position(3.5) == 1);
+    CHECK_FALSE(low.limit_position());
+    CHECK(nothing.position(2) == Approx(1));  // a twelfth of all, so that a hundredth of a bit looks small
+    CHECK(high.position(24) == 1);
+    CHECK(high.limit_position() == 1.0);
+    CHECK(labels(high, 8) == Labels{"0", "5", "10", "15", "20", "24"});
+    // A round value that would touch the limit's label gives way.
+    CHECK(labels(AxisRange({"", AxisSpec::Scale::linear, 0.0, {}, false, false, 53}, {50}), 6) ==
+          Labels{"0", "10", "20", "30", "40", "53"});
+}
+
 TEST_CASE("every range has distinct ticks that lie on it", "[plot]") {
     using Scale = AxisSpec::Scale;
     const double huge = std::numeric_limits<double>::max(), tiny = std::numeric_limits<double>::denorm_min();

@@ -107,6 +107,7 @@ TEST_CASE("a single false miss among a thousand rays is visible apart from none 
     CHECK(first.top - all.top > 200);  // a thousandth is not near to all
     // No ray truly misses, so that none can be a false hit: a line at 0 would say that the form is good at it.
     CHECK(drawn(Outcome::false_hit).pixels == 0);
+    CHECK(backend().read_png(folder / "w.png").height < 200);  // a sentence, without a frame
     made.made[0].rows[0].true_hits = rays - 1;
     const Found hits = drawn(Outcome::false_hit);
     CHECK(hits.pixels > 300);

@@ -84,13 +84,13 @@ function commandsFor(map, row, x, y, metric) {
 
 /**
  * Interval about a measured number for a claim, so that a trifle does not make the claim fail: half a bit, a hundredth
- * for a fraction, a hundredth of the rays for a count, else a tenth of the value. It never reaches below 0. An exact
- * zero allows only zero. One ray allows only its outcome.
+ * for a fraction, a hundredth of the rays for a count but at most a tenth of it, else a tenth of the value. It never
+ * reaches below 0. An exact zero allows only zero. One ray allows only its outcome.
  */
 function intervalAbout(column, value, rays) {
     if (outcomeNames.includes(column) && rays === 1) return [value, value];
     if (outcomeNames.includes(column)) {
-        const by = Math.max(1, Math.ceil(rays / 100));
+        const by = Math.max(1, Math.ceil(Math.min(rays / 100, value / 10)));
         return [Math.max(0, value - by), Math.min(rays, value + by)];
     }
     const isShare = column.endsWith("_fraction"),
@@ -138,7 +138,7 @@ ${intervalLine(column, value, rays, isDrawn)}
 
 /**
  * Writes a claim. With a chosen ray: its metric if it has a value there, else its outcome. Without: the summary of the
- * whole map.
+ * whole map, which for the first metric is the number of the most frequent wrong decision, if there is one.
  */
 async function claimFor(map, row, metric, x, y) {
     const scene = `scene = ${JSON.stringify(map.claimed)}`;
@@ -151,6 +151,9 @@ async function claimFor(map, row, metric, x, y) {
     }
     const p99 = row.statistics[metric.name]?.[1], agreed = row.outcomes[agreeHit];
     const known = typeof p99 === "number" && isEnough(agreed, row.true_hits);
+    const [wrong] = [...wrongDecisions].sort((a, b) => row.outcomes[b] - row.outcomes[a]);
+    if (["lost_bits", "outcome"].includes(metric.name) && row.outcomes[wrong] > 0)
+        return claimText(map.id, scene, row, [outcomeNames[wrong], row.outcomes[wrong]], total(row.outcomes));
     return claimText(
         map.id, scene, row, known ? [`${metric.name}_p99`, p99] : ["agree_hit", agreed], total(row.outcomes));
 }

@@ -87,7 +87,7 @@ function drawPickers() {
         mapParts.pickers,
         choice(
             "scene", "pick-scene", titled(index.maps), state.scene,
-            (scene) => goTo({ scene, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5, other: "" })),
+            (scene) => goTo({ scene, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5, other: null })),
         picker(`${letterA()}form`, "pick-form", "form", names(map.rows.map((r) => r.form))),
         picker(
             "format", "pick-format", "format",
@@ -237,8 +237,8 @@ function buildMaps() {
     });
     const { canvas, slider } = parts;
     parts.picture = make(
-        "div.picture", make("div.halves", canvas, parts.halfA, parts.halfB), slider, parts.under, parts.worst,
-        parts.legend);
+        "div.picture", parts.legend, make("div.halves", canvas, parts.halfA, parts.halfB), slider, parts.under,
+        parts.worst);
     root.append(
         parts.pickers, parts.what, note,
         make(

@@ -19,15 +19,16 @@ async function turnRay(by) {
     await toPixel(rays[at < 0 ? 0 : (at + by + rays.length) % rays.length]);
 }
 
-/** A button for each held ray. The button of the ray in the table is pressed. */
-function rayButtons(rays, x, y) {
-    const buttons = rays.map(
-        (ray) =>
-            button(`#ray-${ray.x}-${ray.y}`, () => toPixel(ray), make("b", `${ray.x}, ${ray.y}`), ` ${reasons(ray)}`));
-    rays.forEach((ray, k) => (buttons[k].ariaPressed = String(isAt(x, y)(ray))));
+/** The list of the held rays. The ray in the table is chosen. */
+function rayPicker(rays, x, y) {
+    const named = rays.map((ray, k) => [String(k), `${ray.x}, ${ray.y}: ${reasons(ray)}`]),
+          at = rays.findIndex(isAt(x, y));
+    const choose = (k) => k !== "" && toPixel(rays[Number(k)]);
     return make(
-        "div.rays", { role: "group", "aria-label": "rays whose operations this page holds" },
-        "Rays whose operations this page holds: ", ...buttons);
+        "div.rays",
+        choice(
+            "rays whose operations this page holds", "pick-ray", [["", "choose one"], ...named],
+            at < 0 ? "" : String(at), choose));
 }
 
 /** `held` has the order of `operation_json` (ray_data.cpp). */
@@ -101,12 +102,11 @@ async function showOperations(element, map, row, x, y) {
     if (number !== operationsAsked) return;  // another pixel has been asked for since
     const ray = rays.find(isAt(x, y)), held = document.activeElement?.id;
     element.replaceChildren(
-        ...(rays.length > 0 ? [rayButtons(rays, x, y)] : []),
+        ...(rays.length > 0 ? [rayPicker(rays, x, y)] : []),
         ...(ray       ? operationTable(row, ray) :
                 x < 0 ? [] :
                         [elsewhere(map, row, rays, x, y)]));
-    if (held?.startsWith("ray-")) document.getElementById(held)?.focus();  // a button that was just used
-    if (held === "nearest-ray" && ray) document.getElementById(`ray-${x}-${y}`)?.focus();
+    if (held === "pick-ray" || (held === "nearest-ray" && ray)) document.getElementById("pick-ray")?.focus();
     if (x < 0) delete element.dataset.pixel;
     else element.dataset.pixel = `${x},${y}`;
 }

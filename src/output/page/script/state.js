@@ -9,7 +9,20 @@ const classes = {
 const metricsOf = (map) => [...map.metrics, classes];
 
 const initial = {
-    ...{ scene: "", form: "", format: "", metric: "", other: "", split: 0.5, x: -1, y: -1, zoom: 1, cx: 0.5, cy: 0.5 },
+    // other: null stands for `companion`, and "" for nothing to compare with.
+    ...{
+        scene: "",
+        form: "",
+        format: "",
+        metric: "",
+        other: null,
+        split: 0.5,
+        x: -1,
+        y: -1,
+        zoom: 1,
+        cx: 0.5,
+        cy: 0.5
+    },
     ...{ sweep: "", statistic: "", line: "", judged: "", u: -1, v: -1, shape: "", set: "" }
 };
 const state = {...initial };
@@ -20,6 +33,22 @@ const notes = [];
 const mapNow = () => index.maps.find((m) => m.id === state.scene);
 const rowNow = () => mapNow().rows.find((r) => r.form === state.form && r.format === state.format);
 const otherRow = () => mapNow().rows.find((r) => keyOf(r) === state.other);
+
+/** Rank of a row: fewest wrong decisions first, then the least p99 of lost bits. */
+const rankOf = (row) =>
+    [total([...wrongDecisions, outcomeNames.indexOf("not_a_number")].map((o) => row.outcomes[o])),
+     asNumber(row.statistics.lost_bits?.[1] ?? "inf")];
+
+/** Key of the row that stands beside the chosen one at first: the best in its format, or the worst beside the best. */
+function companion() {
+    const row = rowNow(), rows = mapNow().rows.filter((r) => r.format === row.format);
+    const compare = (a, b) => {
+        const [[wrong, lost], [otherWrong, otherLost]] = [rankOf(a), rankOf(b)];
+        return wrong - otherWrong || (lost === otherLost ? 0 : lost < otherLost ? -1 : 1);
+    };
+    const order = [...rows].sort(compare), other = order[0] === row ? order.at(-1) : order[0];
+    return other === row ? "" : keyOf(other);
+}
 const metricNow = () => metricsOf(mapNow()).find((m) => m.name === state.metric);
 /** Metrics of a march exist only for forms that march. */
 const marches = (form) => form.startsWith("sdf.");
@@ -50,7 +79,8 @@ function settle(asked = {}) {
         choose("form", map.rows.map((r) => r.form));
         choose("format", map.rows.filter((r) => r.form === state.form).map((r) => r.format));
         choose("metric", ableMetrics(map).map((m) => m.name));
-        if (state.other !== "") choose("other", ["", ...map.rows.map(keyOf)]);
+        if (state.other) choose("other", ["", ...map.rows.map(keyOf)]);
+        if (state.other === null || state.other === keyOf(rowNow())) state.other = companion();
         if (!(state.x >= 0 && state.x < map.width && state.y >= 0 && state.y < map.height)) state.x = state.y = -1;
     }
     const limit = (key, low, high) =>
@@ -68,7 +98,8 @@ function settle(asked = {}) {
 
 /** The parts of the state that differ from what the page shows by default. */
 function hashOf() {
-    const isSaid = (key, value) => (key === "split" ? state.other !== "" : value !== initial[key]) &&
+    const usual = (key) => (key === "other" && index.maps.length > 0 ? companion() : initial[key]);
+    const isSaid = (key, value) => (key !== "split" || state.other !== "") && value !== usual(key) &&
         !(key === "line" && value === `${state.form}.${state.format}`);
     const text = (value) => (typeof value === "number" ? Number(value.toFixed(4)) : encodeURIComponent(value));
     const said = Object.entries(state).filter(([key, value]) => isSaid(key, value));

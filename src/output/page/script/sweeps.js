@@ -300,6 +300,7 @@ async function drawSweep() {
         sweepParts.chart = chartOf(figure);
         if (line) sweepParts.order = sweep.steps.map((_, k) => k).sort((a, b) => sweep.steps[a] - sweep.steps[b]);
         emphasize(sweepParts.chart, keyOf(now.chosen), null);
+        sweepParts.names.replaceChildren(...(line ? lineNames(now) : []));
         drawSweepPickers();
         sweepParts.showNote(index.sweeps.find((s) => s.id === sweep.id).note);
         onsets.replaceChildren(
@@ -308,13 +309,34 @@ async function drawSweep() {
     showCell(null);
 }
 
+/** A short piece of a line as in the chart: its colour, and its marker if it has one. */
+function lineSample(group) {
+    const line = group.querySelector("path"), marker = group.querySelector("circle, path:not([fill=none])");
+    const svg = document.createElementNS(line.namespaceURI, "svg"), piece = line.cloneNode();
+    svg.setAttribute("viewBox", "0 0 26 12");
+    piece.setAttribute("d", "M1 6h24");
+    svg.append(piece);
+    if (marker) {
+        const { x, y, width, height } = marker.getBBox(), copy = marker.cloneNode();
+        copy.setAttribute("transform", `translate(${13 - x - width / 2} ${6 - y - height / 2})`);
+        svg.append(copy);
+    }
+    return svg;
+}
+
+/** The lines of the chart by name, for windows in which the chart's own legend is out of sight. */
+const lineNames = ({ rows }) => sweepParts.chart.lines.map(({ group, keys }) => {
+    const names = rows.filter((row) => keys.includes(keyOf(row))).map(shortName);
+    return make("span.class", lineSample(group), ` ${names.join(", ")}`);
+});
+
 function onsetLines(row) {
     if (row.onsets.length === 0) return [make("p", "No threshold is crossed along this sweep.")];
     const body = make("tbody");
     for (const [event, statistic, threshold, good, bad, low, high] of row.onsets)
         body.append(cells(
             "td", `${words(event)} ${statistic}`, decimal(threshold), good === null ? "–" : decimal(good), decimal(bad),
-            low === high ? "–" : `${decimal(low)} to ${decimal(high)}`));
+            low === high ? "–" : `${rounded(low)} to ${rounded(high)}`));
     return [make(
         "details", { open: true }, make("summary", `Onsets of ${title(row)}: ${row.onsets.length}`),
         make("table", header("event", "threshold", "last good", "first seen bad", "range over draws"), body))];
@@ -346,6 +368,7 @@ function buildSweeps() {
         charts: new Map(index.sweeps.map(({ id }) => [id, chartsOf(`sweep-${id}`)])),
         pickers: make("div.pickers"),
         element: buildChart(),
+        names: make("div.legend.names"),
         under: make("p.hint#sweep-under", "\u00a0"),
         facts: make("div.facts#sweep-facts", { "aria-live": "polite" }),
         onsets: make("div.onsets")
@@ -360,7 +383,7 @@ function buildSweeps() {
     root.append(
         parts.pickers, note,
         make(
-            "div.stage", make("div.picture.wide", parts.element, parts.under),
+            "div.stage", make("div.picture.wide", parts.element, parts.names, parts.under),
             make("div.side", parts.facts, make("div.buttons", ...buttons), copied, parts.onsets)));
     root.hidden = false;
     listeners.push(drawSweep);
