@@ -2,6 +2,7 @@
 // page in a browser.
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <regex>
 
 #include "catch.hpp"
@@ -115,18 +116,24 @@ TEST_CASE("the tables of a report are the CSVs' numbers") {
 TEST_CASE("a report counts and lists the requested claims") {
     const Scratch scratch;
     const std::string page = report_of("rtg-fig-7-3-4100 -i sphere.schoolbook -f f32", scratch);
-    const auto json = scratch / "claims.csv";
-    must("check -q --filter 'rtg7.fig3.*-4100-axis*' --export-csv '" + json.string() + "'");
-    const std::string csv = contents(json);
-    const std::size_t held = all_of(csv, "(,holds,)").size(), refuted = all_of(csv, "(,refuted,)").size(),
-                      qualified = all_of(csv, "(,qualified,)").size();
-    REQUIRE(held > 0);
-    REQUIRE(refuted > 0);
-    CHECK(all_of(page, R"(<b>(\d+)</b> hold<)") == std::vector{std::to_string(held)});
-    CHECK(all_of(page, R"(<b>(\d+)</b> refuted<)") == std::vector{std::to_string(refuted)});
-    CHECK(all_of(page, R"(<b>(\d+)</b> qualified<)").size() == (qualified > 0 ? 1 : 0));
-    CHECK(all_of(page, "<tr id=\"claim-([^\"]*)\"").size() == held + refuted + qualified);
-    // A claim about a form that the page does not show leads nowhere.
+    const auto file = scratch / "claims.csv";
+    must("check -q --filter 'rtg7.fig3.*-4100-axis*' --export-csv '" + file.string() + "'");
+    const auto claims = read_csv(file);
+    // Claims about a form that the page does not show stay away.
+    std::map<std::string, std::size_t> counts;
+    std::size_t shown = 0;
+    for (const auto& row : claims) {
+        if (row.at("form") != "sphere.schoolbook" || row.at("format") != "f32") continue;
+        ++counts[row.at("verdict")];
+        ++shown;
+    }
+    REQUIRE(counts["holds"] > 0);
+    REQUIRE(counts["refuted"] > 0);
+    REQUIRE(shown < claims.size());
+    CHECK(all_of(page, R"(<b>(\d+)</b> hold<)") == std::vector{std::to_string(counts["holds"])});
+    CHECK(all_of(page, R"(<b>(\d+)</b> refuted<)") == std::vector{std::to_string(counts["refuted"])});
+    CHECK(all_of(page, R"(<b>(\d+)</b> qualified<)").size() == (counts["qualified"] > 0 ? 1 : 0));
+    CHECK(all_of(page, "<tr id=\"claim-([^\"]*)\"").size() == shown);
     const auto links =
         all_of(page, "<a class=\"jump\" href=\"#scene-rtg-fig-7-3-4100\" data-view=\"([^\"]*)\">rtg-fig");
     CHECK(links.size() == 2);

@@ -287,10 +287,10 @@ void ContactSheet::draw_column(Canvas& page, int x, int y, const Alike& forms) {
     if (forms.size() > 1) {
         std::string same = "same:";
         for (const std::size_t form : std::span(forms).subspan(1)) same += " " + spec_.forms[form];
+        if (image_backend().render_text(same, style::smallest_size).width > cell_width_)
+            same = "same: " + std::to_string(forms.size() - 1) + " more forms";
         page.text(x, y + static_cast<int>(names.size()) * name_line,
-                  fit_text(forms.size() > 3 ? "same: " + std::to_string(forms.size() - 1) + " more forms" : same,
-                           style::small_size, false, cell_width_),
-                  style::soft_ink);
+                  fit_text(same, style::small_size, false, cell_width_), style::soft_ink);
     }
     for (std::size_t format = 0; format < spec_.formats.size(); ++format)
         draw_cell(page, x, y + head_ + static_cast<int>(format) * row_height_, cell(forms.front(), format));
