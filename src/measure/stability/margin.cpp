@@ -332,14 +332,20 @@ std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::Primitiv
 
 namespace {
 
-/// True if the point at t lies on no torus of all problems. Where two roots of the quartic are near each other, its
-/// sign changes with small changes of every problem, while the distance from the circle has one sign.
-bool is_off_torus(const Ray<Near>& ray, const Primitive<Near>& primitive, const Near& t) {
-    if (primitive.shape != shape_as<Torus>) return false;
-    const Near away = in_its_space<Torus>(ray, primitive, [&](const Torus<Near>& torus, const Ray<Near>& its) {
-        return torus.distance(its.origin + t * its.direction);
+/// True if the point at t lies on the surface of no problem within the errors, for a surface of degree four. Where two
+/// roots of the quartic are near each other, small changes of a problem change its sign, but not that of the distance
+/// from the surface.
+bool is_off_quartic(const Ray<Near>& ray, const Primitive<Near>& primitive, const Near& t) {
+    return visit_shape(primitive, [&]<template <class> class Of>() {
+        using Span = decltype(std::declval<const Of<Near>&>().span(ray));
+        if constexpr (!std::same_as<Span, QuarticSpan<Near>>) return false;
+        else {
+            const Near away = in_its_space<Of>(ray, primitive, [&](const Of<Near>& shape, const Ray<Near>& its) {
+                return shape.distance(its.origin + t * its.direction);
+            });
+            return away.lowest() > 0 || away.highest() < 0;
+        }
     });
-    return away.lowest() > 0 || away.highest() < 0;
 }
 
 }  // namespace
@@ -360,7 +366,7 @@ double backward_error(const Ray<double>& ray, const Primitive<double>& primitive
         return asked.of_all_within(epsilon, [&](const auto& r, const auto& s, const auto* within, const auto& words) {
             const auto side =
                 with_span(r, s, [&](const auto& span) { return side_if_any(span, there, within, words); });
-            return (side && *side != 0) || is_off_torus(r, s, there);
+            return (side && *side != 0) || is_off_quartic(r, s, there);
         });
     });
 }
