@@ -332,8 +332,8 @@ std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::Primitiv
 
 namespace {
 
-/// True if the point at t lies on no torus of all problems. Where two roots of the quartic are near each other, its
-/// sign changes with small changes of every problem, while the distance from the circle has one sign.
+/// True if the point at t lies on the torus of no problem within the errors. Where two roots of the quartic are near
+/// each other, small changes of a problem change its sign, but not that of the distance from the surface.
 bool is_off_torus(const Ray<Near>& ray, const Primitive<Near>& primitive, const Near& t) {
     if (primitive.shape != shape_as<Torus>) return false;
     const Near away = in_its_space<Torus>(ray, primitive, [&](const Torus<Near>& torus, const Ray<Near>& its) {
