@@ -163,7 +163,8 @@ void run_search(const std::filesystem::path& path, const SweepSelection& chosen)
 
 namespace {
 
-/// Adds the row of each form as a compiler contracts it, after the form. Contraction makes some watertight tests leak.
+/// Adds a row for each form as a compiler contracts it, after that of the form: contraction makes some watertight tests
+/// leak.
 void add_contracted(std::vector<TestedForm>& rows) {
     std::vector<TestedForm> all;
     for (const TestedForm& row : rows) {

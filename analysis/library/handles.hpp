@@ -44,7 +44,7 @@ struct ResultColumn {
     std::vector<std::optional<std::string>> texts = {};
     std::vector<std::uint8_t> codes = {};
     std::vector<std::string> names = {};    ///< name of the category of each code
-    const std::uint8_t* colours = nullptr;  ///< of the names, three bytes each; null: they have none
+    const std::uint8_t* colours = nullptr;  ///< three bytes for each name; null: no colours
 
     std::vector<const char*> text_pointers = {}, name_pointers = {};  ///< filled by `seal`
 };

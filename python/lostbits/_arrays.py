@@ -157,7 +157,9 @@ def whole_numbers(value: Any, name: str, count: int | None = None) -> Any:
 
 
 def one_per_record(kind: str, value: Any, primitive: Any, t: Any, count: int) -> tuple[Any, Any, Any, Any]:
-    """Answers about a mesh as records of a file: their numbers, triangles, rays and t. None: none, or one per ray.
+    """Answers about a mesh as the columns of a file: values, triangles, indices of rays, and t.
+
+    Triangles, rays and t are None if a kind does not have them. Without rays, answer i is that of ray i.
 
     The hits of a list become records in the order of their rays, with their hit_index from 0; a ray without a hit
     becomes one with a hit_index of -1.

@@ -226,8 +226,8 @@ def judge_mesh(mesh: Any, o: Floats, d: Floats | None = None, *, ray: Any = None
     `mesh`: (vertices n x 3, faces m x 3), or a scene of meshes alone. `o`, `d`: n x 3 of float32 or float64, the rays;
     for `inside`, `o` has points and `d` is left out. Give one of these:
 
-    - `ray`, `primitive` and, if known, `t`: all hits of the rays in the order of your code, an item each: the index of
-      the ray, that of the triangle, and the distance. A ray that is not in `ray` has no hit.
+    - `ray`, `primitive` and, if known, `t`: all hits of the rays, in the order of your code. Each has one item in each
+      array: the index of the ray, the index of the triangle, and t. A ray that is not in `ray` has no hit.
     - `crossings`: n numbers, how often a ray crosses the surface. `parity`: n numbers, 1 for odd and 0 for even.
     - `inside`: n booleans, the points that are inside.
 

@@ -1,5 +1,5 @@
-// Measures claims about sweeps: along axes, over named cases, or about the worst ray of a search (metric `worst`) and
-// the counts of one at edges of a mesh.
+// Measures claims about sweeps: along axes, over named cases, about the worst ray of a search (metric `worst`), or
+// about the counts of a search at edges of a mesh.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -177,7 +177,7 @@ namespace {
 struct CensusMetric {
     std::string_view name;
     answer::Outcome outcome;
-    std::optional<edges::EdgeTarget> target;  ///< absent: at all
+    std::optional<edges::EdgeTarget> target;  ///< absent: edges and vertices
 };
 constexpr std::array census_metrics{
     CensusMetric{"cracks", answer::Outcome::crack, std::nullopt},
@@ -206,7 +206,7 @@ std::uint64_t count_of(const edges::EdgeFinding& found, const CensusMetric& metr
     return sum;
 }
 
-/// Counts the rays of the census; the nearest of them are not searched for.
+/// Runs the census of an edge search, without the search for the nearest crack.
 void measure_census(const ClaimsOn<SearchSubject>& claims, const std::filesystem::path& path, const ClaimRequest& run) {
     edges::EdgeRequest request{.search = scene::sweep::EdgeSearchFile(path, run.data_dir, {}, run.stop),
                                .rows = {},

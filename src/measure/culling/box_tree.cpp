@@ -248,7 +248,7 @@ public:
     Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std::uint32_t>& found);
 
     [[nodiscard]] bool is_done() const { return waiting_ == 0; }
-    /// Visits one node: its children that the ray may meet are found, if they are leaves, or visited later.
+    /// Visits one node. Of the children that the ray may meet, leaves are found, and nodes are visited later.
     void step();
 
 private:
@@ -327,7 +327,8 @@ void BoxTree::candidates(const Ray<double>& ray, std::vector<std::uint32_t>& fou
     sort(found);
 }
 
-// A node of a large tree is rarely in a cache, so a walk waits most of its time. Walks that take turns wait together.
+// A node of a large tree is rarely in a cache, so a walk waits for memory most of its time. If several walks take
+// turns, their waits overlap.
 void BoxTree::append_candidates(std::span<const Ray<double>> rays, std::vector<std::uint32_t>& found,
                                 std::span<std::size_t> ends) const {
     constexpr std::size_t at_once = 16, together = 256;

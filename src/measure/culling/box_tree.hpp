@@ -73,7 +73,7 @@ public:
         if (!(std::fabs(p.x) < HUGE_VAL && std::fabs(p.y) < HUGE_VAL && std::fabs(p.z) < HUGE_VAL)) return found;
         for (const std::uint32_t primitive : asked_each_) ask(primitive);
         std::vector<std::pair<double, std::uint32_t>> later;
-        if (!nodes_.empty()) later.push_back({0, 0});  // how far all below a node is at least, and its place
+        if (!nodes_.empty()) later.push_back({0, 0});  // least distance of all below a node, and its index
         while (!later.empty()) {
             const auto [least, i] = later.back();
             later.pop_back();

@@ -92,8 +92,8 @@ struct Subject {
     std::vector<SharedEdge> edges;
 };
 
-/// Returns the edge at which ray i of a litter has an outcome, or null. A double hit is none if the ray truly meets two
-/// triangles at one t.
+/// Returns the edge at which ray i of a litter has an outcome, or null. If a ray truly meets two triangles at
+/// one t, that is no double hit.
 const SharedEdge* edge_with(Outcome outcome, const Subject& subject, const Aimed& one,
                             const evaluate::BandResult& result, std::size_t i) {
     const truth::Truth truth = result.truth(i);
@@ -334,7 +334,7 @@ private:
     const scene::sweep::EdgeSearchFile& file_;
     const Subject& subject_;
     const evaluate::TestedForm& row_;
-    std::size_t wanted_ = 0;  ///< place of the outcome in `sought`
+    std::size_t wanted_ = 0;  ///< index of the outcome in `sought`
     FloatFormat format_;      ///< format of the numbers of rays
     scene::rays::Random random_;
     std::vector<const metric::Metric*> metrics_{metric::find_metric("lost_bits"), metric::find_metric("ulp_error")};

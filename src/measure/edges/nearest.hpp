@@ -49,11 +49,11 @@ struct EdgeRequest {
     std::vector<evaluate::TestedForm> rows;  ///< with forms for triangles
     truth::TruthLimit limit{};
     shard::Share share = {};    ///< share of the rows
-    bool census_alone = false;  ///< the rays of the census are counted, and the nearest are not searched for
+    bool census_alone = false;  ///< runs the census, but does not search for the nearest ray
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 
-/// Units of progress of one row: the census, and a search for each outcome.
+/// Units of progress of one row: one for the census, and one for the search for each outcome.
 inline constexpr std::size_t edge_units = 1 + sought.size();
 
 /// Counts for each row, and searches for each row and outcome separately; the results have one element for each row of

@@ -27,7 +27,7 @@ BandOfRows::BandOfRows(Band& band, const std::vector<TestedForm>& rows, const st
         for (const intersect::table::Intersector* form : {row.form, row.against}) {
             if (form == nullptr) continue;
             needs.unit_rays |= form->info->direction == intersect::Direction::unit;
-            needs.no_forms &= !form->exists_in(row.format);  // so is the row of a file's answers
+            needs.no_forms &= !form->exists_in(row.format);  // a row of a file's answers exists in no format
         }
         needs.own_truth = (asked & metric::needs_own_truth) != 0;
         const truth::Length length = truth::length_of(row.form->info->direction);

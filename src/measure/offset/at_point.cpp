@@ -41,7 +41,7 @@ std::optional<double> exit_of(const Ray<double>& ray, const Primitive<double>& p
 /// nothing.
 double least_distance(const Vec<double>& p, const Primitive<double>& primitive) {
     using Certain = number::wide::Running<double>;
-    if (primitive.placed && !has_bounding_box(primitive.shape)) return 0;  // no ball holds it
+    if (primitive.placed && !has_bounding_box(primitive.shape)) return 0;  // it has no bounding ball
     if (primitive.placed && primitive.placed->is_inverse) return 0;        // rounding could put the ball anywhere
     const Vec<Certain> at = lift_vec<Certain>(p);
     const Primitive<Certain> certain = lift_primitive<Certain>(primitive);

@@ -330,8 +330,8 @@ private:
         places_;  ///< indices into `pairs_` of the pairs that are gathered, by shape
     std::array<stages::UnderMatrix, shape_rows.size()> matrices_;  ///< kind of matrix of these pairs, by shape
     static constexpr std::size_t found_together = 64;
-    std::vector<std::uint32_t> candidates_;         ///< those of some rays
-    std::array<std::size_t, found_together> ends_;  ///< their number up to each of these rays
+    std::vector<std::uint32_t> candidates_;         ///< candidates of some rays
+    std::array<std::size_t, found_together> ends_;  ///< number of candidates up to each of these rays
 };
 
 template <class S>

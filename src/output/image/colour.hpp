@@ -114,7 +114,7 @@ private:
 
 // Round values for the ticks of axes and colour bars.
 
-/// Significant digits of a tick's label: a tick at 3 times 0.1 is not 0.30000000000000004.
+/// Significant digits of a tick's label, so that a tick at 3 times 0.1 is not labelled 0.30000000000000004.
 inline constexpr int tick_digits = 6;
 
 /// The least of 1, 2 or 5 times 10^k that is at least `least` > 0.

@@ -231,10 +231,11 @@ std::uint64_t ContactSheet::difference(std::size_t a, std::size_t b) const {
     return sum;
 }
 
-/// Moves the best form, the worst and those that differ most from the ones chosen before to the front. Both parts keep
-/// their order.
+/// Moves six forms to the front: the best, the worst, and those that differ most from the ones chosen before. Both
+/// parts keep their order.
 void ContactSheet::put_telling_first(std::vector<Alike>& columns) const {
-    std::vector<std::uint64_t> distance(columns.size(), std::numeric_limits<std::uint64_t>::max());  // from the chosen
+    // Distance of each form to the nearest of the chosen ones.
+    std::vector<std::uint64_t> distance(columns.size(), std::numeric_limits<std::uint64_t>::max());
     std::vector<bool> is_chosen(columns.size());
     const auto choose = [&](std::size_t k) {
         is_chosen[k] = true;

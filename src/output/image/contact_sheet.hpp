@@ -111,7 +111,7 @@ private:
     struct Cell {
         std::optional<Thumbnail> thumbnail;
         std::string note;
-        std::vector<Rgb8> samples = {};  ///< of the whole field if the sheet zooms
+        std::vector<Rgb8> samples = {};  ///< samples of the whole field if the sheet zooms
         std::optional<Zoom> zoom = {};
     };
     /// Forms that share a column, the first of which is drawn.

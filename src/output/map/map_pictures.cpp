@@ -26,7 +26,7 @@ using measure::metric::Metric;
 
 namespace {
 
-constexpr std::uint64_t most_kept_pixels = std::uint64_t{512} * 512;  // of each cell of a sheet that zooms
+constexpr std::uint64_t most_kept_pixels = std::uint64_t{512} * 512;  // limit of each cell of a sheet that zooms
 
 std::size_t index_of(const std::vector<const Metric*>& all, const Metric* one) {
     return static_cast<std::size_t>(std::ranges::find(all, one) - all.begin());

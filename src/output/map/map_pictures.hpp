@@ -25,7 +25,7 @@ namespace lostbits::output::map {
 [[nodiscard]] std::string input_note(const scene::file::Scene& scene,
                                      std::span<const measure::evaluate::TestedForm> rows);
 
-/// A contact sheet, for the lines below its title.
+/// Properties of a contact sheet that the lines below its title tell.
 struct SheetSubject {
     const scene::file::Scene& scene;
     std::string named;                                    ///< see `MapFilesOptions`; empty for rays of a file

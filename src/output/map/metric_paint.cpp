@@ -30,7 +30,7 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
     return fmt::format(fmt::runtime(share < 10 ? "{:.1f}%" : "{:.0f}%"), share);
 }
 
-/// A value in a text with little space.
+/// Formats a value for a text with little space.
 std::string short_number(double x) { return file::short_decimal(x, 3); }
 
 constexpr Rgb8 no_culprit = image::outcome_colours[0];  ///< a hit to which no operation adds an error

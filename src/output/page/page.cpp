@@ -181,7 +181,7 @@ std::string with_diffs(const std::string& words) {
     return text;
 }
 
-/// Each sentence once. Different changes may be told in the same words.
+/// Keeps each sentence once: different changes may have the same one.
 std::vector<std::string> distinct(const std::vector<std::string>& sentences) {
     std::vector<std::string> once;
     for (const std::string& sentence : sentences) static_cast<void>(map::find_or_add(once, sentence));

@@ -62,7 +62,7 @@ public:
         return triangle;
     }
     [[nodiscard]] const triangle::Mesh& mesh() const { return *mesh_; }
-    /// Loads triangles into the cache. `triangles` lists indices, from `first` on.
+    /// Loads triangles into the cache. `triangles` lists indices; those from `first` on are loaded.
     void prefetch(std::span<const std::uint32_t> triangles, std::size_t first) const;
 
 private:
@@ -95,8 +95,8 @@ public:
         return transformed(i < triangles ? (*made_.flake)[i - listed_.size()] : (*made_.mesh)[i - triangles],
                            [this](double x) { return S(rounded(x)); });
     }
-    /// Loads primitives into the cache that will be asked for soon. In a large mesh that is several times as fast as to
-    /// wait for each of them.
+    /// Loads primitives that will be asked for soon into the cache. In a large mesh this is several times as fast as
+    /// waiting for each of them.
     void prefetch(std::span<const std::uint32_t> primitives) const {
         if (made_.mesh) made_.mesh->prefetch(primitives, first_of_mesh());
     }

@@ -34,7 +34,7 @@ struct Plane {
 
     [[nodiscard]] Vec<T> middle() const { return through; }
     [[nodiscard]] T half_extent() const { return T(1); }
-    /// A ball for rays that are drawn. It does not hold the plane: where that matters, ask `has_bounding_box`.
+    /// A ball at which random rays are aimed. It does not contain the plane: if that matters, ask `has_bounding_box`.
     [[nodiscard]] Sphere<T> ball_around() const { return {through, T(0x1p100)}; }
     /// The projection onto the plane of a point of a cube with side four, around the point that the plane goes
     /// through.

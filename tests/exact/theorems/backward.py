@@ -2,10 +2,10 @@
 
     python3 tests/exact/theorems/backward.py 20000     # rays a search; prints the worst ray of each form and root
 
-A form is written as a tape. Each operation multiplies its result by 1 + δ, |δ| ≤ u. To first order these move the
-residual R = |f + t d|² − r² by at most u Σ |∂R/∂t ∂t/∂v v| over the results v. Changes of all inputs by ε move it by
-2ε (Σ |Pᵢ| (|fᵢ| + t |dᵢ|) + r²) at most, P = f + t d. The quotient bounds the backward error, and roundings of these
-signs and sizes attain it. The proof of docs/stability.md has simpler bounds; this does without them.
+Each form is recorded as a tape, a list of its operations. Each operation multiplies its result by 1 + δ, |δ| ≤ u. To
+first order the δ move the residual R = |f + t d|² − r² by at most u Σ |∂R/∂t ∂t/∂v v| over the results v. Changes of
+all inputs by ε move it by 2ε (Σ |Pᵢ| (|fᵢ| + t |dᵢ|) + r²) at most, P = f + t d. The quotient bounds the backward
+error, and roundings of these signs and sizes attain it. The proof in docs/stability.md uses simpler and larger bounds.
 """
 import math
 import random
@@ -13,7 +13,7 @@ import sys
 
 
 class Tape:
-    """Results of operations, with the derivative by each operand, and the results that round."""
+    """Results of operations, with the derivative by each operand, and a mark on the results that are rounded."""
 
     def __init__(self):
         self.values, self.operands, self.rounds = [], [], []

@@ -21,6 +21,11 @@ class Backward(unittest.TestCase):
             self.assertLess(worst, 5)
             self.assertGreater(worst, 3.5)
 
+    def limits_of_the_lemma(self, x, theta, f, h, r2):
+        """The lemma needs |x| ≤ 16u |f|, and that x exceeds Θ(T + t) by at most 6u r. T is 1."""
+        self.assertLessEqual(x, 16 * f)
+        self.assertLessEqual(x - theta * (2 - h), 6 * math.sqrt(r2))
+
     def test_the_sums_of_the_proof_are_below_their_bounds(self):
         for i in range(1, 201):
             for j in range(-40, 41):
@@ -29,15 +34,21 @@ class Backward(unittest.TestCase):
                 f, r2, size = math.hypot(1, l), l * l + h * h, l * l + h
                 x = 2 * (1 - h) + 3 * f + 3 * (1 - h / 2) + 1.5 * h + 2 * (1 + l)
                 self.assertLessEqual(r2 + 5 * l * l + h * h + 2 * h * x, 20 * size)  # Hearn and Baker
+                self.limits_of_the_lemma(x, 5, f, h, r2)
                 x = (1 - h) + 3 * f + 4 * (1 - h / 2) + 1 + 1.5 * h + (1 + l)
                 self.assertLessEqual(r2 + 5 * l * l + h * h + 2 * h * x, 20 * size)  # Embree's points
+                self.limits_of_the_lemma(x, 5, f, h, r2)
                 c = 3 * f * f + 5 * l * l + h * h + (1 - h) * 4 * (f + h)
                 x = 3 * (1 - h) + c / (1 + h)
                 self.assertLessEqual(r2 + 5 * l * l + h * h + 2 * h * x, 20 * size)  # both remedies
+                if f >= 2 * math.sqrt(r2):
+                    self.limits_of_the_lemma(x, 5, f, h, r2)
                 if f < 16 * math.sqrt(r2):
                     continue
                 c = 3 * f * f + 13 * l * l + 5 * h * h + 4 * l + (1 - h) * (3 * f + h)
-                theta = (5 * r2 + 5 * l * l + h * h + 2 * h * (3 * (1 - h) + c / (1 + h))) / (4 * size)
+                x = 3 * (1 - h) + c / (1 + h)
+                self.limits_of_the_lemma(x, 4.5, f, h, r2)
+                theta = (5 * r2 + 5 * l * l + h * h + 2 * h * x) / (4 * size)
                 self.assertLessEqual(theta, 4.5)  # the cross product
                 self.assertLessEqual((2 * theta + 2 + (1 + l) / (1 - h)) / 2, 6)
 

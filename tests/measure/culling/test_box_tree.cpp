@@ -90,7 +90,7 @@ TEST_CASE("a tree of boxes finds every primitive that a ray meets", "[culling]")
         const auto tree = BoxTree::make(PrimitiveList<double>(primitives), measure::culling::bounds_of(rays), nullptr);
         REQUIRE(tree);
         std::vector<std::uint32_t> found;
-        // Those of many rays at once are the same: after what was there before, and more rays than walk at a time.
+        // Rays that are walked together have the same candidates. There are more of them than walk at a time.
         const measure::culling::CandidateLists lists(*tree, rays);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             tree->candidates(rays[i], found);

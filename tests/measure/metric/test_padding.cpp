@@ -71,8 +71,9 @@ std::uint64_t quotient(Wide n, std::uint64_t d) {
     return static_cast<std::uint64_t>(q) + (twice > d || (twice == d && (q & 1) != 0) ? 1 : 0);
 }
 
-/// The same where t = fl(S/d). All d are possible, since d is not rounded: for each S the least one that gives tmax,
-/// and the greatest that gives tmin. In units of the last place S/d is S 2^power/d, where power makes it 2^23 or more.
+/// The same for t = fl(S/d). Every d is possible, since d is not rounded. For each S it takes the least d that gives
+/// tmax, and the greatest that gives tmin. In units of the last place S/d is S 2^power/d, where power makes it 2^23 or
+/// more.
 Ends divided_ends_of(std::uint64_t tmax, std::uint64_t tmin, std::uint64_t reach) {
     Ends ends;
     for (std::uint64_t s = half; s <= half + reach; ++s) {
@@ -109,10 +110,10 @@ TEST_CASE("in float no hit separates the slabs of a box further than the known h
     CHECK(ends.first_entry.d == whole - 20468);
 }
 
-// Two last places are 4 u/(1 + η), and more are impossible. Half a last place from S is excluded: S + 1/2 is a tie, so
-// the exit must be later than the entry, not equal to it. Each of the four errors is 1 − 1/m < 4 η from the largest
-// possible, so S − 2^23 ≤ 4 x and a few; twice that is tried. (S = 2^23 is no entry: numbers below it are twice as
-// dense.)
+// Two last places are 4 u/(1 + η), and more are impossible. A difference of exactly S ± 1/2 is a tie and may round away
+// from S, so the exit must be later than the entry, not equal to it. Each of the four errors is 1 − 1/m < 4 η from the
+// largest possible, so S − 2^23 ≤ 4 x and a few; twice that is tried. (S = 2^23 is no entry: numbers below it are twice
+// as dense.)
 TEST_CASE("in float no hit separates slabs that divide further than the known ray", "[padding]") {
     constexpr std::uint64_t worst = 2896;
     const auto parts = [](std::uint64_t x) {
