@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t eyes = 16, rays_of_eye = 32;
 
-/// One ray of a litter.
+/// One ray of a batch.
 struct Aimed {
     Ray<double> ray;
     double distance;  ///< from the eye, in lengths of the edge
@@ -92,7 +92,7 @@ struct Subject {
     std::vector<SharedEdge> edges;
 };
 
-/// Returns the edge at which ray i of a litter has an outcome, or null. If a ray truly meets two triangles at
+/// Returns the edge at which ray i of a batch has an outcome, or null. If a ray truly meets two triangles at
 /// one t, that is no double hit.
 const SharedEdge* edge_with(Outcome outcome, const Subject& subject, const Aimed& one,
                             const evaluate::BandResult& result, std::size_t i) {
@@ -102,7 +102,7 @@ const SharedEdge* edge_with(Outcome outcome, const Subject& subject, const Aimed
     return edge != nullptr && outcome == Outcome::double_hit && is_tie(result, i) ? nullptr : edge;
 }
 
-/// Finds the nearest ray of a litter with the wanted outcome.
+/// Finds the nearest ray of a batch with the wanted outcome.
 class Judge {
 public:
     Judge(Outcome wanted, const Subject& subject, const std::vector<Aimed>& batch, const evaluate::TestedForm& row)
@@ -125,7 +125,7 @@ public:
     [[nodiscard]] const Aimed& aimed() const { return batch_[place]; }
 
     std::optional<NearestRay> nearest;
-    std::size_t place = 0;  ///< index in the litter
+    std::size_t place = 0;  ///< index in the batch
 
 private:
     Outcome wanted_;
@@ -286,7 +286,7 @@ private:
         return direction;
     }
 
-    /// Rays of a litter for which `wanted(may_crack, may_hit_twice)` holds, judged by what the form claims: for a crack
+    /// Rays of a batch for which `wanted(may_crack, may_hit_twice)` holds, judged by what the form claims: for a crack
     /// no face of the edge or vertex, for a double hit two faces. The truth of the others is not computed, since it
     /// takes a hundred times as long.
     template <class Wanted>

@@ -59,7 +59,7 @@ inline constexpr std::size_t edge_units = 1 + sought.size();
 /// Counts for each row, and searches for each row and outcome separately; the results have one element for each row of
 /// the share. The result depends only on the file and its scene, not on the number of threads.
 ///
-/// A litter has 512 rays, aimed from 16 eyes at a point of an edge each; one point in four is an end of the edge. Of an
+/// A batch has 512 rays, aimed from 16 eyes at a point of an edge each; one point in four is an end of the edge. Of an
 /// eye's 32 rays, all but the first have the components of their directions moved by up to `ulps` places of the format.
 /// Eyes are drawn from all distances up to the nearest found, each octave as often as another. Once there is a nearest
 /// ray, every other eye is its eye, moved to between its distance and a sixteenth of it. The eyes of the census are all

@@ -38,7 +38,7 @@ struct SearchPoint {
     }
 };
 
-/// Worst candidate of a litter.
+/// Worst candidate of a batch.
 class Judge {
 public:
     Judge(std::size_t metric, Direction unit_of, const scene::sweep::SearchFile& file)
@@ -101,7 +101,7 @@ private:
         SearchPoint here = *first;
         double score = -1;
         for (int g = 0; g < file_.generations; ++g) {
-            // All candidates of a litter have one primitive, so that their rays share a band.
+            // All candidates of a batch have one primitive, so that their rays share a band.
             const SearchPoint parent = g == 0 ? here : moved(here, 6, file_.ranges.size(), random_.below(2));
             std::vector<SearchPoint> children{parent};
             while (children.size() < batch_size) children.push_back(moved(parent, 0, 6, 1 + random_.below(3)));

@@ -153,8 +153,10 @@ std::string shares_text(const Explanation& x, const OperationView& words) {
     const double share = equals.sum() * words.ulp() / a.error;
     // As many digits as `counterfactual_sentence` writes, since it often repeats the number.
     const double left = std::fabs(a.error / words.ulp());
-    if ((share > 1 || share < 0) && std::isfinite(left))
+    if (share > 1 && std::isfinite(left))
         text += fmt::format("; the other roundings cancel all but {:.4g} ulp of it", left);
+    else if (share < 0 && std::isfinite(left))
+        text += fmt::format("; the other roundings move t the other way, and it ends {:.4g} ulp off", left);
     else if (std::isfinite(share) && share >= 0 && share <= 1)
         text += fmt::format(", {:.0f} % of the error", 100 * share);
     return text + ".";

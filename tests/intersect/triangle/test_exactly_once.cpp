@@ -86,7 +86,7 @@ public:
 
     template <class T>
     Ray<double> next(double distance) {
-        const auto& face = mesh_.faces[random_.below(mesh_.faces.size())];
+        const auto& face = mesh_.faces[random_.below(static_cast<int>(mesh_.faces.size()))];
         const Vec<double>&a = mesh_.vertices[face[0]], &b = mesh_.vertices[face[1]], &c = mesh_.vertices[face[2]];
         const double u = random_.unit(), v = random_.unit() * (1 - u);
         Vec<double> at = a;
