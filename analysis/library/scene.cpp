@@ -216,7 +216,12 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
             mesh.faces.push_back({f[0], f[1], f[2]});
         }
         scene::triangle::tidy(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
-        if (mesh.faces.empty()) throw InputError("the mesh has no face with an area; give at least one");
+        // Without them every later triangle would have another number than its row.
+        if (mesh.left_out > 0)
+            throw InputError("faces: " + std::to_string(mesh.left_out) + " of " + std::to_string(face_count) +
+                             " have no area, the first is " + mesh.first_left_out +
+                             "; triangles have the numbers of their rows, so remove these rows first");
+        if (mesh.faces.empty()) throw InputError("the mesh has no face; give at least one");
         remove_primitives(*scene);
         scene->scene.mesh = std::make_shared<const scene::triangle::Mesh>(std::move(mesh));
         return Exit::done;

@@ -146,13 +146,13 @@ class Rays:
             self.kept.append(value)
 
 
-def whole_numbers(value: Any, name: str, count: int | None = None) -> Any:
-    """The whole numbers or booleans of an array of shape (n,), as float64."""
+def whole_numbers(value: Any, name: str, count: int | None = None, or_booleans: bool = False) -> Any:
+    """The whole numbers of an array of shape (n,), as float64; booleans too where they are answers."""
     made = np.asarray(value)
-    if made.ndim != 1 or made.dtype.kind not in "iub" or count is not None and len(made) != count:
+    if made.ndim != 1 or made.dtype.kind not in ("iub" if or_booleans else "iu") or count not in (None, len(made)):
         wanted = f"{count} " if count is not None else ""
-        raise lib.InputError(f"{name} must have {wanted}whole numbers or booleans; it has shape {made.shape} of "
-                             f"{made.dtype}")
+        raise lib.InputError(f"{name} must have {wanted}whole numbers{' or booleans' if or_booleans else ''}; it has "
+                             f"shape {made.shape} of {made.dtype}")
     return made.astype(np.float64)
 
 
@@ -167,7 +167,7 @@ def one_per_record(kind: str, value: Any, primitive: Any, t: Any, count: int) ->
     if kind != "hit_index":
         if primitive is not None or t is not None:
             raise lib.InputError(f"primitive and t belong to hits; leave them out beside {kind}, or give ray")
-        return whole_numbers(value, kind, count), None, None, None
+        return whole_numbers(value, kind, count, or_booleans=True), None, None, None
     ray = whole_numbers(value, "ray").astype(np.int64)
     if primitive is None:
         raise lib.InputError("primitive is None; give the triangle of each hit, one number for each item of ray")

@@ -211,7 +211,8 @@ def inside(points: Floats, mesh: Any, *, threads: int = 0) -> Inside:
         raise lib.InputError("points is None; give an array, n x 3")
     on = _of_mesh(mesh)
     if not isinstance(on, Scene):
-        raise lib.InputError("mesh is (vertices, faces): arrays n x 3 of numbers and m x 3 of places among them")
+        raise lib.InputError("mesh must be (vertices, faces), arrays n x 3 of numbers and m x 3 of indices of vertices; or "
+                             "the name of a scene, or what lb.scene(...) returns")
     return Inside(tables_of(lib.long_call("lostbits_inside", on.handle.pointer, c.byref(array), c.c_size_t(len(kept)),
                                           threads=threads)[1]))
 
@@ -241,7 +242,8 @@ def judge_mesh(mesh: Any, o: Floats, d: Floats | None = None, *, ray: Any = None
                              (f"{' and '.join(given)} are given" if given else "none is given"))
     kind, on = given[0], _of_mesh(mesh)
     if not isinstance(on, Scene):
-        raise lib.InputError("mesh is (vertices, faces): arrays n x 3 of numbers and m x 3 of places among them")
+        raise lib.InputError("mesh must be (vertices, faces), arrays n x 3 of numbers and m x 3 of indices of vertices; or "
+                             "the name of a scene, or what lb.scene(...) returns")
     if (d is None) != (kind == "inside"):
         raise lib.InputError("points have no direction; leave out d" if d is not None else
                              "d is None; give the directions of the rays, n x 3")
@@ -262,7 +264,9 @@ def judge_mesh(mesh: Any, o: Floats, d: Floats | None = None, *, ray: Any = None
 
 
 def _of_mesh(mesh: Any) -> Any:
-    """A scene of (vertices, faces), whose numbers stay as they are; anything else as it is."""
+    """A scene of (vertices, faces), whose numbers stay as they are, or of a name; anything else as it is."""
+    if isinstance(mesh, str):
+        return scene_of(mesh)
     if not isinstance(mesh, (tuple, list)):
         return mesh
     camera = {"kind": "orthographic", "eye": [0, 0, 1], "look_at": [0, 0, 0], "width": 1}
