@@ -209,10 +209,7 @@ def inside(points: Floats, mesh: Any, *, threads: int = 0) -> Inside:
     kept, array = array_of(points, "points", 3)
     if kept is None:
         raise lib.InputError("points is None; give an array, n x 3")
-    on = _of_mesh(mesh)
-    if not isinstance(on, Scene):
-        raise lib.InputError("mesh must be (vertices, faces), arrays n x 3 of numbers and m x 3 of indices of vertices; or "
-                             "the name of a scene, or what lb.scene(...) returns")
+    on = _scene_of_mesh(mesh)
     return Inside(tables_of(lib.long_call("lostbits_inside", on.handle.pointer, c.byref(array), c.c_size_t(len(kept)),
                                           threads=threads)[1]))
 
@@ -240,10 +237,7 @@ def judge_mesh(mesh: Any, o: Floats, d: Floats | None = None, *, ray: Any = None
     if len(given) != 1:
         raise lib.InputError("give one of ray (with primitive), crossings, parity and inside; " +
                              (f"{' and '.join(given)} are given" if given else "none is given"))
-    kind, on = given[0], _of_mesh(mesh)
-    if not isinstance(on, Scene):
-        raise lib.InputError("mesh must be (vertices, faces), arrays n x 3 of numbers and m x 3 of indices of vertices; or "
-                             "the name of a scene, or what lb.scene(...) returns")
+    kind, on = given[0], _scene_of_mesh(mesh)
     if (d is None) != (kind == "inside"):
         raise lib.InputError("points have no direction; leave out d" if d is not None else
                              "d is None; give the directions of the rays, n x 3")
@@ -271,6 +265,14 @@ def _of_mesh(mesh: Any) -> Any:
         return mesh
     camera = {"kind": "orthographic", "eye": [0, 0, 1], "look_at": [0, 0, 0], "width": 1}
     return make_scene(camera=camera, mesh=mesh, inputs="own")  # type: ignore[arg-type]
+
+
+def _scene_of_mesh(mesh: Any) -> Scene:
+    on = _of_mesh(mesh)
+    if not isinstance(on, Scene):
+        raise lib.InputError("mesh must be (vertices, faces), arrays n x 3 of numbers and m x 3 of indices of vertices; "
+                             "or the name of a scene, or what lb.scene(...) returns")
+    return on
 
 
 def _study(name: str, scene: Union[Scene, str], asked: Asked, threads: int, progress: bool,
