@@ -257,13 +257,15 @@ void NearestFiles::write(const std::filesystem::path& folder) const {
 
 std::string NearestFiles::sentence(std::size_t r) const {
     std::string text = fmt::format("{} in {}:", request.rows[r].form->info->name, request.rows[r].format.name);
-    if (const std::string counts = census_words(found[r]); !counts.empty()) text += " " + counts + ";";
+    const std::string counts = census_words(found[r]);
+    if (!counts.empty()) text += " " + counts + ";";
     for (std::size_t k = 0; k < sought.size(); ++k) {
         const std::string what = map::in_words(sought_name(k));
         const auto& nearest = found[r].nearest.at(k);
         text += nearest ? fmt::format("{} the nearest {} of {} rays is {:.4g} edge lengths away", k > 0 ? "," : "",
                                       what, found[r].rays.at(k), nearest->distance)
-                        : fmt::format("{} no {} among {}", k > 0 ? "," : "", what,
+                        : fmt::format("{}{} no {} among {}", k > 0 ? "," : "",
+                                      counts.empty() || k > 0 ? "" : " the search for the nearest found", what,
                                       scene::toml::counted(found[r].rays.at(k), "ray"));
     }
     return text;

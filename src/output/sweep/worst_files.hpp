@@ -31,8 +31,8 @@ struct NearestFiles {
     /// Writes worst.csv with a row for each form, format and outcome, and census.csv with one for each form, format and
     /// target.
     void write(const std::filesystem::path& folder) const;
-    /// Findings of row r in words: `triangle.woop in f32: none of 15008 rays at edges, …; no crack among
-    /// 32768 rays, …`.
+    /// Findings of row r in words: `triangle.woop in f32: none of 15008 rays at edges, …; the search for the nearest
+    /// found no crack among 32768 rays, …`.
     [[nodiscard]] std::string sentence(std::size_t r) const;
 };
 
