@@ -90,8 +90,9 @@ LOSTBITS_API int lostbits_scene_text(const char* text, const lostbits_where* whe
  * binary32, as those of a file are. */
 LOSTBITS_API int lostbits_scene_primitives(lostbits_scene* scene, const char* shape, const double* numbers,
                                            size_t count, lostbits_error* error);
-/* Sets the mesh of a scene: vertex_count x 3 coordinates, and face_count x 3 indices of vertices, from 0. A face without
- * area is refused: every later triangle would have another number than its row. Another call replaces the mesh. */
+/* Sets the mesh of a scene: vertex_count x 3 coordinates, and face_count x 3 indices of vertices, from 0. A face
+ * without area is refused: every later triangle would have another number than its row. Another call replaces the
+ * mesh. */
 LOSTBITS_API int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t vertex_count,
                                      const uint32_t* faces, size_t face_count, lostbits_error* error);
 /* Places all primitives and the mesh that a scene has now by one matrix: twelve numbers, three rows of four. It maps
