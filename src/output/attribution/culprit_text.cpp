@@ -156,7 +156,7 @@ std::string shares_text(const Explanation& x, const OperationView& words) {
     if (share > 1 && std::isfinite(left))
         text += fmt::format("; the other roundings cancel all but {:.4g} ulp of it", left);
     else if (share < 0 && std::isfinite(left))
-        text += fmt::format("; the other roundings move t the other way, and it ends {:.4g} ulp off", left);
+        text += fmt::format("; the other roundings go the other way, by more: the error is {:.4g} ulp", left);
     else if (std::isfinite(share) && share >= 0 && share <= 1)
         text += fmt::format(", {:.0f} % of the error", 100 * share);
     return text + ".";

@@ -238,10 +238,13 @@ std::string within_envelope(const Explanation& x) {
 
 std::string envelope_sentence(const Explanation& x) {
     if (x.standing.outcome == Outcome::agree_miss) return "Nothing is lost.";
-    if (x.standing.outcome != Outcome::agree_hit)
-        return std::isnan(x.condition)
-                   ? "The ray hits nothing, so it has no condition number."
-                   : fmt::format("{}: {} costs {:.1f} bits.", condition_words(x.condition), each_input(x), x.inherent);
+    if (x.standing.outcome != Outcome::agree_hit) {
+        if (std::isnan(x.condition)) return "The ray hits nothing, so it has no condition number.";
+        // The rest of the text is about the primitive that the form hits.
+        const std::string where = x.missed ? fmt::format("At primitive {}: ", x.missed->primitive) : "";
+        return fmt::format("{}{}: {} costs {:.1f} bits.", where, condition_words(x.condition), each_input(x),
+                           x.inherent);
+    }
     if (!x.tells_t()) return "The form returns no t, so it has no bits to lose.";
     const std::string envelope =
         fmt::format("{}: {} would cost {:.1f} bits", condition_words(x.condition), each_input(x), x.inherent);
