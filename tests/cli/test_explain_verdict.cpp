@@ -72,6 +72,7 @@ TEST_CASE("explain: a hit of the wrong primitive is reported, with the command f
         r.out,
         "The wrong primitive: the form hits primitive 58865, but the ray first meets primitive 0 (counted from 0)."));
     CHECK(has(r.out, "\nThe scene has the primitives 0 to 66430; this is primitive 58865.\n"));
+    CHECK(has(r.out, "\nAt primitive 0: Condition 17.5: half an ulp in each input costs 3.5 bits.\n"));
     const auto at = r.out.find("lostbits explain --sphere=");
     REQUIRE(at != std::string::npos);
     const auto other = must(r.out.substr(at + 9, r.out.find('\n', at) - at - 9));
