@@ -9,6 +9,7 @@
 #include "measure/judge/judge.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/judge/mesh_answer_files.hpp"
+#include "output/map/row_names.hpp"
 #include "scene/rays/stored_mesh.hpp"
 #include "scene/toml/counted.hpp"
 #include "scene/toml/file_names.hpp"
@@ -65,20 +66,13 @@ std::shared_ptr<const scene::rays::MeshColumns> mesh_given(const std::optional<s
                     o.file));
 }
 
-/// The name of an outcome in words: `false hit`.
-std::string title_of(MeshOutcome outcome) {
-    std::string title(name_of(outcome));
-    std::ranges::replace(title, '_', ' ');
-    return title;
-}
-
 void print_answers(const std::string& name, const Format& format, const MeshAnswersResult& result) {
     std::vector<shell::TextColumn> columns{{"form", 28, true}, {"fmt", 5, true}};
     std::vector<std::string> cells{name, std::string(format.name)};
     for (std::size_t k = 0; k < measure::judge::mesh_outcome_rows.size(); ++k) {
         const auto outcome = static_cast<MeshOutcome>(k);
         if (!can_be(outcome, result.kind)) continue;
-        const std::string title = title_of(outcome);
+        const std::string title = output::map::in_words(name_of(outcome));
         columns.push_back({title, std::max<std::size_t>(title.size(), 7)});
         cells.push_back(std::to_string(result.of(outcome)));
     }
@@ -97,7 +91,7 @@ void print_answers(const std::string& name, const Format& format, const MeshAnsw
 void print_faults(const MeshAnswersResult& result) {
     const bool points = result.kind == AnswerKind::inside;
     for (const auto& [outcome, count, first] : output::judge::mesh_fault_rows(result)) {
-        const std::string title = title_of(outcome);
+        const std::string title = output::map::in_words(name_of(outcome));
         fmt::print("  first {}: {} {}, {}\n", title, points ? "point" : "record", first->record,
                    output::judge::words_of(*first, points));
     }
