@@ -192,6 +192,13 @@ execute_process(COMMAND ${CXX} -shared ${WORK}/header.cpp -o ${WORK}/header.so @
     COMMAND_ERROR_IS_FATAL ANY)
 say("^0\n.*outside\\.half_space in binary64, a half_space: keeps its promises" plugin check ${WORK}/outside.so)
 say("^0\n.*header\\.half_space" plugin check ${WORK}/header.so)
+file(READ ${WORK}/outside.c outside)
+string(REPLACE "0 : n / m;" "0 : 2 * n / m;" outside "${outside}")
+file(WRITE ${WORK}/wrong.c "${outside}")
+execute_process(COMMAND ${CXX} -x c -std=c99 -O2 -ffp-contract=off -fPIC -shared -I${WORK}/plugins ${WORK}/wrong.c
+    -o ${WORK}/wrong.so COMMAND_ERROR_IS_FATAL ANY)
+say("^1\n.*BROKEN t +t is wrong \\(origin \\(0, 0, 5\\), direction \\(0, 0, -1\\), .*7 is right, it answers 14"
+    plugin check ${WORK}/wrong.so)
 say("^0\n" map floor.toml --plugin ${WORK}/outside.so --plugin ${WORK}/header.so -i *.half_space -f f64 -o doors)
 hold(doors/floor/summary.csv "\noutside\\.half_space,f64,256,199,57,0,0,0,0,")
 hold(doors/floor/summary.csv "\nheader\\.half_space,f64,256,199,57,0,0,0,0,")

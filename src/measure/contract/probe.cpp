@@ -57,6 +57,21 @@ std::vector<Question> many(Shape shape) {
 
 std::string primitive_words(Shape shape) { return std::string(row_of(shape).words.plainest); }
 
+/// The plainest ray and its primitive in words.
+std::string plainest_words(Shape shape, const char* joint) {
+    const Question q = entering(shape);
+    return fmt::format("origin (0, 0, {:g}), direction (0, 0, {:g}){}{}", q.ray[2], q.ray[5], joint,
+                       primitive_words(shape));
+}
+
+/// The t at which the plainest ray leaves a shape for good: as far from the origin as it enters, seen from the other
+/// side. Infinite for solids without end.
+double last_root(Shape shape) {
+    const Question q = entering(shape);
+    const auto back = ends_of(along(shape, -q.ray[2], -q.ray[5]), shape);
+    return back ? 2 * std::fabs(q.ray[2]) - back->near : std::numeric_limits<double>::infinity();
+}
+
 void try_hit_is_written(Trial& trial) {
     const auto all = ask(trial.form, many(trial.shape));
     const auto unwritten = std::ranges::find_if(all, [](const Reply& r) { return r.hit > 1; });
@@ -125,9 +140,9 @@ constexpr LengthMisuse length_misuses[]{
 /// Rays whose answers tell mistakes about a length apart: the plainest ray and one beside it, at two lengths. One
 /// length is not enough, since twice 2 is its square.
 std::vector<Question> rays_at_lengths(Shape shape, std::size_t number) {
-    Question aside = along(shape, -8, 1);
+    Question aside = entering(shape, 8);
     aside.ray[0] = 0.5, aside.ray[1] = 0.25;
-    std::vector<Question> all{along(shape, -5, 1), aside};
+    std::vector<Question> all{entering(shape), aside};
     for (Question q : {all[0], all[1]}) {
         q.primitive[number] *= 0.75;
         all.push_back(q);
@@ -153,18 +168,23 @@ const LengthMisuse* find_taken_length(const Trial& trial, std::size_t number) {
 
 /// Tests near, as answered to a ray from outside.
 void try_t(Trial& trial) {
-    const Reply plain = trial.ask(along(trial.shape, -5, 1));
-    if (is_answer(plain.near, 3)) return trial.kept("the plainest ray gets t = 3, which is right");
-    const auto where = " (origin (0, 0, -5), direction (0, 0, 1), " + primitive_words(trial.shape) +
-                       ": 3 is right, it answers " + text_of(plain.near) + ")";
+    const Question q = entering(trial.shape);
+    const Reply plain = trial.ask(q);
+    const double right = ends_of(q, trial.shape)->near, far = ends_of(q, trial.shape)->far,
+                 last = last_root(trial.shape);
+    const auto is_far = [&](double t) { return is_answer(t, far) || is_answer(t, last); };
+    if (is_answer(plain.near, right))
+        return trial.kept("the plainest ray gets t = " + text_of(right) + ", which is right");
+    const auto where = " (" + plainest_words(trial.shape, ", ") + ": " + text_of(right) + " is right, it answers " +
+                       text_of(plain.near) + ")";
     if (const auto length = length_key(trial.shape)) {
         if (const LengthMisuse* const found = find_taken_length(trial, length->number)) {
             const auto text = [&](const char* words) { return fmt::format(fmt::runtime(words), length->key->name); };
             return trial.broken(text(found->words) + where + text(found->mend));
         }
     }
-    if (is_answer(plain.near, 7)) return trial.broken("the far root comes first" + where + "; write near before far");
-    if (is_answer(plain.near, -3) || is_answer(plain.near, -7))
+    if (is_far(plain.near)) return trial.broken("the far root comes first" + where + "; write near before far");
+    if (is_answer(plain.near, -right) || is_far(-plain.near))
         return trial.broken("t has the wrong sign" + where + "; is the direction reversed?");
     if (std::isnan(plain.near))
         return trial.broken("t is not a number" + where + "; compute a t for every hit, and set hit to 0 for a miss");
@@ -174,14 +194,15 @@ void try_t(Trial& trial) {
 /// Compares t with the form's own t for length 1: a wrong t may still halve as it should, or be a distance.
 void try_direction(Trial& trial) {
     if (trial.contract.direction == Direction::unit) return trial.kept("takes unit directions; others are not tried");
-    const Reply plain = trial.ask(along(trial.shape, -5, 1)), twice = trial.ask(along(trial.shape, -5, 2));
+    const Question q = entering(trial.shape);
+    const Reply plain = trial.ask(q), twice = trial.ask(entering(trial.shape, 5, 2));
     if (twice.hit != 1)
         return trial.broken("a direction twice as long misses; it should hit" +
                             std::string(trial.tells_t ? " at half the t" : "") + ". The formula may assume length 1");
     if (!trial.tells_t) return trial.kept("takes directions of any length: one twice as long hits too");
     if (is_answer(twice.near, plain.near / 2))
         return trial.kept("takes directions of any length: one twice as long gets half the t");
-    const Reply further = trial.ask(along(trial.shape, -8, 1));
+    const Reply further = trial.ask(entering(trial.shape, 8));
     const bool is_unchanged = is_answer(twice.near, plain.near),
                is_distance = is_unchanged && further.hit == 1 && is_answer(further.near, plain.near + 3);
     if (is_distance)
@@ -189,13 +210,14 @@ void try_direction(Trial& trial) {
             "t is a distance: a direction twice as long changes nothing. Divide t by its length, or "
             "say LB_UNIT (unit_direction, direction=unit)");
     const std::string gives = "a direction twice as long gives t = " + text_of(twice.near);
-    if (!is_answer(plain.near, 3)) return trial.told(gives + "; the t for length 1 is wrong already");
-    trial.broken(gives + " where 1.5 is right" +
+    const double right = ends_of(q, trial.shape)->near;
+    if (!is_answer(plain.near, right)) return trial.told(gives + "; the t for length 1 is wrong already");
+    trial.broken(gives + " where " + text_of(right / 2) + " is right" +
                  (is_unchanged ? "" : ": its length changes t, but not as a divisor; the formula may assume length 1"));
 }
 
 void try_far(Trial& trial) {
-    const Question q = along(trial.shape, -5, 1);
+    const Question q = entering(trial.shape);
     const Reply outside = trial.ask(q);
     const double right = ends_of(q, trial.shape)->far;
     if (is_answer(outside.far, right)) return trial.kept("near and far, from outside");
@@ -206,8 +228,20 @@ void try_far(Trial& trial) {
                  "only one root");
 }
 
+/// A ray that has its primitive behind it: from above, or from below if the primitive fills all that is above. Nothing
+/// if it fills both.
+std::optional<Question> away_from(Shape shape) {
+    for (const double way : {1.0, -1.0}) {
+        const Question q = along(shape, 5 * way, way);
+        if (const auto ends = ends_of(q, shape); ends && ends->far < 0) return q;
+    }
+    return std::nullopt;
+}
+
 void try_behind(Trial& trial) {
-    const Reply behind = trial.ask(along(trial.shape, 5, 1));
+    const std::optional<Question> q = away_from(trial.shape);
+    if (!q) return trial.told("no ray along the z axis has " + with_article(trial.shape) + " behind it");
+    const Reply behind = trial.ask(*q);
     if (trial.contract.roots == Roots::near_only && behind.hit == 1 && behind.near < 0)
         return trial.kept("a primitive behind the ray gets t = " + text_of(behind.near) + ", which counts as a miss");
     if (trial.contract.roots == Roots::both && trial.says(LB_LINE))
@@ -238,7 +272,7 @@ void try_aside(Trial& trial) {
 }
 
 void try_end(Trial& trial) {
-    Question q = along(trial.shape, -5, 1);
+    Question q = entering(trial.shape);
     q.end = 2;
     const bool before = trial.ask(q).hit == 1;
     const ShapeRow& row = row_of(trial.shape);
@@ -256,10 +290,10 @@ void try_end(Trial& trial) {
                    "float tmax)");
 }
 
-/// Tests a form that declares to respect the begin and end of rays. The primitive ends before t = 7.
+/// Tests a form that declares to respect the begin and end of rays.
 void try_range(Trial& trial) {
     const auto within = [](Shape shape, double start, double end) {
-        Question q = along(shape, -5, 1);
+        Question q = entering(shape);
         q.start = start, q.end = end;
         return q;
     };
@@ -274,13 +308,16 @@ void try_range(Trial& trial) {
                    range + words + "; it should " + right_words + ": " + why);
     };
     const Shape shape = trial.shape;
+    const Ends<double> ends = *ends_of(entering(shape), shape);
+    const std::string first = "the first root, t = " + text_of(ends.near) + ", ";
     const std::string both = "both ends of a range belong to it, start <= t <= end";
-    hold(within(shape, 3, infinity), "a range that begins at the first root, t = 3, ", both);
+    hold(within(shape, ends.near, infinity), "a range that begins at " + first, both);
     const bool open = trial.contract.touching == intersect::Touching::miss && has_inside(shape);
-    hold(within(shape, 0, 3), "a range that ends at the first root, t = 3, ",
+    hold(within(shape, 0, ends.near), "a range that ends at " + first,
          open ? "if touching is a miss, only the inside counts, and this ray does not reach it" : both);
-    hold(within(shape, 8, infinity), "a range that begins behind the primitive, at t = 8, ",
-         "`starts` says where each ray begins");
+    if (ends.far < 8)
+        hold(within(shape, 8, infinity), "a range that begins behind the primitive, at t = 8, ",
+             "`starts` says where each ray begins");
     if (is_crossed_twice(shape))
         hold(within(shape, 4, infinity), "a range that begins inside, at t = 4, ",
              "otherwise say what it answers from inside");
@@ -335,10 +372,8 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     }
     bool hits = false;
     trial.probe("hit", [&hits](Trial& t) {
-        hits = t.ask(along(t.shape, -5, 1)).hit == 1;
-        if (!hits && !try_other_side(t))
-            t.broken("misses the plainest ray: origin (0, 0, -5), direction (0, 0, 1), against " +
-                     primitive_words(t.shape));
+        hits = t.ask(entering(t.shape)).hit == 1;
+        if (!hits && !try_other_side(t)) t.broken("misses the plainest ray: " + plainest_words(t.shape, ", against "));
     });
     if (!hits) return std::move(trial.findings);
     if (trial.tells_t) trial.probe("t", try_t);

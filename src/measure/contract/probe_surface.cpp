@@ -233,8 +233,8 @@ struct FromSurface {
     }
 };
 
-/// Rays in both directions from the surface at z = -2, and from the surface at z = 2. A side that is not met from afar
-/// is not met from the surface either. That is a matter of `facing`, not of at-origin.
+/// Rays in both directions from the surface at z = -2, and from the surface at z = 2 if there is one. A side that is
+/// not met from afar is not met from the surface either. That is a matter of `facing`, not of at-origin.
 std::vector<FromSurface> from_surface(const Trial& trial) {
     std::vector<FromSurface> rays;
     const bool one_sided = is_flat(trial.shape) && trial.contract.facing == Facing::both;
@@ -243,7 +243,8 @@ std::vector<FromSurface> from_surface(const Trial& trial) {
         const Question q = along(trial.shape, z, direction);
         rays.push_back({q, trial.ask(q), goes_in});
     };
-    add(-2, 1, true), add(-2, -1, false);
+    const double in = way_in(trial.shape);
+    add(-2, in, true), add(-2, -in, false);
     if (is_crossed_twice(trial.shape)) add(2, -1, true), add(2, 1, false);
     return rays;
 }
@@ -297,7 +298,8 @@ void try_at_origin(Trial& trial) {
 
 void try_close(Trial& trial) {
     const double ahead = trial.contract.bits == 32 ? 0x1p-15 : 0x1p-30;
-    const Reply r = trial.ask(along(trial.shape, -2 - ahead, 1));
+    const double in = way_in(trial.shape);
+    const Reply r = trial.ask(along(trial.shape, -2 - in * ahead, in));
     const std::string surface = "a surface " + text_of(ahead) + " ahead ";
     if (r.hit == 1 && std::fabs(r.near) <= 4 * ahead) return trial.kept(surface + "is met");
     trial.broken(

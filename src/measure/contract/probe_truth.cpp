@@ -18,7 +18,7 @@ using intersect::Direction;
 /// either.
 int greatest_power(const intersect::external::Contract& contract) {
     const ShapeRow& row = row_of(contract.shape);
-    const auto ends = ends_of(along(contract.shape, -5, 1), contract.shape);
+    const auto ends = ends_of(entering(contract.shape), contract.shape);
     if (has_inside(contract.shape) && ends && ends->far < 7) return 12;
     return (contract.bits == 32 ? 112 : 960) / (row.round || row.flat || row.edges ? 4 : 10);
 }

@@ -140,7 +140,7 @@ inline bool makes_sense(const intersect::external::Contract& contract) {
 }
 
 inline bool is_answer(double x, double right) {
-    return std::fabs(x - right) <= 0x1p-10 * std::max(1.0, std::fabs(right));
+    return x == right || (std::isfinite(right) && std::fabs(x - right) <= 0x1p-10 * std::max(1.0, std::fabs(right)));
 }
 
 inline std::string text_of(double x) {
@@ -165,10 +165,23 @@ inline std::optional<Ends<double>> ends_of(const Question& q, Shape shape) {
 }
 
 /// True for shapes that a line enters and leaves. That includes a tube, although it has no inside, and excludes flat
-/// shapes.
+/// shapes and solids without end, such as a half space.
 inline bool is_crossed_twice(Shape shape) {
     const auto ends = ends_of(along(shape, 1, 1), shape);
-    return ends && ends->near < ends->far;
+    return ends && std::isfinite(ends->near) && std::isfinite(ends->far) && ends->near < ends->far;
+}
+
+/// Sign of the z direction in which a ray from afar enters a shape around the origin: 1, unless (0, 0, -5) lies in it,
+/// which happens only if the shape has no end.
+inline double way_in(Shape shape) {
+    const auto ends = ends_of(along(shape, -5, 1), shape);
+    return ends && ends->near < 0 && ends->far >= 0 ? -1 : 1;
+}
+
+/// The plainest ray at a shape: it starts outside, `distance` from the origin, and enters along the z axis.
+inline Question entering(Shape shape, double distance = 5, double direction = 1, double half = 2) {
+    const double way = way_in(shape);
+    return along(shape, -way * distance, way * direction, 0, half);
 }
 
 /// Probes of one form, with their findings.
