@@ -15,6 +15,7 @@
 #include "intersect/conventions.hpp"
 #include "measure/attribution/culprits.hpp"
 #include "measure/contract/suspect.hpp"
+#include "measure/evaluate/bands.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/map/map_exr.hpp"
@@ -299,8 +300,7 @@ Exit run(MapOptions o, const Common& common) {
     const std::uint64_t unresolved = folders.each(works.size(), progress, [&](std::size_t k, const auto& complete) {
         SceneWork work = works[k];  // a copy that may point to objects of this iteration
         measure::truth::StageCounts stages;
-        const auto bands =
-            measure::evaluate::bands_of(work.map.scene->width, work.map.scene->height, divided.division.share()).size();
+        const auto bands = measure::evaluate::Bands(*work.map.scene, divided.division.share()).size();
         output::file::Estimate estimate(progress, work.map.scene->id,
                                         work.map.scene->pixels() * work.map.rows.size() / divided.division.share().of,
                                         common.quiet, bands);

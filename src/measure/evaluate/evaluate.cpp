@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "intersect/process/parallel.hpp"
+#include "measure/evaluate/bands.hpp"
 #include "measure/evaluate/measure_row.hpp"
 #include "scene/rays/made_rows.hpp"
 
@@ -235,28 +236,13 @@ std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> group
     return summaries;
 }
 
-int band_rows(int width) {
-    constexpr int pixels = 32768, block = 16;
-    return std::max(block, (pixels / width + block - 1) / block * block);
-}
-
-std::vector<int> bands_of(int width, int height, shard::Share share) {
-    const int rows = band_rows(width);
-    const auto units = share.of_units(static_cast<std::uint64_t>((height + rows - 1) / rows));
-    std::vector<int> lines;
-    for (std::uint64_t band = units.first; band < units.last; ++band) lines.push_back(static_cast<int>(band) * rows);
-    return lines;
-}
-
 namespace {
 
 /// Measures rows over the pixels of a scene, with rays as the scene makes them. Adds to the summaries at their indices
 /// and calls their `shows`.
 void map_rows(const scene::file::Scene& scene, const RowsOfGenerator& some, const EvaluationRequest& request,
               const std::vector<Show>& shows, std::vector<FormSummary>& summaries) {
-    culling::Culler culler(scene);
-    for (const int y0 : bands_of(scene.width, scene.height, request.share)) {
-        Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit, &culler);
+    Bands(scene, request.share).each(request.limit, [&](Band& band) {
         if (request.stages) *request.stages += band.stages();
         const BandOfRows shared(band, some.rows, request.metrics);
         intersect::process::in_parallel(std::size_t{0}, some.rows.size(), [&](std::size_t k) {
@@ -265,7 +251,7 @@ void map_rows(const scene::file::Scene& scene, const RowsOfGenerator& some, cons
             measure_row({row, request.metrics, r < shows.size() ? shows[r] : Show()}, shared.of(row), summaries[r]);
             request.progress(band.pixels());
         });
-    }
+    });
 }
 
 }  // namespace

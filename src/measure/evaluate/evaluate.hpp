@@ -162,10 +162,4 @@ struct EvaluationRequest {
 /// on the number of threads: the picture alone decides the bands, and each row is summed in order.
 std::vector<FormSummary> evaluate_rows(const EvaluationRequest& request, const std::vector<Show>& shows);
 
-/// Scanlines per band: about 32768 pixels, in multiples of EXR's 16-line blocks.
-int band_rows(int width);
-
-/// First line of each band of a picture in a share.
-std::vector<int> bands_of(int width, int height, shard::Share share);
-
 }  // namespace lostbits::measure::evaluate

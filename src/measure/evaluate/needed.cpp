@@ -9,6 +9,7 @@
 #include "measure/answer/answers.hpp"
 #include "measure/answer/outcome.hpp"
 #include "measure/answer/owners.hpp"
+#include "measure/evaluate/bands.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/truth/missing.hpp"
 
@@ -184,17 +185,15 @@ std::vector<NeededBand> measure_needed(const NeededRequest& request, const truth
 
 std::vector<NeededSummary> run_needed(const NeededRequest& request,
                                       const std::function<void(std::size_t, const NeededBand&)>& show) {
-    const scene::file::Scene& scene = request.scene;
     std::vector<NeededSummary> summaries(request.forms.size());
-    for (const int y0 : bands_of(scene.width, scene.height, request.share)) {
-        const truth::Band band(scene, y0, std::min(scene.height, y0 + band_rows(scene.width)), request.limit);
+    Bands(request.scene, request.share).each(request.limit, [&](const truth::Band& band) {
         const std::vector<NeededBand> results = measure_needed(request, band);
         intersect::process::in_parallel(std::size_t{0}, results.size(), [&](std::size_t f) {
             for (std::size_t i = 0; i < results[f].needed.size(); ++i)
                 summaries[f].add(results[f].truth(i), results[f].needed[i]);
             if (show) show(f, results[f]);
         });
-    }
+    });
     return summaries;
 }
 

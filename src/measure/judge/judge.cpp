@@ -14,6 +14,7 @@
 #include "intersect/table/union_field.hpp"
 #include "measure/culling/box_tree.hpp"
 #include "measure/culling/culling.hpp"
+#include "measure/evaluate/bands.hpp"
 #include "measure/evaluate/measure_row.hpp"
 #include "number/error.hpp"
 #include "scene/dump/number_parser.hpp"
@@ -50,7 +51,8 @@ std::uint64_t pixels_of(const JudgeRequest& request) {
 
 std::size_t records_of_piece(const JudgeRequest& request) {
     const int width = request.picture ? request.picture->first : 32768;
-    return static_cast<std::size_t>(request.picture ? evaluate::band_rows(width) : 1) * static_cast<std::size_t>(width);
+    return static_cast<std::size_t>(request.picture ? evaluate::lines_of_band(width) : 1) *
+           static_cast<std::size_t>(width);
 }
 
 [[noreturn]] void refuse_size(const Dump& dump, const JudgeRequest& request, const JudgeResult& result,

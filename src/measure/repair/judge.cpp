@@ -12,6 +12,7 @@
 #include "intersect/transform/space.hpp"
 #include "intersect/transform/spaced.hpp"
 #include "measure/answer/chunk.hpp"
+#include "measure/evaluate/bands.hpp"
 #include "measure/evaluate/measure_row.hpp"
 #include "number/error.hpp"
 
@@ -93,8 +94,8 @@ const std::string& MendRequest::id() const { return scene ? scene->id : rays->id
 /// Some of the rays, with their truth and everything that rows with the contract and format of the request's row share.
 class Judge::Part {
 public:
-    Part(const MendRequest& request, const Scene& scene, int y0, culling::Culler& culler)
-        : band(scene, y0, std::min(scene.height, y0 + evaluate::band_rows(scene.width)), request.limit, &culler),
+    Part(const MendRequest& request, const evaluate::Bands& bands, std::size_t k, culling::Culler& culler)
+        : band(bands.at(k, request.limit, culler)),
           row_(request.row),
           shared_(band, {row_}, request.requirement.metrics()) {}
     Part(const MendRequest& request, const scene::rays::RayGroup& rays)
@@ -118,7 +119,9 @@ Judge::Judge(const MendRequest& request, const Scene* scene) : request_(request)
     }
     culler_ = std::make_unique<culling::Culler>(*scene);
     if (scene->pixels() > most_kept) return;
-    for (const int y0 : bands()) kept_.push_back(std::make_unique<Part>(request_, *scene, y0, *culler_));
+    const evaluate::Bands bands(*scene);
+    for (std::size_t k = 0; k < bands.size(); ++k)
+        kept_.push_back(std::make_unique<Part>(request_, bands, k, *culler_));
 }
 
 Judge::Judge(const MendRequest& request, const MovedRays& rays) : request_(request), scene_(nullptr) {
@@ -129,12 +132,11 @@ Judge::~Judge() = default;
 
 std::uint64_t Judge::rays() const { return scene_ ? scene_->pixels() : kept_.front()->band.pixels(); }
 
-std::vector<int> Judge::bands() const { return evaluate::bands_of(scene_->width, scene_->height, {}); }
-
 void Judge::each_part(const std::function<void(const Part&)>& act) {
     for (const auto& part : kept_) act(*part);
-    if (kept_.empty())
-        for (const int y0 : bands()) act(Part(request_, *scene_, y0, *culler_));
+    if (!kept_.empty()) return;
+    const evaluate::Bands bands(*scene_);
+    for (std::size_t k = 0; k < bands.size(); ++k) act(Part(request_, bands, k, *culler_));
 }
 
 std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& rows,

@@ -64,7 +64,6 @@ public:
 private:
     class Part;
     Judge(const MendRequest& request, const scene::file::Scene* scene);
-    [[nodiscard]] std::vector<int> bands() const;
     std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& rows,
                                        const std::vector<evaluate::Show>& shows,
                                        const std::vector<std::unique_ptr<tape::TapeForm>>& tapes);

@@ -1,19 +1,19 @@
 // The driver of studies. A study measures rows (a form in a format, and perhaps more) over the pixels of a scene. It is
-// a struct with
+// a struct with these members, whose summaries list their fields (`LOSTBITS_FIELDS`):
 //
-//   scene, rows, limit       the subject, and when to stop
-//   share, progress          the share of the bands that this run measures; called with the pixels of each band of a
-//   row Band, Summary            the results of a row on a band, and over the picture pixels_together          about
-//   how many pixels a band has require()                throws InputError for a scene that cannot be measured
-//   begin(row)               the summary of no pixels
-//   prepare(band)            everything that the rows of a band share, their truth above all
-//   measure(shared, row, summary)   measures a row on a band, adds to its summary, and returns what sinks show
+// - `scene`, `rows`, `limit`: the subject, and when to stop;
+// - `share`: the share of the bands that this run measures;
+// - `progress`: called with the number of pixels after each band of a row;
+// - `Band`, `Summary`: the results of a row on a band, and over the picture;
+// - `pixels_together`: about how many pixels a band has;
+// - `require()`: throws InputError for a scene that cannot be measured;
+// - `begin(row)`: the summary of no pixels;
+// - `prepare(band)`: everything that the rows of a band share, their truth above all;
+// - `measure(shared, row, summary)`: measures a row on a band, adds to its summary, and returns what sinks show.
 //
-// and whose summaries list their fields (`LOSTBITS_FIELDS`). The driver owns the loop over bands and rows, their
-// threads, the share of a shard, and how summaries add up.
+// The driver owns the loop over bands and rows, their threads, the share of a shard, and how summaries add up.
 #pragma once
 
-#include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -21,10 +21,8 @@
 #include <vector>
 
 #include "intersect/process/parallel.hpp"
-#include "measure/culling/culling.hpp"
-#include "measure/shard/share.hpp"
+#include "measure/evaluate/bands.hpp"
 #include "measure/study/sums.hpp"
-#include "measure/truth/band.hpp"
 
 namespace lostbits::measure::study {
 
@@ -42,13 +40,6 @@ concept Study = requires(const S& study, const truth::Band& band, std::size_t ro
     study.progress(band.pixels());
     study.rows.size();
 };
-
-/// Scanlines of a band: as many blocks of 16 lines, which EXR files consist of, as have this number of pixels; at least
-/// one.
-inline int lines_of_band(int width, int pixels) {
-    constexpr int block = 16;
-    return std::max(block, (pixels / width + block - 1) / block * block);
-}
 
 /// Limit of the truth of a band, for a study whose own limit may be another.
 template <class Limit>
@@ -70,21 +61,16 @@ std::vector<typename S::Summary> begin_all(const S& study) {
 template <Study S>
 std::vector<typename S::Summary> run_share(const S& study, const ShowBand<S>& show = {}) {
     study.require();
-    const scene::file::Scene& scene = study.scene;
-    const int lines = lines_of_band(scene.width, S::pixels_together);
-    const auto bands = study.share.of_units(static_cast<std::uint64_t>((scene.height + lines - 1) / lines));
     auto all = begin_all(study);
-    culling::Culler culler(scene);
-    for (std::uint64_t unit = bands.first; unit < bands.last; ++unit) {
-        const int y0 = static_cast<int>(unit) * lines;
-        const truth::Band band(scene, y0, std::min(scene.height, y0 + lines), truth_limit(study.limit), &culler);
+    const evaluate::Bands bands(study.scene, study.share, S::pixels_together);
+    bands.each(truth_limit(study.limit), [&](const truth::Band& band) {
         const auto& shared = study.prepare(band);
         intersect::process::in_parallel(std::size_t{0}, study.rows.size(), [&](std::size_t row) {
             const typename S::Band found = study.measure(shared, row, all[row]);
             if (show) show(row, found);
             study.progress(band.pixels());
         });
-    }
+    });
     return all;
 }
 

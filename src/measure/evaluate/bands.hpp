@@ -1,0 +1,58 @@
+// The division of a picture into bands, blocks of scanlines that are measured at once.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "measure/culling/culling.hpp"
+#include "measure/shard/share.hpp"
+#include "measure/truth/band.hpp"
+
+namespace lostbits::measure::evaluate {
+
+/// About how many pixels a band of a map has.
+inline constexpr int pixels_of_band = 32768;
+
+/// Scanlines of a band: as many blocks of 16 lines, which EXR files consist of, as have this number of pixels; at least
+/// one.
+inline int lines_of_band(int width, int pixels = pixels_of_band) {
+    constexpr int block = 16;
+    return std::max(block, (pixels / width + block - 1) / block * block);
+}
+
+/// The bands of a share of a scene's picture, from top to bottom. The picture alone decides where they begin, not the
+/// share or the number of threads.
+class Bands {
+public:
+    /// The scene must outlive the bands.
+    explicit Bands(const scene::file::Scene& scene, shard::Share share = {}, int pixels = pixels_of_band)
+        : scene_(scene),
+          lines_(lines_of_band(scene.width, pixels)),
+          units_(share.of_units(static_cast<std::uint64_t>((scene.height + lines_ - 1) / lines_))) {}
+
+    [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(units_.last - units_.first); }
+
+    /// Band k of the share with its truth. `culler` must outlive it.
+    [[nodiscard]] truth::Band at(std::size_t k, truth::TruthLimit limit, culling::Culler& culler) const {
+        const int y0 = static_cast<int>(units_.first + k) * lines_;
+        return {scene_, y0, std::min(scene_.height, y0 + lines_), limit, &culler};
+    }
+
+    /// Calls `measure` with each band, one after another.
+    template <class Measure>
+    void each(truth::TruthLimit limit, const Measure& measure) const {
+        culling::Culler culler(scene_);
+        for (std::size_t k = 0; k < size(); ++k) {
+            truth::Band band = at(k, limit, culler);
+            measure(band);
+        }
+    }
+
+private:
+    const scene::file::Scene& scene_;
+    int lines_;
+    shard::Units units_;
+};
+
+}  // namespace lostbits::measure::evaluate
