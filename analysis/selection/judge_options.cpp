@@ -80,7 +80,7 @@ void add_ray_options(const shell::Command& command, RayFileOptions& words) {
     command.add("--columns", words.columns,
                 "Names of the columns where the file has none, and of raw numbers their types: ox:f32,oy,oz");
     command.add("--skip", words.skip, "Bytes in front of raw numbers");
-    command.add("--file-format", words.format,
+    command.add("--answer-format", words.format,
                 "Format the answers were computed in (default: the file's; of a CSV f64)");
     words.primitives.add_to(command, "The primitive of all rays");
     for (const RayFileOption& o : ray_file_options())
@@ -124,9 +124,9 @@ std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& o, const std:
         {"auto", Container::by_name}, {"csv", Container::csv}, {"npy", Container::npy}, {"raw", Container::raw}};
     DumpOptions options{.container = containers.at(o.container), .columns = o.columns, .skip = o.skip, .stop = o.stop};
     if (!o.format.empty()) {
-        const auto formats = select_formats({o.format}, "--file-format");
+        const auto formats = select_formats({o.format}, "--answer-format");
         if (formats.size() > 1)
-            throw InputError("--file-format " + o.format + ": the answers are of one format; name one");
+            throw InputError("--answer-format " + o.format + ": the answers are of one format; name one");
         options.format = formats.front();
     }
     options.miss = miss_rule(o.miss);

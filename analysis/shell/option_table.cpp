@@ -22,7 +22,7 @@ Values known_values(const std::string& name) {
     };
     static const Known known[] = {
         {{Kind::names, {"forms"}}, {"intersector", "against"}},
-        {{Kind::names, {"formats"}}, {"format", "file-format", "f", "as"}},
+        {{Kind::names, {"formats"}}, {"format", "answer-format", "f", "as"}},
         {{Kind::names, {"metrics"}}, {"metric"}},
         {{Kind::names, {"strategies"}}, {"strategy"}},
         {{Kind::names, {"checks"}}, {"check"}},

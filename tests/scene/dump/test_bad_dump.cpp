@@ -56,7 +56,7 @@ const BadFile bad_files[] = {
     {"a.csv", head + "0,0,-5,0,0,1,0,0,0,1,2,4\n", "a.csv:2:22:", "write 1 for a hit"},
     {"a.csv", head + "0,0,-5,0,0,1,0,0,0,1,,4\n", "a.csv:2:22:", "write 1 for a hit"},
     {"a.csv", head + "0,0,-5,0,0,1,0,0,0,1,1,\n", "a.csv:2:24:", "t is empty"},
-    {"a.csv", head + "0,0,-5,0,0,1e39,0,0,0,1,1,4\n", "a.csv:2:12:", "--file-format", {.format = find_format("f32")}},
+    {"a.csv", head + "0,0,-5,0,0,1e39,0,0,0,1,1,4\n", "a.csv:2:12:", "--answer-format", {.format = find_format("f32")}},
     {"a.csv", head + "0,\"0,-5,0,0,1,0,0,0,1,1,4\n", "a.csv:2:3:", "does not close it"},
     {"a.csv", head + "0,0\"0,-5,0,0,1,0,0,0,1,1,4\n" + good, "a.csv:2:3:", "quote"},
     {"a.csv",
