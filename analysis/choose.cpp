@@ -158,7 +158,7 @@ ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken s
             "choose: the requirement is missing; add --bits 16 (of t) or --tolerance 0.001 (of the hit point)");
     request.requirement = {.bits = std::max(0.0, o.bits), .wrong = o.wrong, .quantile = quantile_at(o.at)};
     if (!o.tolerance.empty()) request.requirement.tolerance = selection::tolerance_in_units(o.tolerance, o.unit);
-    else if (!o.unit.empty()) throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is missing");
+    else if (!o.unit.empty()) throw InputError("--unit " + o.unit + " is the unit of --tolerance, which is missing");
     request.single = o.single;
     request.limit.stop = request.plan.stop = stop;
     if (o.quick) {

@@ -122,7 +122,7 @@ std::vector<measure::evaluate::TestedForm> rows_of(const JudgeOptions& o, const 
     if (o.forms.empty()) {
         if (!o.formats.empty())
             throw InputError(fmt::format(
-                "-f {}: is for forms, and -i names none; for the format of the answers write --answer-format",
+                "-f {} is for forms, and -i names none; for the format of the answers write --answer-format",
                 o.formats[0]));
         const bool opened = !common.external.plugins.empty() || !common.external.pipes.empty() ||
                             !common.external.shaders.empty() || !common.external.functions.empty();
@@ -301,7 +301,7 @@ Exit run(const JudgeOptions& o, const Common& common) {
 
 void add_judge(const shell::Command& program, const Common& common) {
     auto command = program.add_command(
-        "judge", "Judge the answers in a file of rays (CSV, .npy or raw), or those of forms to its rays");
+        "judge", "Judge the answers in a file of rays (CSV, .npy or raw), or let forms answer its rays");
     const auto o = std::make_shared<JudgeOptions>();
     o->stop = common.stop;
     command

@@ -230,7 +230,7 @@ Exit run(const MendOptions& o, const Common& common) {
 void add_mend(const shell::Command& program, const Common& common) {
     auto command = program.add_command("mend",
                                        "What to change in a form so that it meets a requirement on a scene: the fewest "
-                                       "operations wider, or other formulas");
+                                       "operations to widen, or other formulas");
     const auto o = std::make_shared<MendOptions>();
     o->changes.stop = o->rays.stop = common.stop;
     command

@@ -146,8 +146,8 @@ void refuse_others(const RayFileOptions& o, const std::vector<std::string>& subj
             if (given) throw InputError(fmt::format("{}{}", name, why));
         }
     };
-    if (are_files(o, subjects)) return refuse(of_scenes, ": is for a scene, and these are files of rays; leave it out");
-    refuse(of_files, ": is for files of rays, and " + subjects.front() +
+    if (are_files(o, subjects)) return refuse(of_scenes, " is for a scene, and these are files of rays; leave it out");
+    refuse(of_files, " is for files of rays, and " + subjects.front() +
                          " is taken for a scene; leave it out, or add --container csv, npy or raw");
     if (subjects.size() > 1)
         throw InputError(

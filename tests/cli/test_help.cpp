@@ -253,7 +253,7 @@ TEST_CASE("a file of another kind is refused with its kind and the command that 
     CHECK(
         has(run("explain cases.toml -i sphere.press", scratch.path()).err, "with --case or --worst; add one of them"));
     // A name that two kinds have is what the command takes, and files that are none are left to it.
-    CHECK(has(run("map none.toml", scratch.path()).err, "there is no such file"));
+    CHECK(has(run("map none.toml", scratch.path()).err, "no such file"));
     CHECK(has(run("map none", scratch.path()).err, "no scene \"none\""));
 }
 

@@ -115,7 +115,7 @@ TEST_CASE("plugin: two builds of one library run together, each under its own na
     const Outcome bad = run("list intersectors --plugin sphere=next/schoolbook.so", folder.path());
     CHECK(bad.code == 2);
     CHECK(has(bad.err, "belong to the forms that ship"));
-    CHECK(has(run("list intersectors --plugin new=none.so", folder.path()).err, "--plugin none.so: no such library"));
+    CHECK(has(run("list intersectors --plugin new=none.so", folder.path()).err, "--plugin none.so: no such file"));
     CHECK(has(run("list intersectors --plugin new=", folder.path()).err, "--plugin new=: names no library; "));
 }
 
