@@ -54,7 +54,8 @@ struct Decisions {
     }
 };
 
-/// Asks the form and the box form about a batch. The target has one primitive for all rays, or one for each.
+/// Runs the form and the box form on a batch. A ray hits if both hit. The target has one primitive for all rays, or one
+/// for each ray.
 template <class S, class OfBox, class OfForm>
 void evaluate(const BoxedRowParts& row, const Format& format, const OfBox& box, const OfForm& form,
               const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
@@ -68,7 +69,7 @@ void evaluate(const BoxedRowParts& row, const Format& format, const OfBox& box, 
     for (std::size_t i = 0; i < rays.size(); ++i) hits.hit[i] = hits.hit[i] != 0 && found.hit[i] != 0;
 }
 
-/// Runs over packs if all rays share one primitive.
+/// Does the same in native arithmetic; in packs of rays if all of them share one primitive.
 template <class S>
 void evaluate_natively(void* own, const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
     const BoxedRowParts row = of(own);
@@ -89,7 +90,7 @@ void evaluate_rounded(void* own, const FloatFormat& format, const RayBatch<doubl
              target, hits);
 }
 
-/// Enclosures leave the box out: without rounding, every hit lies in the box.
+/// Enclosures leave the box out: in exact arithmetic, every hit of the form also hits the box.
 Hit<Ball> ball(void* own, const Ray<Ball>& ray, const Target<Ball>& target) { return of(own).form->ball(ray, target); }
 Hit<Interval> interval(void* own, const Ray<Interval>& ray, const Target<Interval>& target) {
     return of(own).form->interval(ray, target);

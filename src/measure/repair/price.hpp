@@ -27,13 +27,13 @@ struct Written {
 
 /// Time in seconds for one ray and one primitive.
 struct Price {
-    std::string_view isa = {};  ///< instruction set of `packed`; `scalar` where there is none
+    std::string_view isa = {};  ///< instruction set of `packed`; `scalar` if the form is not timed in packs
     speed::Timing packed{}, single{};
 };
 
-/// Compiles all forms into one library, also in packs of the current width, and loads it; the library stays loaded. Of
-/// the request only the scene and the limit matter. EnvironmentError with the compiler's output; std::logic_error where
-/// a compiled form has other bits than its tape on any ray of the scene.
+/// Compiles all forms into one library, also in packs of the current width, and loads it. The library stays loaded.
+/// Only the scene and the limit of the request are used. Throws EnvironmentError with the compiler's output if it
+/// fails, and std::logic_error if a compiled form gives other bits than its tape for any ray of the scene.
 std::vector<intersect::external::Formula> compiled(const MendRequest& request, const std::vector<Written>& forms,
                                                    const Workshop& workshop);
 
