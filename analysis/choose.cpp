@@ -56,7 +56,7 @@ public:
             if (!quality[r].meets(asked_.requirement) && !asked_.rows[r].form->is_placed) mend_one(asked_.rows[r]);
     }
 
-    std::vector<measure::repair::Written> written = {};
+    std::vector<measure::repair::RepairedSource> written = {};
     std::vector<output::choice::MendedCandidate> candidates = {};
 
 private:
@@ -106,13 +106,13 @@ private:
 /// Repairs every row of the request that does not meet its requirement and whose operations are known. Compiles every
 /// result of `measure::repair::mend` that meets it, and writes it as a file into `folder`. Equal results of two forms
 /// count once. Throws EnvironmentError if nothing can be compiled. `command` is the command that asks for it.
-Mending mended(const ChoiceRequest& request, const measure::repair::Workshop& workshop,
+Mending mended(const ChoiceRequest& request, const measure::repair::CompilerSetup& setup,
                const std::filesystem::path& folder, const std::string& command) {
     Bench bench(request, command);
     bench.mend_all();
     Mending all;
     if (bench.written.empty()) return all;
-    auto formulas = compiled({.scene = request.scene, .row = {}, .limit = request.limit}, bench.written, workshop);
+    auto formulas = compile_and_load({.scene = request.scene, .row = {}, .limit = request.limit}, bench.written, setup);
     for (std::size_t k = 0; k < formulas.size(); ++k) {
         auto& candidate = bench.candidates[k];
         const auto file = folder / candidate.file;

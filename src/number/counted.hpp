@@ -62,16 +62,16 @@ public:
     Counted& operator*=(const Counted& b) { return *this = *this * b; }
 
     friend bool operator<(const Counted& a, const Counted& b) {
-        return note(Operation::compare, a, b), a.value_ < b.value_;
+        return count_unless_constant(Operation::compare, a, b), a.value_ < b.value_;
     }
     friend bool operator<=(const Counted& a, const Counted& b) {
-        return note(Operation::compare, a, b), a.value_ <= b.value_;
+        return count_unless_constant(Operation::compare, a, b), a.value_ <= b.value_;
     }
     friend bool operator>(const Counted& a, const Counted& b) {
-        return note(Operation::compare, a, b), a.value_ > b.value_;
+        return count_unless_constant(Operation::compare, a, b), a.value_ > b.value_;
     }
     friend bool operator>=(const Counted& a, const Counted& b) {
-        return note(Operation::compare, a, b), a.value_ >= b.value_;
+        return count_unless_constant(Operation::compare, a, b), a.value_ >= b.value_;
     }
 
     friend Counted sqrt(const Counted& a) { return counted(Operation::sqrt, sqrt(a.value_), a); }
@@ -99,7 +99,7 @@ public:
     /// The same number in another format.
     template <class To>
     [[nodiscard]] Counted<To> converted() const {
-        note(Operation::convert, *this);
+        count_unless_constant(Operation::convert, *this);
         return Counted<To>(static_cast<To>(value_), constant_);
     }
 
@@ -109,14 +109,14 @@ private:
     Counted(F value, bool constant) : value_(value), constant_(constant) {}
 
     template <class... X>
-    static bool note(Operation kind, const X&... operands) {
+    static bool count_unless_constant(Operation kind, const X&... operands) {
         const bool constant = (operands.constant_ && ...);
         if (!constant) ++operation_counts()[kind];
         return constant;
     }
     template <class... X>
     static Counted counted(Operation kind, F value, const X&... operands) {
-        return Counted(value, note(kind, operands...));
+        return Counted(value, count_unless_constant(kind, operands...));
     }
 
     F value_;

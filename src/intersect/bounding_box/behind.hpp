@@ -35,7 +35,7 @@ BoxedRowParts made_of(const table::Intersector& row);
 bool has_box(const table::Intersector& row);
 
 /// The row without its boxes in the world. For primitives under matrices, that is a row that `transform::through` made.
-const table::Intersector& within_boxes(const table::Intersector& row);
+const table::Intersector& without_world_boxes(const table::Intersector& row);
 
 /// Names of the inputs on a row's tape: those of the form, then the numbers of each box, the outermost box first.
 std::vector<std::string> names_on_tape(const table::Intersector& row, const Target<double>& target);
@@ -43,6 +43,6 @@ std::vector<std::string> names_on_tape(const table::Intersector& row, const Targ
 /// The form itself, without boxes and transforms.
 const table::Intersector& innermost(const table::Intersector& row);
 /// The row with the same boxes and transforms around another form of that shape.
-const table::Intersector& around(const table::Intersector& row, const table::Intersector& form);
+const table::Intersector& with_other_form(const table::Intersector& row, const table::Intersector& form);
 
 }  // namespace lostbits::intersect::bounding_box

@@ -18,6 +18,6 @@ std::vector<external::ForeignForm> forms_of(const ShaderSource& shader, const st
                                             bool name_device, const std::string& arithmetic);
 
 /// Largest number of rays in one run of the device, for numbers of this many bits.
-std::size_t most_rays(const device::DeviceLimits& limits, int bits);
+std::size_t max_rays_per_run(const device::DeviceLimits& limits, int bits);
 
 }  // namespace lostbits::intersect::shader

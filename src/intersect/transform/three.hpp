@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::transform {
 
-struct ThreeTransform : CyclesTransform {
+struct ThreeJsTransform : CyclesTransform {
     static constexpr TransformMethodInfo info{
         .name = "three",
         .title = "M^-1 o and M^-1 d made unit; t is the distance from o of M applied to the point",

@@ -29,7 +29,7 @@ public:
 
 private:
     void add_labelled(const scene::claim::Claim& claim);
-    [[nodiscard]] double culprits(const scene::claim::Claim& claim, const evaluate::FormSummary& summary) const;
+    [[nodiscard]] double culprit_share(const scene::claim::Claim& claim, const evaluate::FormSummary& summary) const;
 
     attribution::Setting setting_;
     metric::MetricSet made_;

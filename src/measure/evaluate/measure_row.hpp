@@ -16,7 +16,7 @@
 namespace lostbits::measure::evaluate {
 
 /// A band, with the inputs and columns that one row needs.
-struct RowBand {
+struct RowInputs {
     const truth::Band& band;
     const truth::FormatInputs& inputs;    ///< inputs in the row's format
     const columns::BandColumns& columns;  ///< computed for the row's convention and unit
@@ -30,7 +30,7 @@ public:
     BandOfRows(truth::Band& band, const std::vector<TestedForm>& rows,
                const std::vector<const metric::Metric*>& metrics);
 
-    [[nodiscard]] RowBand of(const TestedForm& row) const { return {band_, inputs_.at(row.format.name), columns_}; }
+    [[nodiscard]] RowInputs of(const TestedForm& row) const { return {band_, inputs_.at(row.format.name), columns_}; }
 
 private:
     const truth::Band& band_;
@@ -45,7 +45,7 @@ struct BandPart {
 };
 
 /// Does the same as `measure_row` of evaluate.hpp, which computes the columns for one row only.
-void measure_row(const RowRequest& request, const RowBand& on, FormSummary& summary,
+void measure_row(const RowRequest& request, const RowInputs& on, FormSummary& summary,
                  std::span<const BandPart> parts = {});
 
 }  // namespace lostbits::measure::evaluate

@@ -57,7 +57,7 @@ public:
     /// Upper bound on the distance from the word to any x that is enclosed.
     [[nodiscard]] P radius() const { return e_ * outward_of<P>(); }
     /// True if the word is positive. It may be wrong about the sign of x.
-    [[nodiscard]] Mask leans_up() const {
+    [[nodiscard]] Mask word_is_positive() const {
         const Lanes up = value_of(w_) > P(0);
         return {up, !up};
     }

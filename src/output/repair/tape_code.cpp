@@ -25,11 +25,11 @@ std::vector<std::string> input_names_of(const intersect::table::Intersector& for
 }
 
 TapeCode::TapeCode(const Tape& tape, const intersect::table::Intersector& form, std::vector<NodeId> wanted,
-                   CodeNames words, const TapeCode* like)
+                   LanguageNames language, const TapeCode* like)
     : tape_(tape),
       wanted_(std::move(wanted)),
       slice_(tape, wanted_),
-      words_(std::move(words)),
+      language_(std::move(language)),
       own_(tape.format_of(tape.outputs.t)),
       inputs_(input_names_of(form)),
       primitive_numbers_(row_of(form.shape).numbers) {
@@ -61,7 +61,7 @@ std::string TapeCode::identifier(std::string_view label) const {
         else if (!id.ends_with('_')) id += '_';  // GLSL reserves names that contain two in a row
     }
     if (id.empty() || std::isdigit(static_cast<unsigned char>(id.front()))) id.insert(0, "x");
-    return words_.taken.contains(id) ? id + "_" : id;
+    return language_.reserved.contains(id) ? id + "_" : id;
 }
 
 // Conversions get no names, so the names of other operations do not depend on which of them are wider.
@@ -76,7 +76,7 @@ void TapeCode::name_all(const TapeCode* like) {
         if (n.op == TapeOp::input) {
             name = inputs_.at(static_cast<std::size_t>(n.operands[0]));
             if (name == "ray.tmax") name = "tmax";
-            else if (n.operands[0] >= 6 && n.operands[0] < first_of_matrix) name.insert(0, words_.primitive);
+            else if (n.operands[0] >= 6 && n.operands[0] < first_of_matrix) name.insert(0, language_.primitive);
         } else if (n.op != TapeOp::constant && n.op != TapeOp::convert) {
             name = new_name(n, like, used);
         }
