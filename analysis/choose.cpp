@@ -56,7 +56,7 @@ public:
             if (!quality[r].meets(asked_.requirement) && !asked_.rows[r].form->is_placed) mend_one(asked_.rows[r]);
     }
 
-    std::vector<measure::repair::Written> written = {};
+    std::vector<measure::repair::RepairedSource> written = {};
     std::vector<output::choice::MendedCandidate> candidates = {};
 
 private:
@@ -106,13 +106,13 @@ private:
 /// Repairs every row of the request that does not meet its requirement and whose operations are known. Compiles every
 /// result of `measure::repair::mend` that meets it, and writes it as a file into `folder`. Equal results of two forms
 /// count once. Throws EnvironmentError if nothing can be compiled. `command` is the command that asks for it.
-Mending mended(const ChoiceRequest& request, const measure::repair::Workshop& workshop,
+Mending mended(const ChoiceRequest& request, const measure::repair::CompilerSetup& setup,
                const std::filesystem::path& folder, const std::string& command) {
     Bench bench(request, command);
     bench.mend_all();
     Mending all;
     if (bench.written.empty()) return all;
-    auto formulas = compiled({.scene = request.scene, .row = {}, .limit = request.limit}, bench.written, workshop);
+    auto formulas = compile_and_load({.scene = request.scene, .row = {}, .limit = request.limit}, bench.written, setup);
     for (std::size_t k = 0; k < formulas.size(); ++k) {
         auto& candidate = bench.candidates[k];
         const auto file = folder / candidate.file;
@@ -158,7 +158,7 @@ ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken s
             "choose: the requirement is missing; add --bits 16 (of t) or --tolerance 0.001 (of the hit point)");
     request.requirement = {.bits = std::max(0.0, o.bits), .wrong = o.wrong, .quantile = quantile_at(o.at)};
     if (!o.tolerance.empty()) request.requirement.tolerance = selection::tolerance_in_units(o.tolerance, o.unit);
-    else if (!o.unit.empty()) throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is missing");
+    else if (!o.unit.empty()) throw InputError("--unit " + o.unit + " is the unit of --tolerance, which is missing");
     request.single = o.single;
     request.limit.stop = request.plan.stop = stop;
     if (o.quick) {

@@ -74,7 +74,7 @@ void refuse_ray(const selection::RayOptions& ray) {
 GivenRange range_named(const std::string& text) {
     const auto equals = text.find('='), dots = text.find("..", equals == std::string::npos ? 0 : equals);
     if (equals == std::string::npos || equals == 0 || dots == std::string::npos)
-        throw InputError("--input-range " + text + ": is not a range; write NAME=LOW..HIGH, such as d.x=-0.5..0.5");
+        throw InputError("--input-range " + text + " is not a range; write NAME=LOW..HIGH, such as d.x=-0.5..0.5");
     const std::string option = "--input-range " + text;
     const auto end = [&](const std::string& number) {
         const auto x = selection::numbers_of(number, {option.c_str(), "an end of a range; write a number", 1}, {});

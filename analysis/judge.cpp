@@ -63,7 +63,7 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
         !(is_short && result.digits < needed(narrow)))
         fmt::print(stderr,
                    "lostbits: {}: every t of the {} reported hits is a float, or the decimal of one, but was judged as "
-                   "{}; if the answers were computed in float, add --file-format f32\n",
+                   "{}; if the answers were computed in float, add --answer-format f32\n",
                    file, result.answers, format.name);
     else if (is_short)
         fmt::print(stderr,
@@ -121,9 +121,9 @@ std::vector<measure::evaluate::TestedForm> rows_of(const JudgeOptions& o, const 
     if (answers) rows.push_back({answers, dump.format()});
     if (o.forms.empty()) {
         if (!o.formats.empty())
-            throw InputError(
-                fmt::format("-f {}: is for forms, and -i names none; for the format of the answers write --file-format",
-                            o.formats[0]));
+            throw InputError(fmt::format(
+                "-f {} is for forms, and -i names none; for the format of the answers write --answer-format",
+                o.formats[0]));
         const bool opened = !common.external.plugins.empty() || !common.external.pipes.empty() ||
                             !common.external.shaders.empty() || !common.external.functions.empty();
         if (!rows.empty() && opened && !common.quiet)
@@ -212,7 +212,7 @@ Exit run(const JudgeOptions& o, const Common& common) {
         if (request.file_form && !request.file_place())
             throw InputError(
                 fmt::format("--against {}: does not exist in {}, the format of {}; name a form that does, or "
-                            "--file-format",
+                            "--answer-format",
                             o.against, dump->format().name, o.file));
     }
     request.picture = dump->picture();
@@ -301,7 +301,7 @@ Exit run(const JudgeOptions& o, const Common& common) {
 
 void add_judge(const shell::Command& program, const Common& common) {
     auto command = program.add_command(
-        "judge", "Judge the answers in a file of rays (CSV, .npy or raw), or those of forms to its rays");
+        "judge", "Judge the answers in a file of rays (CSV, .npy or raw), or let forms answer its rays");
     const auto o = std::make_shared<JudgeOptions>();
     o->stop = common.stop;
     command

@@ -42,7 +42,7 @@ void refuse_options(const JudgeOptions& o, AnswerKind kind, const std::string& c
     for (const auto& [name, given] : first_hits)
         if (given)
             throw InputError(
-                fmt::format("{}: is for files of first hits, and the column {} of {} says {}; leave one of the two out",
+                fmt::format("{} is for files of first hits, and the column {} of {} says {}; leave one of the two out",
                             name, column, o.file,
                             kind == AnswerKind::all_hits ? "that it lists all hits"
                             : kind == AnswerKind::inside ? "that its records are points"
@@ -52,8 +52,7 @@ void refuse_options(const JudgeOptions& o, AnswerKind kind, const std::string& c
                                           {"--touching", o.touching != usual.touching},
                                           {"--facing", o.facing != usual.facing},
                                           {"--open-ends", o.open_ends != usual.open_ends}})
-            if (given)
-                throw InputError(fmt::format("{}: is about rays, and {} has points; leave it out", name, o.file));
+            if (given) throw InputError(fmt::format("{} is about rays, and {} has points; leave it out", name, o.file));
 }
 
 std::shared_ptr<const scene::rays::MeshColumns> mesh_given(const std::optional<scene::file::Scene>& scene,

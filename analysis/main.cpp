@@ -42,7 +42,7 @@ void add_common(const shell::Command& program, Common& common) {
     const auto show = [&common](int mode) { common.progress = static_cast<output::file::Progress::Mode>(mode); };
     program.add_named("--progress", {"auto", "bar", "none"}, show, "Progress on stderr (default: auto, on a terminal)");
     program.add("--force", common.force,
-                "Write into a folder although it holds results that no manifest.json names; they stay");
+                "Also write into a folder with files that no manifest.json lists; those files are kept");
     program.add_list("--figure", common.figures,
                      "Kinds of pictures (default: png): svg and pdf keep text and lines as such, for pages and papers",
                      shell::one_of({"png", "svg", "pdf"}));
@@ -75,7 +75,7 @@ void add_external_options(const shell::Command& program, selection::ExternalOpti
     const auto isolate =
         program.add("--isolate", external.isolate,
                     "Run libraries in processes of their own, so that none can end the program (default: for "
-                    "`check`, and wherever CI is set in the environment; not those of formulas)");
+                    "`check`, and wherever CI is set in the environment; does not apply to plugins made of formulas)");
     program
         .add("--in-process", external.in_process,
              "Run libraries in the program itself: faster, and a crash or exit of theirs ends it with 3")

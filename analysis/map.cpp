@@ -343,13 +343,13 @@ void add_map(const shell::Command& program, const Common& common) {
         "Also find, for every pixel, the significand width that a form needs for this many correct bits (1 to 52)",
         shell::whole_from(1, 52));
     command.add("--exr", o->exr,
-                "Also write SCENE.exr: the answer, its class, lost bits and the metrics of every pixel, a part "
+                "Also write SCENE.exr: the answer, its outcome, lost bits and the metrics of every pixel, a part "
                 "for each form and format, and the truth once");
     command.add("--against", o->against,
                 "A form to compare the others with, without asking what is true: where their decisions or their t "
                 "differ is drawn and counted");
     command.add("--envelope", o->envelope,
-                "Draw lost bits paler where half an ulp in each input would cost as many bits");
+                "Draw a pixel paler where input errors of half an ulp would cost as many bits as were lost");
     add_shard(command, o->shard);
     selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });

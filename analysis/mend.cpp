@@ -58,7 +58,7 @@ measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id
 /// Times the form, its repairs and the catalogue in one run. If nothing can be compiled, records the reason.
 void add_prices(MendResult& result, const MendOptions& o, const std::string& command) {
     const MendRequest& request = result.request;
-    std::vector<measure::repair::Written> written;
+    std::vector<measure::repair::RepairedSource> written;
     const auto proposals = proposals_of(result);
     for (const auto& proposal : proposals) {
         const std::string name = fmt::format("mended{}", written.size() + 1);
@@ -66,7 +66,8 @@ void add_prices(MendResult& result, const MendOptions& o, const std::string& com
     }
     try {
         std::vector<intersect::external::Formula> formulas;
-        if (!written.empty()) formulas = compiled(request, written, {o.compiler, selection::form_flags_folder()});
+        if (!written.empty())
+            formulas = compile_and_load(request, written, {o.compiler, selection::form_flags_folder()});
         std::vector<measure::evaluate::TestedForm> rows{request.row};
         for (const auto& formula : formulas) rows.push_back({.form = &formula.row, .format = request.row.format});
         rows.insert(rows.end(), result.catalogue.begin(), result.catalogue.end());
@@ -230,7 +231,7 @@ Exit run(const MendOptions& o, const Common& common) {
 void add_mend(const shell::Command& program, const Common& common) {
     auto command = program.add_command("mend",
                                        "What to change in a form so that it meets a requirement on a scene: the fewest "
-                                       "operations wider, or other formulas");
+                                       "operations to widen, or other formulas");
     const auto o = std::make_shared<MendOptions>();
     o->changes.stop = o->rays.stop = common.stop;
     command

@@ -261,8 +261,9 @@ void add_sweep(const shell::Command& program, const Common& common) {
     const auto o = std::make_shared<SweepOptions>();
     command.add("SWEEP", o->sweeps, "Sweep files or names in data/sweeps").required();
     selection::add_forms(command, o->forms);
-    command.add_list("-f,--format", o->formats,
-                     "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64; f32 for every float)");
+    command.add_list(
+        "-f,--format", o->formats,
+        "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64; f32 for sweeps over every float)");
     command.add_list("--metric", o->metrics, "Metrics in addition to the default ones; globs");
     command.add("--seeds", o->seeds,
                 "Find the onsets of a ray distribution on this many further draws too, for their spread (default: 2)",

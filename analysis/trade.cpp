@@ -13,6 +13,7 @@
 #include "measure/speed/trade.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/speed/trade_files.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::analysis {
 
@@ -22,8 +23,11 @@ using scene::file::Scene;
 
 namespace {
 
+constexpr std::string_view default_shape = "sphere";
+
 struct TradeOptions {
-    std::string shape = "sphere", scene, size, variant;
+    std::string shape;  ///< empty: not typed
+    std::string scene, size, variant;
     std::vector<std::string> set;
     std::vector<std::string> forms{"*"};
     std::vector<std::string> formats{"f32", "f64"};
@@ -43,7 +47,8 @@ measure::speed::TimingPlan plan_of(const TradeOptions& o) {
 }
 
 /// A request for the forms of a shape, on the sets of rays of the shape.
-TradeRequest request_for(const std::string& shape_name, const std::vector<TestedForm>& all) {
+TradeRequest request_for(const std::string& typed, const std::vector<TestedForm>& all) {
+    const std::string shape_name = typed.empty() ? std::string(default_shape) : typed;
     const Shape shape = *shape_named(shape_name);
     const auto rows = selection::fitting(all, [shape](Shapes forms) { return forms == shape; });
     if (rows.empty() &&
@@ -52,9 +57,14 @@ TradeRequest request_for(const std::string& shape_name, const std::vector<Tested
             "--shape {}: its primitive is not placed by a matrix, so a form with a transform has nothing to do; name "
             "a scene with matrices, as in `lostbits trade instance-far.{}`",
             shape_name, shape_name));
-    if (rows.empty())
+    if (rows.empty() && typed.empty())
         throw NothingSelected(fmt::format(
-            "--shape {0}: none of the selected forms is for a {0}; try -i '{0}.*' or another --shape", shape_name));
+            "no selected form is for a {0}, the default shape; name the shape of the forms, as in --shape box, or "
+            "choose forms by -i '{0}.*'",
+            shape_name));
+    if (rows.empty())
+        throw NothingSelected(fmt::format("--shape {0}: no selected form is for {1}; try -i '{0}.*' or another --shape",
+                                          shape_name, with_article(shape)));
     return {.shape = shape,
             .kernels = measure::speed::trade_kernels(rows),
             .metrics = {},
@@ -89,7 +99,7 @@ Exit run(const TradeOptions& o, const Common& common) {
     request.plan = plan_of(o);
     request.limit.stop = request.plan.stop = common.stop;
     for (const char* name : {"lost_bits", "excess_bits"}) request.metrics.push_back(measure::metric::find_metric(name));
-    const std::string name = scene ? scene->id : o.shape;
+    const std::string name = scene ? scene->id : std::string(name_of(request.shape));
     const auto folder = std::filesystem::path(o.out) / name;
     const auto owner = own_folder(folder, common, scene ? output::attribution::shell_word(o.scene) : "");
     output::speed::TradeFiles files(request, folder);
@@ -119,7 +129,7 @@ void add_trade(const shell::Command& program, const Common& common) {
         .add("--shape", o->shape, "Without a scene: rays of known kinds at this shape (default: sphere)",
              shell::one_of(primitives))
         .excludes(scene);
-    command.add("--size", o->size, "Its picture's size, WxH in pixels (default: the scene's)").needs(scene);
+    command.add("--size", o->size, "Size of the scene's picture, WxH in pixels (default: the scene's)").needs(scene);
     command.add("--variant", o->variant, "One variant of a scene that has several").needs(scene);
     command.add_set(o->set, "Change a number of the scene first: sphere[0].radius=10").needs(scene);
     selection::add_forms(command, o->forms, "all that fit");

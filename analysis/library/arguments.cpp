@@ -17,7 +17,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 8> renamed{{
                                                                                 {"--strategy", "strategies"},
                                                                                 {"--check", "checks"},
                                                                                 {"--stage", "stages"},
-                                                                                {"--file-format", "format"}}};
+                                                                                {"--answer-format", "format"}}};
 /// The advice of the message about a t below 0 in a file without a column hit.
 constexpr std::string_view of_misses = "; add a column hit, or write --miss";
 

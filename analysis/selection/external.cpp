@@ -126,7 +126,7 @@ std::vector<std::string> devices_of(const std::vector<std::string>& words) {
         else if (std::ranges::find(intersect::device::device_kinds, word) != std::end(intersect::device::device_kinds))
             add(word);
         else
-            throw InputError(fmt::format("--device {}: is not one of {}, all", word,
+            throw InputError(fmt::format("--device {} is not one of {}, all", word,
                                          fmt::join(intersect::device::device_kinds, ", ")));
     }
     if (words.empty()) kinds.emplace_back();
@@ -164,9 +164,9 @@ void note_where(const ExternalOptions& words, bool times) {
 ExternalForms open_each(const ExternalOptions& words, int threads) {
     if ((words.isolate || words.in_process) && words.plugins.empty())
         throw InputError(
-            fmt::format("{}: is for libraries; name one by --plugin", words.isolate ? "--isolate" : "--in-process"));
+            fmt::format("{} is for libraries; name one by --plugin", words.isolate ? "--isolate" : "--in-process"));
     if (!words.devices.empty() && words.shaders.empty())
-        throw InputError("--device: is for shaders; name one by --shader");
+        throw InputError("--device is for shaders; name one by --shader");
     if (words.plugins.empty() && words.pipes.empty() && words.shaders.empty() && words.functions.empty()) return {};
     intersect::external::guard_foreign_code(
         {words.seconds, words.stop, output::file::remove_partial_files, words.ends_with});

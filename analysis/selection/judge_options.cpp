@@ -30,7 +30,7 @@ std::optional<MissRule> miss_rule(const std::string& word) {
     const auto read = scene::dump::NumberParser(*find_format("f64")).read(word);
     if (read.kind != scene::dump::NumberParser::Kind::number || !std::isfinite(read.value))
         throw InputError(
-            fmt::format("--miss {}: is neither a finite number, negative nor never (NaN, infinities and empty "
+            fmt::format("--miss {} is neither a finite number, negative nor never (NaN, infinities and empty "
                         "cells are misses in any case)",
                         word));
     return MissRule{MissRule::Kind::number, read.value};
@@ -80,7 +80,7 @@ void add_ray_options(const shell::Command& command, RayFileOptions& words) {
     command.add("--columns", words.columns,
                 "Names of the columns where the file has none, and of raw numbers their types: ox:f32,oy,oz");
     command.add("--skip", words.skip, "Bytes in front of raw numbers");
-    command.add("--file-format", words.format,
+    command.add("--answer-format", words.format,
                 "Format the answers were computed in (default: the file's; of a CSV f64)");
     words.primitives.add_to(command, "The primitive of all rays");
     for (const RayFileOption& o : ray_file_options())
@@ -123,10 +123,15 @@ std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& o, const std:
     static const std::map<std::string, Container> containers{
         {"auto", Container::by_name}, {"csv", Container::csv}, {"npy", Container::npy}, {"raw", Container::raw}};
     DumpOptions options{.container = containers.at(o.container), .columns = o.columns, .skip = o.skip, .stop = o.stop};
+    if (containers.contains(o.format))
+        throw InputError(
+            "--answer-format " + o.format +
+            ": this is a kind of file, and --answer-format is the number format of its answers; for the kind "
+            "of file see --container");
     if (!o.format.empty()) {
-        const auto formats = select_formats({o.format}, "--file-format");
+        const auto formats = select_formats({o.format}, "--answer-format");
         if (formats.size() > 1)
-            throw InputError("--file-format " + o.format + ": the answers are of one format; name one");
+            throw InputError("--answer-format " + o.format + ": the answers are of one format; name one");
         options.format = formats.front();
     }
     options.miss = miss_rule(o.miss);
@@ -155,7 +160,7 @@ intersect::Info contract_of(const RayFileOptions& o, const scene::dump::Dump& du
     for (const RayFileOption& option : ray_file_options())
         if (option.of_answers && option.is_given(o) && dump.layout().answers() == scene::dump::AnswerKind::none)
             throw InputError(
-                fmt::format("{} {}: is about the answers of {}, which has none (columns hit or t); leave {} out: forms "
+                fmt::format("{} {} is about the answers of {}, which has none (columns hit or t); leave {} out: forms "
                             "are judged by their own contract",
                             option.name, o.*option.word, dump.name(), option.name));
     intersect::Info info{};
@@ -188,7 +193,7 @@ void add_requirement(const JudgeOptions& o, measure::metric::MetricSet& made,
         words.insert(words.end(),
                      {"distance_error", fmt::format("tolerance:{}", tolerance_in_units(o.tolerance, o.unit))});
     else if (!o.unit.empty())
-        throw InputError("--unit " + o.unit + ": is the unit of --tolerance, which is missing; write both");
+        throw InputError("--unit " + o.unit + " is the unit of --tolerance, which is missing; write both");
     for (const measure::metric::Metric* m : select_metrics(words, made)) add_once(metrics, m);
 }
 

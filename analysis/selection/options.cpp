@@ -143,7 +143,7 @@ std::optional<output::map::BarRange> parse_range(const std::string& text, const 
     const auto hi = colon == std::string::npos ? std::nullopt : finite_number(std::string_view(text).substr(colon + 1));
     if (!lo || !hi || !(*lo < *hi))
         throw InputError(fmt::format(
-            "--range {}: is not a range; write its ends in the unit of the metric, the lower one first, like 0:24",
+            "--range {} is not a range; write its ends in the unit of the metric, the lower one first, like 0:24",
             text));
     const Metric* first = nullptr;
     for (const Metric* m : drawn) {

@@ -81,7 +81,7 @@ std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wante
         }
         numbers.push_back(as ? Real(rounded) : *exact);
     }
-    if (numbers.size() != wanted.count) throw InputError(fmt::format("{} {}: is not {}", option, text, wanted.what));
+    if (numbers.size() != wanted.count) throw InputError(fmt::format("{} {} is not {}", option, text, wanted.what));
     return numbers;
 }
 
@@ -132,7 +132,7 @@ std::pair<int, int> parse_size(const std::string& text) {
         return error == std::errc{} && stop == text.data() + end;
     };
     if (x == std::string::npos || !number(0, x, size[0]) || !number(x + 1, text.size(), size[1])) {
-        throw InputError(fmt::format("--size {}: is not a size; write width and height in pixels, like 512x384", text));
+        throw InputError(fmt::format("--size {} is not a size; write width and height in pixels, like 512x384", text));
     }
     return {size[0], size[1]};
 }
@@ -145,7 +145,7 @@ std::pair<int, int> pixel_named(const std::string& text) {
     }
     constexpr double most = 1e9;  // more than any picture has, less than an int
     if (x.size() != 2 || std::ranges::any_of(x, [](double v) { return v != std::floor(v) || std::fabs(v) > most; }))
-        throw InputError("--pixel " + text + ": is not a pixel; write its column and row, like 17,42");
+        throw InputError("--pixel " + text + " is not a pixel; write its column and row, like 17,42");
     return {static_cast<int>(x[0]), static_cast<int>(x[1])};
 }
 
@@ -168,14 +168,14 @@ const Unit* find_unit(std::string_view name) {
 double tolerance_in_units(const std::string& text, const std::string& unit) {
     const Unit* const scenes = find_unit(unit);
     if (!unit.empty() && scenes == nullptr)
-        throw InputError(fmt::format("--unit {}: is not a unit of length; write m, km, cm, mm, um, in or ft", unit));
+        throw InputError(fmt::format("--unit {} is not a unit of length; write m, km, cm, mm, um, in or ft", unit));
     double x = 0;
     const char* const end = text.data() + text.size();
     const char* const rest = std::from_chars(text.data(), end, x).ptr;
     const std::string_view own(rest, static_cast<std::size_t>(end - rest));
     if (rest == text.data() || !(x >= 0) || !std::isfinite(x) || (!own.empty() && !find_unit(own)))
         throw InputError(fmt::format(
-            "--tolerance {}: is not a length; write a number of at least 0 in the scene's unit of length, such as "
+            "--tolerance {} is not a length; write a number of at least 0 in the scene's unit of length, such as "
             "0.001, or with --unit a length such as 1mm",
             text));
     if (own.empty()) return x;

@@ -54,8 +54,7 @@ Ray<Real> given_ray(const RayOptions& words) {
         format_of(words.as));
     const Ray<Real> ray{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
     if (!own && !measure::truth::is_proper(stored(ray)))
-        throw InputError("--ray " + words.ray +
-                         ": is not a ray; its numbers must be finite and its direction not zero");
+        throw InputError("--ray " + words.ray + " is not a ray; its numbers must be finite and its direction not zero");
     return ray;
 }
 
@@ -237,10 +236,10 @@ intersect::MarchConstants<double> march_of(const std::vector<std::string>& set) 
 void require_range(const RayOptions& words, const Range<double>& range) {
     if (!(range.tmin >= 0 && range.tmin < HUGE_VAL))
         throw InputError("--tmin " + words.tmin +
-                         ": is not a start of a range; write a finite t of at least 0, or leave --tmin out for 0");
+                         " is not a start of a range; write a finite t of at least 0, or leave --tmin out for 0");
     if (std::isnan(range.tmax))
         throw InputError("--tmax " + words.tmax +
-                         ": is not a t; write the t at which the ray ends, or leave --tmax out for a ray without end");
+                         " is not a t; write the t at which the ray ends, or leave --tmax out for a ray without end");
     if (range.holds_any()) return;
     const std::string options = (words.tmin.empty() ? "" : "--tmin " + words.tmin + " ") + "--tmax " + words.tmax +
                                 (words.open_ends.empty() ? "" : " --open-ends " + words.open_ends);
@@ -345,7 +344,7 @@ SelectedRay find_ray(const RayOptions& words, const TestedForm& row, const std::
     judged.judged = scene::sweep::convention_named(words.convention);
     if (!words.steps.empty())
         throw InputError("--steps " + words.steps +
-                         ": is for the worst ray of a sweep; add --worst, or leave --steps out");
+                         " is for the worst ray of a sweep; add --worst, or leave --steps out");
     SelectedRay found = words.subject.empty() ? of_own_primitives(words, row) : of_scene(words, judged, data);
     found.ray.judge_by(judged.judged);
     return found;

@@ -137,7 +137,7 @@ bool are_files(const RayFileOptions& o, const std::vector<std::string>& subjects
 
 void refuse_others(const RayFileOptions& o, const std::vector<std::string>& subjects,
                    const std::vector<std::pair<const char*, bool>>& of_scenes, const char* command) {
-    std::vector<std::pair<std::string, bool>> of_files{{"--file-format", !o.format.empty()}, {"--skip", o.skip != 0}};
+    std::vector<std::pair<std::string, bool>> of_files{{"--answer-format", !o.format.empty()}, {"--skip", o.skip != 0}};
     for (const RayFileOption& option : ray_file_options()) of_files.emplace_back(option.name, option.is_given(o));
     for (const ShapeRow& row : shape_rows)
         of_files.emplace_back(fmt::format("--{}", row.name), !o.primitives.of(row.shape).empty());
@@ -146,8 +146,8 @@ void refuse_others(const RayFileOptions& o, const std::vector<std::string>& subj
             if (given) throw InputError(fmt::format("{}{}", name, why));
         }
     };
-    if (are_files(o, subjects)) return refuse(of_scenes, ": is for a scene, and these are files of rays; leave it out");
-    refuse(of_files, ": is for files of rays, and " + subjects.front() +
+    if (are_files(o, subjects)) return refuse(of_scenes, " is for a scene, and these are files of rays; leave it out");
+    refuse(of_files, " is for files of rays, and " + subjects.front() +
                          " is taken for a scene; leave it out, or add --container csv, npy or raw");
     if (subjects.size() > 1)
         throw InputError(
@@ -202,7 +202,7 @@ void note_rounded(const std::string& files, std::uint64_t numbers, const Format&
     fmt::print(
         stderr,
         "lostbits: {}: {} representable in {} and {} rounded; name the format in which the answers were computed "
-        "with --file-format\n",
+        "with --answer-format\n",
         files, scene::toml::counted(numbers, "value is not", "values are not"), format.name,
         numbers == 1 ? "was" : "were");
 }

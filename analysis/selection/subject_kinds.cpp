@@ -59,6 +59,7 @@ const ArgumentKinds taken_rows[] = {
     {"explain", "SCENE", "--case", {Kind::cases}},
     {"explain", "SCENE", "--worst", {Kind::scene, Kind::sweep, Kind::cases}},
     {"explain", "SCENE", "--ranges", {Kind::scene, Kind::sweep}},
+    {"explain", "SCENE", "--pixel", {Kind::scene}},
     {"explain", "SCENE", "", {Kind::scene}},
     {"judge", "FILE", "", {Kind::rays}},
     {"judge", "--scene", "", {Kind::scene}},
@@ -173,10 +174,10 @@ void refuse_other_kind(const std::string& word, const ArgumentKinds& row, const 
     if (*kind == Kind::results && std::ranges::find(row.kinds, Kind::claims) != row.kinds.end()) return;
     const std::string other = fmt::format(fmt::runtime(row_of(*kind).command), output::attribution::shell_word(word));
     if (const auto options = options_taking(row, *kind); !options.empty())
-        throw InputError(fmt::format("{}: is {}, which `{}` takes with {}; {}, or try `{}`", word, row_of(*kind).noun,
+        throw InputError(fmt::format("{} is {}, which `{}` takes with {}; {}, or try `{}`", word, row_of(*kind).noun,
                                      command, enumerated_or(options),
                                      options.size() > 1 ? "add one of them" : "add that", other));
-    throw InputError(fmt::format("{}: is {}, and {} takes {}; try `{}`", word, row_of(*kind).noun,
+    throw InputError(fmt::format("{} is {}, and {} takes {}; try `{}`", word, row_of(*kind).noun,
                                  row.argument[0] == '-' ? std::string(row.argument) : "`" + command + "`",
                                  nouns_of(row.kinds), other));
 }

@@ -73,8 +73,7 @@ Share share_named(const std::string& word) {
     const std::size_t slash = word.find('/');
     const auto number = whole_number(std::string_view(word).substr(0, slash));
     const auto of = slash == std::string::npos ? std::nullopt : whole_number(std::string_view(word).substr(slash + 1));
-    if (!number || !of)
-        throw InputError(fmt::format("--shard {}: is not a shard; write K/N, as in --shard 3/64", word));
+    if (!number || !of) throw InputError(fmt::format("--shard {} is not a shard; write K/N, as in --shard 3/64", word));
     if (*of < 1 || *of > Share::most)
         throw InputError(fmt::format("--shard {}: a run is divided into 1 to {} shards", word, Share::most));
     if (*number < 1 || *number > *of)

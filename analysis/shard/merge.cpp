@@ -23,7 +23,7 @@ std::vector<std::string> words_of_run(const std::string& command, const MergeOpt
          {std::pair("--junit", o.junit), {"--export-csv", o.csv}, {"--export-json", o.json}}) {
         if (file.empty()) continue;
         if (!checks)
-            throw InputError(std::string(option) + " " + file + ": is for claims, but these are shards of `" + command +
+            throw InputError(std::string(option) + " " + file + " is for claims, but these are shards of `" + command +
                              "`; leave it out");
         words.insert(words.end(), {option, file});
     }

@@ -22,7 +22,7 @@ constexpr const char* list_type = "TEXT,TEXT";  ///< in the help of an option
 
 std::string not_one_of(const std::string& option, const std::string& word, const std::vector<std::string>& known) {
     const auto near = scene::toml::closest(word, known);
-    return fmt::format("{} {}: is not one of {}{}", option, word, fmt::join(known, ", "),
+    return fmt::format("{} {} is not one of {}{}", option, word, fmt::join(known, ", "),
                        near ? "; did you mean " + *near + "?" : "");
 }
 
@@ -32,7 +32,7 @@ ValueRule in_range(T low, T high) {
     const auto wrong = [=](const std::string& option, const std::string& word) {
         T value{};
         const bool fits = CLI::detail::lexical_cast(word, value) && low <= value && value <= high;
-        return fits ? "" : fmt::format("{} {}: is not a number from {} to {}", option, word, text(low), text(high));
+        return fits ? "" : fmt::format("{} {} is not a number from {} to {}", option, word, text(low), text(high));
     };
     return {wrong, fmt::format("{} in [{} - {}]", CLI::detail::type_name<T>(), text(low), text(high))};
 }
@@ -156,7 +156,7 @@ template <class T>
 Option Command::add(const std::string& names, T& into, const std::string& help, const ValueRule& check) const {
     if constexpr (std::is_unsigned_v<T>) {  // the parser reads -1 as the largest number
         const auto minus = [](const std::string& option, const std::string& word) {
-            return word.starts_with('-') ? fmt::format("{} {}: is not a whole number of at least 0", option, word) : "";
+            return word.starts_with('-') ? fmt::format("{} {} is not a whole number of at least 0", option, word) : "";
         };
         return finished(app_->add_option(names, into, help), check.wrong ? check : ValueRule{minus, ""});
     }
@@ -335,7 +335,7 @@ void require_different_files(const std::vector<NamedFile>& files, const NamedFil
         if (file.empty()) continue;
         const auto at = place_of(file);
         if (!taken_folder.empty() && at.parent_path() == taken_folder)
-            throw InputError(fmt::format("{} {}: is in the folder of {} {}; choose another folder", option, file,
+            throw InputError(fmt::format("{} {} is in the folder of {} {}; choose another folder", option, file,
                                          folder.option, folder.file));
         const auto [place, fresh] = taken.emplace(at, option);
         if (!fresh)

@@ -22,7 +22,7 @@ Values known_values(const std::string& name) {
     };
     static const Known known[] = {
         {{Kind::names, {"forms"}}, {"intersector", "against"}},
-        {{Kind::names, {"formats"}}, {"format", "file-format", "f", "as"}},
+        {{Kind::names, {"formats"}}, {"format", "answer-format", "f", "as"}},
         {{Kind::names, {"metrics"}}, {"metric"}},
         {{Kind::names, {"strategies"}}, {"strategy"}},
         {{Kind::names, {"checks"}}, {"check"}},
@@ -56,9 +56,10 @@ std::string joined(const std::vector<std::string>& words, const char* between) {
 /// The way to write the value of an option, whose type may say between which ends it lies: `INT:INT in [1 - 1024]`.
 std::string written(const OptionRow& row, const std::string& type) {
     using Kind = Values::Kind;
-    static const std::map<std::string_view, const char*> forms{{"--size", "WxH"},      {"--pipe", "COMMAND"},
-                                                               {"--set", "KEY=VALUE"}, {"--shard", "K/N"},
-                                                               {"--pixel", "X,Y"},     {"--range", "LO:HI"}};
+    static const std::map<std::string_view, const char*> forms{
+        {"--size", "WxH"},           {"--pipe", "COMMAND"}, {"--set", "KEY=VALUE"}, {"--shard", "K/N"},
+        {"--pixel", "X,Y"},          {"--range", "LO:HI"},  {"--by", "COLUMN"},     {"--unit", "UNIT"},
+        {"--function", "FILE:NAME"}, {"--case", "NAME[:K]"}};
     const char* const more = row.several ? ",..." : "";
     if (row.values.kind == Kind::words) return joined(row.values.words, "|") + more;
     if (const auto form = forms.find(row.names.back()); form != forms.end()) return form->second;

@@ -41,7 +41,7 @@ std::string unknown_option(const Command& program, const std::string& word) {
     const std::string bare = word.substr(word.find_first_not_of('-'), word.find('=') - word.find_first_not_of('-'));
     const auto near = scene::toml::closest(bare, names);
     const std::string hint = written_elsewhere(program, bare);
-    return fmt::format("{}: is not an option of `{}`{}", word, program.given_words(),
+    return fmt::format("{} is not an option of `{}`{}", word, program.given_words(),
                        !hint.empty() ? "; try `" + hint + "`"
                        : near        ? "; did you mean --" + *near + "?"
                                      : "");
@@ -74,7 +74,7 @@ std::string leftover(const CommandLine& program, const std::string& fallback) {
     if (is_program) return fmt::format("\"{}\" is not a command; {}", word, scene::toml::did_you_mean(word, inner));
     const auto near = scene::toml::closest(word, inner);
     if (!inner.empty())
-        return fmt::format("{} {}: is not one of {}{}", command.name(), word, fmt::join(inner, ", "),
+        return fmt::format("{} {} is not one of {}{}", command.name(), word, fmt::join(inner, ", "),
                            near ? "; did you mean " + *near + "?" : "");
     return fmt::format(
         "{}: `{}` takes no such word; an option takes one value at a time: repeat it, or write commas (-i A,B)", word,
@@ -105,12 +105,12 @@ std::string describe_misread(const CommandLine& program, const Misread& error) {
         return std::regex_replace(part[1].str(), std::regex(","), ", ") + ": give only one of them";
     if (says(Misread::missing, "(.*) is required")) return missing_text(option());
     if (says(Misread::unread, "Could not convert: (.*) = (.*)"))
-        return fmt::format("{} {}: is not a {}number, or is too large", part[1].str(), part[2].str(),
+        return fmt::format("{} {} is not a {}number, or is too large", part[1].str(), part[2].str(),
                            option().type().find("INT") == std::string::npos ? "" : "whole ");
     if (says(Misread::wrong_count, "(.*?): [0-9]+ required .* missing"))
         return fmt::format("{}: its value is missing: {}", part[1].str(), option().help());
     if (says(Misread::wrong_count, "(.*?): At Most 1 required but received ([0-9]+)"))
-        return fmt::format("{}: is given {} times but takes one value", part[1].str(), part[2].str());
+        return fmt::format("{} is given {} times but takes one value", part[1].str(), part[2].str());
     return text;
 }
 

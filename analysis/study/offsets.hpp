@@ -1,4 +1,4 @@
-// Offsets of respawned rays, as a study.
+// Offsets of next rays, as a study.
 #pragma once
 
 #include <fmt/format.h>

@@ -23,8 +23,8 @@ struct Key {
         apart_from_before  ///< a point that is not the key before it
     };
 
-    std::string_view name;    ///< `centre`: used in TOML tables, paths and shaders
-    std::string_view letter;  ///< `c`: ray files have columns cx, cy, cz; options read CX,CY,CZ
+    std::string_view name;    ///< such as `centre`: the key in TOML tables, paths and shaders
+    std::string_view letter;  ///< such as `c`: ray files have columns cx, cy, cz; options read CX,CY,CZ
     Kind kind = Kind::point;
     Limit limit = Limit::none;
     std::array<std::string_view, 2> aliases = {};  ///< other common spellings of the name
@@ -36,10 +36,10 @@ struct Key {
 
 /// Words for a shape and for its special cases, for messages and texts.
 struct ShapeTexts {
-    std::string_view plainest;  ///< the simplest primitive: it reaches 2 from the origin
-    std::string_view touching;  ///< a ray that only touches it
+    std::string_view plainest;  ///< the simplest primitive, which reaches 2 from the origin
+    std::string_view touching;  ///< a ray that only touches the primitive
     std::string_view point;     ///< a primitive no larger than a point
-    std::string_view places;    ///< the name of its points: the centres
+    std::string_view places;    ///< the points that say where it is, in the plural, such as `centres`
 };
 
 }  // namespace lostbits

@@ -1,4 +1,4 @@
-// Counted: counts the operations of a formula by kind, in native arithmetic.
+// Counted: a native number that counts the operations of a formula, by kind.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace lostbits {
 
-/// `add` also stands for subtract, `choose` for select, min and max, `sign` for −x, |x| and copysign, `neighbour` for
-/// the next number up or down, `convert` for a conversion to or from a wider format.
+/// Kinds of operations. `add` includes subtraction, `choose` select, min and max, and `sign` −x, |x| and copysign.
+/// `neighbour` is the next number up or down, `convert` a conversion to or from a wider format.
 enum class Operation : std::uint8_t { add, mul, div, sqrt, fma, compare, choose, sign, neighbour, convert };
 
 inline constexpr std::array<std::string_view, 10> operation_names{"add",     "mul",    "div",  "sqrt",      "fma",
@@ -31,8 +31,8 @@ inline OperationCounts& operation_counts() {
     return counts;
 }
 
-/// F with a count. An operation on constants alone gives a constant and is not counted, as a compiler would fold it:
-/// `T(1) / T(2)` costs nothing. A formula is counted as it is written; common subexpressions count each time.
+/// A number of F whose operations are counted. An operation whose operands are all constants is not counted, since a
+/// compiler would fold it: `T(1) / T(2)` costs nothing. Common subexpressions count each time that they are written.
 template <class F>
 class Counted {
 public:
@@ -62,16 +62,16 @@ public:
     Counted& operator*=(const Counted& b) { return *this = *this * b; }
 
     friend bool operator<(const Counted& a, const Counted& b) {
-        return note(Operation::compare, a, b), a.value_ < b.value_;
+        return count_unless_constant(Operation::compare, a, b), a.value_ < b.value_;
     }
     friend bool operator<=(const Counted& a, const Counted& b) {
-        return note(Operation::compare, a, b), a.value_ <= b.value_;
+        return count_unless_constant(Operation::compare, a, b), a.value_ <= b.value_;
     }
     friend bool operator>(const Counted& a, const Counted& b) {
-        return note(Operation::compare, a, b), a.value_ > b.value_;
+        return count_unless_constant(Operation::compare, a, b), a.value_ > b.value_;
     }
     friend bool operator>=(const Counted& a, const Counted& b) {
-        return note(Operation::compare, a, b), a.value_ >= b.value_;
+        return count_unless_constant(Operation::compare, a, b), a.value_ >= b.value_;
     }
 
     friend Counted sqrt(const Counted& a) { return counted(Operation::sqrt, sqrt(a.value_), a); }
@@ -90,7 +90,7 @@ public:
     friend Counted max(const Counted& a, const Counted& b) {
         return counted(Operation::choose, a.value_ > b.value_ ? a.value_ : b.value_, a, b);
     }
-    /// Counted for two constants too: only the run decides between them.
+    /// Also counted if a and b are constants, since the mask is known only at run time.
     friend Counted select(bool mask, const Counted& a, const Counted& b) {
         ++operation_counts()[Operation::choose];
         return Counted(mask ? a.value_ : b.value_, false);
@@ -99,7 +99,7 @@ public:
     /// The same number in another format.
     template <class To>
     [[nodiscard]] Counted<To> converted() const {
-        note(Operation::convert, *this);
+        count_unless_constant(Operation::convert, *this);
         return Counted<To>(static_cast<To>(value_), constant_);
     }
 
@@ -109,14 +109,14 @@ private:
     Counted(F value, bool constant) : value_(value), constant_(constant) {}
 
     template <class... X>
-    static bool note(Operation kind, const X&... operands) {
+    static bool count_unless_constant(Operation kind, const X&... operands) {
         const bool constant = (operands.constant_ && ...);
         if (!constant) ++operation_counts()[kind];
         return constant;
     }
     template <class... X>
     static Counted counted(Operation kind, F value, const X&... operands) {
-        return Counted(value, note(kind, operands...));
+        return Counted(value, count_unless_constant(kind, operands...));
     }
 
     F value_;

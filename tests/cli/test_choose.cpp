@@ -110,7 +110,7 @@ TEST_CASE("a requirement is printed as it was typed") {
 namespace {
 
 const std::string far_rays = "'" LOSTBITS_DATA_DIR
-                             "/dumps/far-sphere.csv' --file-format f32 --sphere 0,0,0,1 --quick -i sphere.unified "
+                             "/dumps/far-sphere.csv' --answer-format f32 --sphere 0,0,0,1 --quick -i sphere.unified "
                              "-i sphere.schoolbook";
 
 const std::string head = "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius\n";
@@ -141,7 +141,7 @@ TEST_CASE("choose takes a file of rays and reports the accuracy of its answers")
 TEST_CASE("choose takes raw rays, a pipe and several files") {
     const Scratch scratch;
     const std::string rest =
-        " --file-format f32 --sphere 0,0,0,1 --quick -i sphere.unified --bits 16" + into(scratch, "");
+        " --answer-format f32 --sphere 0,0,0,1 --quick -i sphere.unified --bits 16" + into(scratch, "");
     const std::string raw = LOSTBITS_DATA_DIR "/dumps/far-sphere.f32";
     const auto by_columns = must("choose '" + raw + "' --columns ox:f32,oy,oz,dx,dy,dz,t,hit:u8" + rest);
     CHECK(has(by_columns.out, "in 1536 rays"));

@@ -14,7 +14,7 @@ using namespace lostbits::test;
 namespace {
 
 const fs::path dumps = fs::path(LOSTBITS_DATA_DIR) / "dumps";
-const std::string far_csv = "'" + (dumps / "far-sphere.csv").string() + "' --file-format f32 --sphere 0,0,0,1";
+const std::string far_csv = "'" + (dumps / "far-sphere.csv").string() + "' --answer-format f32 --sphere 0,0,0,1";
 const std::string far_raw =
     "'" + (dumps / "far-sphere.f32").string() + "' --columns ox:f32,oy,oz,dx,dy,dz,t,hit:u8 --sphere 0,0,0,1";
 const std::string head = "ox,oy,oz,dx,dy,dz,hit,t\n";
@@ -37,7 +37,7 @@ TEST_CASE("judge: a file gives the same numbers as text, as raw numbers and from
     const Scratch scratch;
     must("judge " + far_csv + into(scratch, "a"));
     must("judge " + far_raw + into(scratch, "b"));
-    must("judge /dev/stdin --container csv --file-format f32 --sphere 0,0,0,1" + into(scratch, "c"), ".",
+    must("judge /dev/stdin --container csv --answer-format f32 --sphere 0,0,0,1" + into(scratch, "c"), ".",
          "cat '" + (dumps / "far-sphere.csv").string() + "' |");
     const auto a = read_csv(scratch / "a/far-sphere/summary.csv");
     const auto b = read_csv(scratch / "b/far-sphere/summary.csv");
@@ -188,7 +188,8 @@ TEST_CASE("judge: a file is compared with a form, and a wrong contract is report
     const std::string file = scratch.write("rays.csv", text);
     const auto wrong = must("judge '" + file + "' --sphere 0,0,0,1" + into(scratch));
     CHECK(has(wrong.err, "--direction unit"));
-    const auto right = run("judge '" + file + "' --sphere 0,0,0,1 --direction unit --file-format f32" + into(scratch));
+    const auto right =
+        run("judge '" + file + "' --sphere 0,0,0,1 --direction unit --answer-format f32" + into(scratch));
     CHECK(right.err.empty());
     CHECK(read_csv(scratch / "out/rays/summary.csv")[0].at("lost_bits_max") == "0");
 }
@@ -198,10 +199,10 @@ TEST_CASE("judge: notes report rounded numbers, and answers that look like float
     std::string text = head;
     for (int i = 0; i < 20; ++i) text += "0,0,-5,0,0,1.00000000001,1,4\n";
     const std::string file = scratch.write("rays.csv", text);
-    const auto r = must("judge '" + file + "' --sphere 0,0,0,1 --file-format f32" + into(scratch));
+    const auto r = must("judge '" + file + "' --sphere 0,0,0,1 --answer-format f32" + into(scratch));
     CHECK(has(r.err, "20 values are not representable in f32 and were rounded"));
     const auto wide = run("judge '" + file + "' --sphere 0,0,0,1" + into(scratch));
-    CHECK(has(wide.err, "--file-format f32"));
+    CHECK(has(wide.err, "--answer-format f32"));
     CHECK(run("judge '" + file + "' --sphere 0,0,0,1 -q" + into(scratch)).err.empty());
 }
 
@@ -209,7 +210,7 @@ TEST_CASE("judge: suspicions are reported in terms of files") {
     const Scratch scratch;
     const auto judged = [&](const std::string& rows, const std::string& options) {
         const std::string file = scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n" + rows);
-        const auto r = must("judge '" + file + "' --file-format f32 " + options + into(scratch));
+        const auto r = must("judge '" + file + "' --answer-format f32 " + options + into(scratch));
         for (const char* word : {"unit_direction", "flags", "inside=", "hand over", "whole_line", "roots"})
             CHECK_FALSE(has(r.err, word));
         return r.err;
@@ -250,7 +251,7 @@ TEST_CASE("judge: primitives of all kinds keep the numbers as written") {
         scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t,object\n0,0,9,0,0,-1,1,3,0\n0,0,9,0,0,-1,1,3,1\n");
     const std::string box = " --box=-1,-1,-1,1,1,2", sphere = " --sphere=0,0,4,2";
     const auto outcomes = [&](const std::string& primitives) {
-        must("judge '" + file + "' --file-format f64 --rows" + primitives + into(scratch));
+        must("judge '" + file + "' --answer-format f64 --rows" + primitives + into(scratch));
         std::vector<std::string> found;
         for (const auto& row : read_csv(scratch / "out/rays/file.rays.f64.csv")) found.push_back(row.at("outcome"));
         return found;
@@ -282,8 +283,8 @@ TEST_CASE("judge: a form has the same outcomes at a mesh in judge and map") {
         "eye = [0, 0, 4]\nlook_at = [0, 0, 0]\nup = [0, 1, 0]\nwidth = 1\n[[mesh]]\nfile = \"quad.obj\"\n");
     const std::string file =
         scratch.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t,object\n0,0,4,0,0,-1,1,4,0\n0,0,4,0,0,-1,1,4,1\n");
-    const auto r =
-        must("judge '" + file + "' --file-format f32 --scene '" + scene + "' -i triangle.woop --rows" + into(scratch));
+    const auto r = must("judge '" + file + "' --answer-format f32 --scene '" + scene + "' -i triangle.woop --rows" +
+                        into(scratch));
     CHECK(has(r.out, "double hit"));
     must("map '" + scene + "' -i triangle.woop -f f32 --pixels csv" + into(scratch));
     const std::string mapped = read_csv(scratch / "out/quad/triangle.woop.f32.csv").at(0).at("outcome");

@@ -101,7 +101,7 @@ TEST_CASE("judge: decimals too short for a format are told apart from lost bits"
             must("judge '" + scratch.write("rays.csv", text) + "' --sphere 0,0,0,1" + options + into(scratch));
         return r.err;
     };
-    const std::string six = "0,0,%.6g,0,0,1,1,%.6g\n", f32 = " --file-format f32";
+    const std::string six = "0,0,%.6g,0,0,1,1,%.6g\n", f32 = " --answer-format f32";
     CHECK(has(said(six.c_str(), f32), "its numbers have at most 6 digits, but f32 needs 9; bits"));
     CHECK(has(said("0,0,%.7g,0,0,1,1,%.7g\n", f32), "at most 7 digits"));
     CHECK(has(said(six.c_str(), f32), "print with %.9g (std::setprecision(9))"));
@@ -109,16 +109,16 @@ TEST_CASE("judge: decimals too short for a format are told apart from lost bits"
     CHECK(said("0,0,%a,0,0,1,1,%a\n", f32).empty());
     // As f64 six digits look like floats too, which would be no better.
     CHECK(has(said(six.c_str(), ""), "at most 6 digits, but f64 needs 17 (of f32 9)"));
-    CHECK_FALSE(has(said(six.c_str(), ""), "--file-format f32"));
+    CHECK_FALSE(has(said(six.c_str(), ""), "--answer-format f32"));
     CHECK(has(said("0,0,%.8g,0,0,1,1,%.8g\n", ""), "at most 8 digits, but f64 needs 17"));
     // Nine digits, or as many of a float, look like floats.
     for (const char* pattern : {"0,0,%.9g,0,0,1,1,%.9g\n", "0,0,%.17g,0,0,1,1,%.17g\n"}) {
         CHECK(has(said(pattern, ""), "reported hits is a float, or the decimal of one, but was judged as "));
-        CHECK(has(said(pattern, ""), "--file-format f32"));
+        CHECK(has(said(pattern, ""), "--answer-format f32"));
         CHECK_FALSE(has(said(pattern, ""), "digits"));
     }
     CHECK(has(said("0,0,%.12g,0,0,1,1,%.12g\n", "", true), "at most 12 digits"));
-    CHECK_FALSE(has(said("0,0,%.12g,0,0,1,1,%.12g\n", "", true), "--file-format f32"));
+    CHECK_FALSE(has(said("0,0,%.12g,0,0,1,1,%.12g\n", "", true), "--answer-format f32"));
     CHECK(said("0,0,%.17g,0,0,1,1,%.17g\n", "", true).empty());
     // Few digits that are exactly the number are enough.
     CHECK(said("0,0,%.7g,0,0,1,1,%.7g\n", f32, false, 1 / 64.0).empty());
@@ -133,7 +133,7 @@ TEST_CASE("judge: a contract can say that the near root behind the ray is a miss
     }
     const std::string file = scratch.write("rays.csv", text);
     const auto with = [&](const std::string& options) {
-        return run("judge '" + file + "' --file-format f32 --sphere 0,0,0,1" + options + into(scratch));
+        return run("judge '" + file + "' --answer-format f32 --sphere 0,0,0,1" + options + into(scratch));
     };
     CHECK(has(with("").err, "the near root, behind the ray; say --inside near: t < 0 is then a miss"));
     const Outcome near = with(" --inside near");
@@ -161,7 +161,7 @@ TEST_CASE("judge: a bound with underflowing products still holds and proves no w
     const auto rows = judged(
         "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius\n0,0,-0x1p-99,0,0,16,0,0,0,0x1p-100\n"
         "0x57p-140,-0x5fp-140,0x5p-136,-0x18p+0,-0x28p+0,0x16p+0,-0x9p-140,-0x5p-140,0x1p-137,0x4bp-139\n",
-        "--file-format f32 -i sphere.embree_point --metric bound,bound_ratio,decision,rounding_error",
+        "--answer-format f32 -i sphere.embree_point --metric bound,bound_ratio,decision,rounding_error",
         "sphere.embree_point.f32");
     REQUIRE(rows.size() == 2);
     CHECK(rows[0].at("rounding_error") == "8388608");
@@ -173,7 +173,7 @@ TEST_CASE("judge: a bound with underflowing products still holds and proves no w
     const auto false_hit = judged(
         "ox,oy,oz,dx,dy,dz\n-4.709943831466693e-25,1.4873191210756734e-26,-8.213276590667404e-25,"
         "4.0748959076499384e-20,-3.916126667006054e-20,7.034124229980253e-17\n",
-        "--file-format f32 --sphere 0,0,0,4.412449099927811e-25 -i sphere.hearn_baker --metric "
+        "--answer-format f32 --sphere 0,0,0,4.412449099927811e-25 -i sphere.hearn_baker --metric "
         "decision,bound,bound_ratio",
         "sphere.hearn_baker.f32");
     REQUIRE(false_hit.size() == 1);
@@ -189,7 +189,7 @@ TEST_CASE("judge: rays that separate the slabs of a box stay within the bound of
     REQUIRE(std::regex_search(page, bound, said));
     const auto needed = [](const std::string& ray) {
         const auto rows = judged("ox,oy,oz,dx,dy,dz,lox,loy,loz,hix,hiy,hiz\n" + ray,
-                                 "--file-format f32 -i box.filtered --metric padding", "box.filtered.f32");
+                                 "--answer-format f32 -i box.filtered --metric padding", "box.filtered.f32");
         return rows.size() == 1 ? number_in(rows[0].at("padding")) : 0;
     };
     const double four = needed(

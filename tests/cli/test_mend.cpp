@@ -12,7 +12,7 @@ using namespace lostbits::test;
 namespace {
 
 const std::string far_rays =
-    "'" LOSTBITS_DATA_DIR "/dumps/far-sphere.csv' --file-format f32 --sphere 0,0,0,1 -i sphere.schoolbook --bits 16";
+    "'" LOSTBITS_DATA_DIR "/dumps/far-sphere.csv' --answer-format f32 --sphere 0,0,0,1 -i sphere.schoolbook --bits 16";
 
 }  // namespace
 

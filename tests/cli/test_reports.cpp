@@ -81,7 +81,7 @@ std::string of_one_draw(const std::string& document) {
 }
 
 /// A subject of each kind, small ones: numbers, a scene, a march, sweeps, cases, a search, every float, two questions,
-/// respawned rays, a picture.
+/// next rays, a picture.
 constexpr std::string_view kinds[] = {"arithmetic",           "box-one",
                                       "sdf-by-hand.miss",     "sphere-impact",
                                       "hard/padding",         "padding, searched",

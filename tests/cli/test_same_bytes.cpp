@@ -67,11 +67,12 @@ const Row rows[] = {
     {"render raycast-acne.ulp4 --size 60x40 -i sphere.unified -i sphere.unit_half_b -f f32 -f p20 --pictures all -o "
      "out",
      10},
-    {"judge far-sphere.csv --file-format f32 --sphere 0,0,0,1 --size 48x32 --rows -i 'sphere.p*' --metric residual "
+    {"judge far-sphere.csv --answer-format f32 --sphere 0,0,0,1 --size 48x32 --rows -i 'sphere.p*' --metric residual "
      "--metric "
      "lost_bits --pictures all -o out",
      11},
-    {"judge far-sphere.csv --file-format f32 --sphere 0,0,0,1 -i 'sphere.p*' --by y --tolerance 0.001 --bits 12 -o out",
+    {"judge far-sphere.csv --answer-format f32 --sphere 0,0,0,1 -i 'sphere.p*' --by y --tolerance 0.001 --bits 12 -o "
+     "out",
      3},
     {"consistency offset-touching --size 20x15 -i sphere.half_b,sphere.unified -f f32,f64,bf16 --pixels csv --pictures "
      "all -o out",

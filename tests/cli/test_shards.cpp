@@ -38,11 +38,12 @@ const Row rows[] = {
     {"sweep box-nearly-parallel extremes/scale -f f32", {3}},
     {"sweep worst/near --worst -i sphere.schoolbook -i sphere.press -f f32 --set starts=2", {2, 5}},
     {"sweep worst/mesh-edges --worst -i triangle.undivided -i triangle.plucker -f f32 --set rays=2048", {2, 3}},
-    {"judge rays.csv --sphere 0,0,0,1 --file-format f32 -i sphere.schoolbook -f f64 --rows --worst-rays 5", {1, 9, 3}},
-    {"judge rays.csv --sphere 0,0,0,1 --file-format f32 -i sphere.schoolbook -f f64 --size 200x330 --metric "
+    {"judge rays.csv --sphere 0,0,0,1 --answer-format f32 -i sphere.schoolbook -f f64 --rows --worst-rays 5",
+     {1, 9, 3}},
+    {"judge rays.csv --sphere 0,0,0,1 --answer-format f32 -i sphere.schoolbook -f f64 --size 200x330 --metric "
      "lost_bits,ulp_error",
      {2}},
-    {"judge rays.csv --sphere 0,0,0,1 --file-format f32 -i sphere.schoolbook --rows --by mine --tolerance 0.5 --bits "
+    {"judge rays.csv --sphere 0,0,0,1 --answer-format f32 -i sphere.schoolbook --rows --by mine --tolerance 0.5 --bits "
      "20",
      {4}},
     // Bands of 16 lines: five of them, the last one short.
@@ -162,7 +163,7 @@ TEST_CASE("every command that can be split into shards is tested so") {
 TEST_CASE("a file of rays that does not fill its picture is refused when its shards are merged") {
     const Scratch scratch;
     scratch.write("rays.csv", rays_csv());
-    must("judge rays.csv --sphere 0,0,0,1 --file-format f32 --size 200x331 --shard 1/1 -o p", scratch.path());
+    must("judge rays.csv --sphere 0,0,0,1 --answer-format f32 --size 200x331 --shard 1/1 -o p", scratch.path());
     const auto merged = run("merge p -o j", scratch.path());
     CHECK(merged.code == 2);
     CHECK(has(merged.err, "its --size is columns x rows"));

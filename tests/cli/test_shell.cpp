@@ -178,7 +178,7 @@ TEST_CASE("JUnit output has the time of each claim") {
 
 TEST_CASE("data/... of the documents is found from any folder, and a local file of that name comes first") {
     const Scratch elsewhere;
-    const std::string judge = "judge data/dumps/far-sphere.csv --file-format f32 --sphere 0,0,0,1 -o out";
+    const std::string judge = "judge data/dumps/far-sphere.csv --answer-format f32 --sphere 0,0,0,1 -o out";
     const auto found = must(judge, elsewhere.path());
     CHECK(has(found.out, "1536 rays of"));
     must("sweep 'data/sweeps/sdf-*.toml' -i sdf.secant_refined -f f32 --steps 2 -o swept", elsewhere.path());
@@ -186,7 +186,7 @@ TEST_CASE("data/... of the documents is found from any folder, and a local file 
     fs::create_directories(elsewhere / "data/dumps");
     elsewhere.write("data/dumps/far-sphere.csv", "ox,oy,oz,dx,dy,dz,t,hit\n0,0,-5,0,0,1,4,1\n");
     CHECK(has(run(judge + "2", elsewhere.path()).out, "1 ray of"));
-    const auto none = run("judge data/dumps/none.csv --file-format f32 --sphere 0,0,0,1 -o out3", elsewhere.path());
+    const auto none = run("judge data/dumps/none.csv --answer-format f32 --sphere 0,0,0,1 -o out3", elsewhere.path());
     CHECK(none.code == 2);
     CHECK(has(none.err, "data/dumps/none.csv"));
 }

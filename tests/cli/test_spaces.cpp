@@ -101,7 +101,7 @@ TEST_CASE("a file of rays with a matrix per ray is judged as the scene it comes 
     }
     const std::string head = "ox,oy,oz,dx,dy,dz";
     const std::string file = folder.write("rays.csv", head + names + "\n" + with_matrices);
-    must("judge '" + file + "' --file-format f32 --sphere=" + primitive +
+    must("judge '" + file + "' --answer-format f32 --sphere=" + primitive +
          " -i sphere.unified@pbrt -i sphere.unified --rows" + into(folder));
     const auto rows = read_csv(folder / "out/rays/summary.csv");
     const auto map = read_csv(folder / "out/instance-far.sphere/summary.csv");
@@ -119,7 +119,7 @@ TEST_CASE("a file of rays with a matrix per ray is judged as the scene it comes 
         most = std::max(most, number_in(row.at("lost_bits_max")));
     CHECK(most == number_in(rows[0].at("lost_bits_max")));
     // Given once, with the primitive: the same again.
-    must("judge '" + folder.write("once.csv", head + "\n" + without) + "' --file-format f32 --sphere=" + primitive +
+    must("judge '" + folder.write("once.csv", head + "\n" + without) + "' --answer-format f32 --sphere=" + primitive +
          "@" + matrix.substr(1) + " -i sphere.unified@pbrt" + into(folder));
     CHECK(read_csv(folder / "out/once/summary.csv")[0].at("lost_bits_p99") == rows[0].at("lost_bits_p99"));
     // A singular one is refused with its line.

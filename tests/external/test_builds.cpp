@@ -89,7 +89,7 @@ TEST_CASE("plugin: two builds of one library run together, each under its own na
     for (const std::string& words : std::initializer_list<std::string>{
              "map near-benign --size 16x12 -i new.example.schoolbook --against example.schoolbook -f f32 --force -o "
              "out",
-             "judge " + file + " --sphere 0,0,0,1 --file-format f32 -i '*.schoolbook' -o out",
+             "judge " + file + " --sphere 0,0,0,1 --answer-format f32 -i '*.schoolbook' -o out",
              "diff near-benign --size 16x12 -i new.example.schoolbook --against example.schoolbook -f f32 -o out"}) {
         const Outcome o = run(words + both, folder.path());
         INFO(words << ": " << o.err);
@@ -115,7 +115,7 @@ TEST_CASE("plugin: two builds of one library run together, each under its own na
     const Outcome bad = run("list intersectors --plugin sphere=next/schoolbook.so", folder.path());
     CHECK(bad.code == 2);
     CHECK(has(bad.err, "belong to the forms that ship"));
-    CHECK(has(run("list intersectors --plugin new=none.so", folder.path()).err, "--plugin none.so: no such library"));
+    CHECK(has(run("list intersectors --plugin new=none.so", folder.path()).err, "--plugin none.so: no such file"));
     CHECK(has(run("list intersectors --plugin new=", folder.path()).err, "--plugin new=: names no library; "));
 }
 

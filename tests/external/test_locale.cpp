@@ -40,7 +40,7 @@ Left work_in(const std::string& locale, const Scratch& locales, const std::strin
     for (const std::string& command :
          {"map near-benign --size 32x24" + forms + " --pixels csv --exr -o map",
           "sweep small.toml --seeds 1" + forms + " -o sweep",
-          "judge rays.csv --file-format f32 --sphere 0.5,0,0,1.25" + forms + " -o judge",
+          "judge rays.csv --answer-format f32 --sphere 0.5,0,0,1.25" + forms + " -o judge",
           "check claims.toml --export-csv claims.csv --export-json claims.json --junit claims.xml" + library,
           "report near-benign small.toml --size 32x24 --claims 'rtg7.fig6.schoolbook-near-*'" + forms + " -o page",
           "explain near-benign --pixel 16,12 -i sphere.schoolbook -f f32" + library,

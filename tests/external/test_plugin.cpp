@@ -213,8 +213,8 @@ TEST_CASE("plugin: a file that is not a library of forms is refused with advice"
         CHECK(o.code == 2);
         CHECK(has(o.err, says));
     };
-    refused("no-such-library", "no such library; looked in the current folder");
-    refused("./no-such-library.so", "./no-such-library.so: no such library");
+    refused("no-such-library", "no such file; looked in the current folder");
+    refused("./no-such-library.so", "./no-such-library.so: no such file");
     refused(folder.write("text.so", "hello"), "is not a library; give one that a compiler made (c++ -O2");
     refused(folder.write("mine.c", "hello"), "is not a library; compile it first: c++ -O2 -shared -fPIC mine.c -o");
     refused(folder.write("mine.cpp", "#include <lostbits_form.hpp>\n"),
@@ -224,7 +224,7 @@ TEST_CASE("plugin: a file that is not a library of forms is refused with advice"
                          "ELF"),
             "cannot be loaded");
     refused(library("no_forms"), "exports no lostbits_forms");
-    refused("''", "no such library");
+    refused("''", "no such file");
     const Outcome twice = run("list intersectors" + plugin("odd_plugin") + plugin("odd_plugin"), folder.path());
     CHECK(twice.code == 2);
     CHECK(has(twice.err, "odd.right"));

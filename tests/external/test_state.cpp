@@ -62,7 +62,7 @@ std::vector<std::string> rows_left(std::size_t command, const std::string& more,
                       forms = " -i 'sphere.double_inside,sphere.half_b" + asked + "'";
     const std::array<std::string, commands> all{
         "map tiny.toml" + forms + " -f f32,f64 --metric lost_bits,residual -o out",
-        "judge rays.csv --file-format f32 --sphere 0,0,0,1" + forms + " -f f32 -o out",
+        "judge rays.csv --answer-format f32 --sphere 0,0,0,1" + forms + " -f f32 -o out",
         "sweep subnormals.toml -i sphere.half_b,sphere.double_inside -f f32 -o out"};
     must("-q " + all[command] + more, folder.path(), before);
     std::vector<std::string> left;

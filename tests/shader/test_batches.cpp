@@ -110,8 +110,8 @@ TEST_CASE("shader: doubles are refused or left out on a device that lacks them",
     CHECK(forms_of(shader, without, false, "")[0].contract.name == "shader.a");
     shader.f32 = false;
     CHECK_THROWS_AS(forms_of(shader, without, false, ""), lostbits::EnvironmentError);
-    CHECK(most_rays({.buffer_bytes = 4800, .groups = 1000}, 64) == 100);
-    CHECK(most_rays({.buffer_bytes = 1, .groups = 1}, 32) == 1);
+    CHECK(max_rays_per_run({.buffer_bytes = 4800, .groups = 1000}, 64) == 100);
+    CHECK(max_rays_per_run({.buffer_bytes = 1, .groups = 1}, 32) == 1);
 }
 
 }  // namespace test_batches

@@ -54,7 +54,8 @@ struct Decisions {
     }
 };
 
-/// Asks the form and the box form about a batch. The target has one primitive for all rays, or one for each.
+/// Runs the form and the box form on a batch. A ray hits if both hit. The target has one primitive for all rays, or one
+/// for each ray.
 template <class S, class OfBox, class OfForm>
 void evaluate(const BoxedRowParts& row, const Format& format, const OfBox& box, const OfForm& form,
               const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
@@ -68,7 +69,7 @@ void evaluate(const BoxedRowParts& row, const Format& format, const OfBox& box, 
     for (std::size_t i = 0; i < rays.size(); ++i) hits.hit[i] = hits.hit[i] != 0 && found.hit[i] != 0;
 }
 
-/// Runs over packs if all rays share one primitive.
+/// Does the same in native arithmetic; in packs of rays if all of them share one primitive.
 template <class S>
 void evaluate_natively(void* own, const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
     const BoxedRowParts row = of(own);
@@ -89,7 +90,7 @@ void evaluate_rounded(void* own, const FloatFormat& format, const RayBatch<doubl
              target, hits);
 }
 
-/// Enclosures leave the box out: without rounding, every hit lies in the box.
+/// Enclosures leave the box out: in exact arithmetic, every hit of the form also hits the box.
 Hit<Ball> ball(void* own, const Ray<Ball>& ray, const Target<Ball>& target) { return of(own).form->ball(ray, target); }
 Hit<Interval> interval(void* own, const Ray<Interval>& ray, const Target<Interval>& target) {
     return of(own).form->interval(ray, target);
@@ -119,10 +120,10 @@ void record_with(const BoxedRowParts& row, const Format& format, const Ray<doubl
         inside(form, at, own);
         return table::append(own, inputs, tape);
     };
-    const TapeOutputs culled = part(*row.box, Target<double>(box), of_box);
+    const TapeOutputs box_outcome = part(*row.box, Target<double>(box), of_box);
     TapeOutputs answer = part(*row.form, target, of_form);
-    const bool hit = tape[culled.hit].value != 0 && tape[answer.hit].value != 0;
-    answer.hit = tape.add(TapeOp::both, format.parameters, hit ? 1 : 0, {culled.hit, answer.hit});
+    const bool hit = tape[box_outcome.hit].value != 0 && tape[answer.hit].value != 0;
+    answer.hit = tape.add(TapeOp::both, format.parameters, hit ? 1 : 0, {box_outcome.hit, answer.hit});
     tape.outputs = answer;
 }
 void record(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
@@ -196,9 +197,9 @@ bool has_box(const Intersector& row) {
     return placed.form != nullptr && has_box(*placed.form);
 }
 
-const Intersector& within_boxes(const Intersector& row) {
+const Intersector& without_world_boxes(const Intersector& row) {
     const BoxedRowParts made = made_of(row);
-    return made.form != nullptr && row.is_placed ? within_boxes(*made.form) : row;
+    return made.form != nullptr && row.is_placed ? without_world_boxes(*made.form) : row;
 }
 
 std::vector<std::string> names_on_tape(const Intersector& row, const Target<double>& target) {
@@ -224,11 +225,11 @@ const Intersector& innermost(const Intersector& row) {
     return placed.form != nullptr ? innermost(*placed.form) : row;
 }
 
-const Intersector& around(const Intersector& row, const Intersector& form) {
+const Intersector& with_other_form(const Intersector& row, const Intersector& form) {
     if (const BoxedRowParts made = made_of(row); made.form != nullptr)
-        return behind(*made.method, *made.box, around(*made.form, form));
+        return behind(*made.method, *made.box, with_other_form(*made.form, form));
     const auto placed = transform::made_of(row);
-    return placed.form != nullptr ? transform::through(*placed.space, around(*placed.form, form)) : form;
+    return placed.form != nullptr ? transform::through(*placed.space, with_other_form(*placed.form, form)) : form;
 }
 
 }  // namespace lostbits::intersect::bounding_box

@@ -10,13 +10,16 @@
 
 namespace lostbits::intersect::bounding_box {
 
-/// The row `triangle.undivided^box.signs~nearest`, made of a form of one shape and a form of boxes. It hits if the form
-/// hits the primitive and the box form hits the bounding box, both in the format and with the ray's end; t is the
-/// form's. The default method is not named. `through(space, behind(…))` has its box in the space of the primitive,
-/// `behind(…, through(…))` in the world. Only the ray's own end limits it, not a hit found before. Each row is made
-/// once and kept, as enrolled rows are. Its tape has the operations of the box, whose stored numbers are inputs, and
-/// those of the form. Without rounding it is the form. InputError if the primitive has no bounding box, or if `box` is
-/// not a form of boxes.
+/// A row made of a form of one shape and a form of boxes, such as `triangle.undivided^box.signs~nearest` (the default
+/// method is not named). Each row is made once and kept, as enrolled rows are.
+///
+/// - It hits if the form hits the primitive and the box form hits the bounding box, both in the format. Its t is the
+///   form's. Only the ray's own end limits both, not a hit found before.
+/// - `through(space, behind(…))` has its box in the space of the primitive, `behind(…, through(…))` in the world.
+/// - Its tape has the operations of the box, whose stored numbers are inputs, and those of the form.
+/// - Without rounding it answers as the form does.
+///
+/// Throws InputError if the primitive has no bounding box, or if `box` is not a form of boxes.
 const table::Intersector& behind(const BoxMethod& method, const table::Intersector& box,
                                  const table::Intersector& form);
 
@@ -31,15 +34,15 @@ BoxedRowParts made_of(const table::Intersector& row);
 /// True if a row is behind a box, in the space of its primitive or in the world; for a set, if any of its forms is.
 bool has_box(const table::Intersector& row);
 
-/// A row for primitives under matrices without its boxes in the world: a row that `transform::through` made.
-const table::Intersector& within_boxes(const table::Intersector& row);
+/// The row without its boxes in the world. For primitives under matrices, that is a row that `transform::through` made.
+const table::Intersector& without_world_boxes(const table::Intersector& row);
 
-/// Names of the inputs on a row's tape: those of the form, then the numbers of each box from the outside in.
+/// Names of the inputs on a row's tape: those of the form, then the numbers of each box, the outermost box first.
 std::vector<std::string> names_on_tape(const table::Intersector& row, const Target<double>& target);
 
-/// The form itself, behind all boxes and spaces.
+/// The form itself, without boxes and transforms.
 const table::Intersector& innermost(const table::Intersector& row);
-/// The same boxes and spaces around another form of that shape.
-const table::Intersector& around(const table::Intersector& row, const table::Intersector& form);
+/// The row with the same boxes and transforms around another form of that shape.
+const table::Intersector& with_other_form(const table::Intersector& row, const table::Intersector& form);
 
 }  // namespace lostbits::intersect::bounding_box

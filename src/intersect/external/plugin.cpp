@@ -90,7 +90,7 @@ fs::path find_plugin(const std::string& word) {
                          "mine.so");
     const fs::path given(named);
     if (fs::is_regular_file(given, ignored)) return given;
-    if (named.find('/') != std::string::npos) throw InputError(named + ": no such library");
+    if (named.find('/') != std::string::npos) throw InputError(named + ": no such file");
     std::string looked = "in the current folder";
     for (const fs::path& folder : search_path()) {
         for (const fs::path& path : {folder / named, folder / (named + ".so")}) {
@@ -98,7 +98,7 @@ fs::path find_plugin(const std::string& word) {
         }
         looked += ", " + folder.string();
     }
-    throw InputError("--plugin " + named + ": no such library; looked " + looked +
+    throw InputError("--plugin " + named + ": no such file; looked " + looked +
                      "; give its path, or set LOSTBITS_PLUGIN_PATH");
 }
 

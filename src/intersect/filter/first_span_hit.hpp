@@ -29,8 +29,8 @@ struct Deciding {
 
 /// True if x is positive. For an x close to 0 either answer may come, but there always is one.
 template <class E>
-mask_t<E> leans_up(const E& x) {
-    if constexpr (requires { x.leans_up(); }) return x.leans_up();
+mask_t<E> word_is_positive(const E& x) {
+    if constexpr (requires { x.word_is_positive(); }) return x.word_is_positive();
     else if constexpr (std::same_as<mask_t<E>, Tri>) return Tri((x > E(0)).is_yes());
     else return x > E(0);
 }
@@ -38,14 +38,14 @@ mask_t<E> leans_up(const E& x) {
 /// True if E proves that a number is 0.
 template <class E>
 inline constexpr bool knows_zero = !requires(const E& x) {
-    x.leans_up();
+    x.word_is_positive();
 };
 
 /// The near root: c/(−h + √q), or −(h + √q)/a if h is positive. The far root: (−h + √q)/a, or −c/(h + √q). None of them
 /// subtracts. If h = q = 0, the roots are 0, as the surface is met there alone (c = 0).
 template <class E>
 Fraction<E> root_of(const QuadraticSpan<E>& s, const mask_t<E>& far) {
-    const auto past = leans_up(s.h), by_a = (far && !past) || (!far && past);
+    const auto past = word_is_positive(s.h), by_a = (far && !past) || (!far && past);
     const E size = sqrt(s.q) + select(past, s.h, -s.h), n = select(by_a, size, s.c);
     const Fraction<E> root{select(past, -n, n), select(by_a, s.a, size)};
     if constexpr (knows_zero<E>) return select(size <= E(0), Fraction<E>{E(0), E(1)}, root);

@@ -32,7 +32,7 @@ public:
 
     template <class S>
     void answer(const lb_batch& batch) {
-        const std::size_t most = most_rays(device_->limits(), 8 * sizeof(S));
+        const std::size_t most = max_rays_per_run(device_->limits(), 8 * sizeof(S));
         for (std::size_t begin = 0; begin < batch.size; begin += most)
             answer_part<S>(batch, begin, std::min(most, batch.size - begin));
     }
@@ -103,7 +103,7 @@ std::shared_ptr<Program> compiled(const ShaderSource& shader, Device& on, int bi
 
 }  // namespace
 
-std::size_t most_rays(const DeviceLimits& limits, int bits) {
+std::size_t max_rays_per_run(const DeviceLimits& limits, int bits) {
     const std::size_t by_buffer = limits.buffer_bytes / (6 * static_cast<std::size_t>(bits) / 8);
     return std::max<std::size_t>(1, std::min(by_buffer, limits.groups * group_size));
 }

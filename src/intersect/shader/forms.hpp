@@ -10,13 +10,14 @@
 
 namespace lostbits::intersect::shader {
 
-/// A form for each format that the shader is wanted in, named `shader.NAME`, or `shader.NAME.KIND` if `name_device`.
-/// `arithmetic` describes how the device rounds and becomes part of the contract's source. InputError with the user's
-/// lines if the shader does not compile; EnvironmentError if it needs doubles and the device has none.
+/// Makes a form for each format that the source asks for, named `shader.NAME`, or `shader.NAME.KIND` if `name_device`.
+/// `arithmetic` describes how the device rounds; it becomes part of the source that the contract states. Throws
+/// InputError with the user's lines if the shader does not compile, and EnvironmentError if it needs doubles and the
+/// device has none.
 std::vector<external::ForeignForm> forms_of(const ShaderSource& shader, const std::shared_ptr<device::Device>& on,
                                             bool name_device, const std::string& arithmetic);
 
-/// Number of rays that one run of the device may answer, for numbers of this many bits.
-std::size_t most_rays(const device::DeviceLimits& limits, int bits);
+/// Largest number of rays in one run of the device, for numbers of this many bits.
+std::size_t max_rays_per_run(const device::DeviceLimits& limits, int bits);
 
 }  // namespace lostbits::intersect::shader

@@ -28,7 +28,7 @@ constexpr void for_each_space(const Act& act) {
                             MitsubaTransform,   //
                             CyclesTransform,    //
                             Cycles33Transform,  //
-                            ThreeTransform,     //
+                            ThreeJsTransform,   //
                             BevyTransform,      //
                             RigidTransform,     //
                             RelativeTransform,  //

@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::transform {
 
-struct ThreeTransform : CyclesTransform {
+struct ThreeJsTransform : CyclesTransform {
     static constexpr TransformMethodInfo info{
         .name = "three",
         .title = "M^-1 o and M^-1 d made unit; t is the distance from o of M applied to the point",
@@ -15,7 +15,7 @@ struct ThreeTransform : CyclesTransform {
         .normalises = true,
     };
 
-    /// v.normalize() multiplies by 1/|v|.
+    /// Normalises as three.js does: v.normalize() multiplies v by 1/|v|.
     template <Number T>
     static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {
         const T size = named("|d'|", length(ray.direction)), r = T(1) / size;

@@ -23,8 +23,8 @@ namespace lostbits::measure::attribution {
 
 using answer::OneRay;
 using answer::Outcome;
-using intersect::bounding_box::around;
 using intersect::bounding_box::innermost;
+using intersect::bounding_box::with_other_form;
 using intersect::table::Intersector;
 using truth::FormatInputs;
 using truth::missing;
@@ -109,7 +109,7 @@ bool is_other_question(const Intersector& a, const OneRay& ray_a, const Intersec
 /// explained primitive, or another set of the same shapes. Null if `other` fits neither.
 const Intersector* with_form(const Intersector& asked, Shape shape, const Intersector& other) {
     if (!asked.is_set() && other.shape != asked.shape) return nullptr;
-    if (!asked.is_set()) return &innermost(other) == &other ? &around(asked, other) : &other;
+    if (!asked.is_set()) return &innermost(other) == &other ? &with_other_form(asked, other) : &other;
     if (other.is_set()) return other.shapes() == asked.shapes() ? &other : nullptr;
     if (other.shape != shape) return nullptr;
     std::vector<const Intersector*> parts(asked.parts.begin(), asked.parts.end());

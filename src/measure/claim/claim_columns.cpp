@@ -104,7 +104,7 @@ void ClaimColumns::add_labelled(const Claim& claim) {
                                               scene::toml::did_you_mean(claim.metric, names));
 }
 
-double ClaimColumns::culprits(const Claim& claim, const FormSummary& summary) const {
+double ClaimColumns::culprit_share(const Claim& claim, const FormSummary& summary) const {
     const auto m = static_cast<std::size_t>(std::ranges::find_if(metrics_, &Metric::by_run) - metrics_.begin());
     const auto categories = metrics_[m]->categories;
     std::vector<std::size_t> places;
@@ -118,7 +118,7 @@ double ClaimColumns::culprits(const Claim& claim, const FormSummary& summary) co
 }
 
 double ClaimColumns::value(const Claim& claim, const FormSummary& summary) const {
-    if (!claim.operations.empty()) return culprits(claim, summary);
+    if (!claim.operations.empty()) return culprit_share(claim, summary);
     const auto columns = columns_of(metrics_);
     if (const SummaryColumn* const column = evaluate::find_column(columns, claim.metric)) return column->value(summary);
     std::vector<std::string> names;

@@ -15,13 +15,13 @@ bool asks_for_attribution(const scene::claim::Claim& claim);
 /// Columns that the claims about one subject name.
 class ClaimColumns {
 public:
-    /// Throws InputError, with the claim's position, for operations and labels that its form does not have. The setting
-    /// must outlive this object.
+    /// Throws InputError, with the position of the claim, if a claim names an operation or label that its form does not
+    /// have. The setting must outlive this object.
     ClaimColumns(const std::vector<const scene::claim::Claim*>& claims, const std::vector<evaluate::TestedForm>& rows,
                  const attribution::Setting& setting);
 
-    /// Metrics to measure: the default ones, and those whose columns a claim names. Measuring all would evaluate every
-    /// form exactly.
+    /// Metrics to measure: the default ones, and those whose columns a claim names. Others are left out, since some
+    /// need an exact evaluation of every form.
     [[nodiscard]] const std::vector<const metric::Metric*>& metrics() const { return metrics_; }
     /// Value of the claim's column in a summary of `metrics()`; NaN if there is none. Throws InputError for an unknown
     /// name, with did-you-mean.
@@ -29,7 +29,7 @@ public:
 
 private:
     void add_labelled(const scene::claim::Claim& claim);
-    [[nodiscard]] double culprits(const scene::claim::Claim& claim, const evaluate::FormSummary& summary) const;
+    [[nodiscard]] double culprit_share(const scene::claim::Claim& claim, const evaluate::FormSummary& summary) const;
 
     attribution::Setting setting_;
     metric::MetricSet made_;

@@ -40,7 +40,7 @@ std::optional<offset::BadRay> shown_by(const Claim& claim, const offset::Strateg
     return std::nullopt;
 }
 
-/// The respawned ray with the primitive that it leaves, in a form that `lostbits explain` accepts.
+/// The next ray with the primitive that it leaves, in a form that `lostbits explain` accepts.
 evaluate::WorstRay witness_of(const offset::BadRay& bad) {
     const auto given = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(bad.ray.ray));
     given->primitives = {bad.primitive};

@@ -284,7 +284,8 @@ private:
 
 }  // namespace
 
-void measure_row(const RowRequest& request, const RowBand& on, FormSummary& summary, std::span<const BandPart> parts) {
+void measure_row(const RowRequest& request, const RowInputs& on, FormSummary& summary,
+                 std::span<const BandPart> parts) {
     const TestedForm& row = request.row;
     const answer::Answers asked = request.answers ? answer::Answers{} : answer::evaluate(*row.form, on.inputs);
     const answer::Answers& answers = request.answers ? *request.answers : asked;

@@ -1,4 +1,7 @@
-// Measures one row on a band that shares the columns of its truth with other rows.
+// Measures one form and format on a band of rays, reusing truth computed for other forms.
+//
+// A row is a form in a format (`TestedForm`). A band is a part of the rays, such as some lines of a picture. Columns
+// are arrays with one number for each ray of the band, such as the true t.
 #pragma once
 
 #include <cstdint>
@@ -12,22 +15,22 @@
 
 namespace lostbits::measure::evaluate {
 
-/// A band and its inputs and columns for one row.
-struct RowBand {
+/// A band, with the inputs and columns that one row needs.
+struct RowInputs {
     const truth::Band& band;
     const truth::FormatInputs& inputs;    ///< inputs in the row's format
     const columns::BandColumns& columns;  ///< computed for the row's convention and unit
 };
 
-/// Inputs of each format, and truths in the units and by the conventions of the rows, for measuring rows on a band. The
-/// band must outlive this object.
+/// Truth of a band that several rows share: the inputs in each of their formats, and the true answers in each unit and
+/// by each convention that they use. The band must outlive this object.
 class BandOfRows {
 public:
     /// Also computes κ of the band's hits if a metric needs it.
     BandOfRows(truth::Band& band, const std::vector<TestedForm>& rows,
                const std::vector<const metric::Metric*>& metrics);
 
-    [[nodiscard]] RowBand of(const TestedForm& row) const { return {band_, inputs_.at(row.format.name), columns_}; }
+    [[nodiscard]] RowInputs of(const TestedForm& row) const { return {band_, inputs_.at(row.format.name), columns_}; }
 
 private:
     const truth::Band& band_;
@@ -35,14 +38,14 @@ private:
     columns::BandColumns columns_;
 };
 
-/// Rays of a band, by ascending index, that get a summary of their own as well.
+/// Rays of a band that also get a summary of their own. Their indices ascend.
 struct BandPart {
     std::span<const std::uint32_t> rays;
     FormSummary* summary;
 };
 
-/// Same as `measure_row` of evaluate.hpp, which computes the columns for one row only.
-void measure_row(const RowRequest& request, const RowBand& on, FormSummary& summary,
+/// Does the same as `measure_row` of evaluate.hpp, which computes the columns for one row only.
+void measure_row(const RowRequest& request, const RowInputs& on, FormSummary& summary,
                  std::span<const BandPart> parts = {});
 
 }  // namespace lostbits::measure::evaluate

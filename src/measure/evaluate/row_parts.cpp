@@ -64,7 +64,8 @@ FormStatements::FormStatements(const TestedForm& row, unsigned needs, const trut
     if (!(needs & metric::needs_steps)) return;
     if (!asked.placed || !part.is_placed) return;
     // A box in the world is not a step of the way.
-    steps_ = answer::steps_of(intersect::bounding_box::within_boxes(part), row.format, ray, asked, rays.range(i));
+    steps_ =
+        answer::steps_of(intersect::bounding_box::without_world_boxes(part), row.format, ray, asked, rays.range(i));
 }
 
 void FormStatements::into(metric::Sample& sample) const {

@@ -157,7 +157,7 @@ private:
     void put_object_point(Leaving<T>& found) const {
         const auto& steps = intersect::transform::steps_in<T>(
             *intersect::transform::made_of(
-                 intersect::bounding_box::within_boxes(work_.row_.form->of(found.primitive.shape)))
+                 intersect::bounding_box::without_world_boxes(work_.row_.form->of(found.primitive.shape)))
                  .space);
         const Placement<T> placed = *std::exchange(found.primitive.placed, std::nullopt);
         const auto maps = steps.maps(placed);

@@ -17,7 +17,7 @@
 
 namespace lostbits::measure::offset {
 
-/// Faults of a respawned ray; it can have several at once.
+/// Faults of a next ray; it can have several at once.
 ///
 ///   self_hit            Outside: the exact half-line from the new origin, beyond t_min, meets inner points of the
 ///                       primitive that it leaves, before that one's far side begins (`far_side`). A surface

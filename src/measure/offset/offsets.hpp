@@ -133,7 +133,7 @@ bool can_be_asked(const intersect::table::Intersector& form);
 using OffsetColumn = metric::MeasuredColumn<const OffsetSummary&, Side, std::size_t>;
 std::span<const OffsetColumn> offset_columns();
 
-/// Strategy with which no respawned ray goes wrong.
+/// Strategy with which no next ray goes wrong.
 struct SafeStrategy {
     const Strategy* strategy;
     /// Operations of one new ray as the rule is written (`Strategy::operations`): a count, not a time.

@@ -84,14 +84,16 @@ intersect::table::Kernel<F> kernel_of(const external::Library& library, const st
     return {run<F>, &kernels};
 }
 
-bool is_double(const Written& form) { return form.from.format.engine == Format::Engine::native64; }
+bool is_double(const RepairedSource& form) { return form.from.format.engine == Format::Engine::native64; }
 
 /// True if the forms take the matrix of their primitive. The forms of one list are alike in this, so the first one
 /// decides.
-bool are_placed(const std::vector<Written>& forms) { return !forms.empty() && forms.front().from.form->is_placed; }
+bool are_placed(const std::vector<RepairedSource>& forms) {
+    return !forms.empty() && forms.front().from.form->is_placed;
+}
 
 /// The source that includes `mended0.hpp`, `mended1.hpp`, … and exports the kernels of each.
-std::string placed_source_of(const std::vector<Written>& forms) {
+std::string placed_source_of(const std::vector<RepairedSource>& forms) {
     std::string text = "#include \"measure/repair/placed_form.hpp\"\n";
     for (std::size_t k = 0; k < forms.size(); ++k) {
         std::string primitive(row_of(forms[k].from.form->shape).name);
@@ -104,7 +106,7 @@ std::string placed_source_of(const std::vector<Written>& forms) {
 
 /// Makes a row for each form, in the format of the form that it was made from. Rows use the register width of the run,
 /// as all rows under a matrix do.
-std::vector<external::Formula> placed_rows(const fs::path& library, const std::vector<Written>& forms) {
+std::vector<external::Formula> placed_rows(const fs::path& library, const std::vector<RepairedSource>& forms) {
     static std::deque<intersect::Info> infos;
     const external::Library loaded = external::load_library(library);
     std::vector<external::Formula> formulas;
@@ -151,7 +153,7 @@ auto load_made(const fs::path& library, const Load& load) {
     }
 }
 
-std::string source_of(const std::vector<Written>& forms) {
+std::string source_of(const std::vector<RepairedSource>& forms) {
     if (are_placed(forms)) return placed_source_of(forms);
     std::string text = "#include <lostbits_form.hpp>\n", names;
     for (std::size_t k = 0; k < forms.size(); ++k) {
@@ -175,23 +177,24 @@ speed::TimedWork alone(speed::TimedWork work) {
 
 }  // namespace
 
-std::vector<intersect::external::Formula> compiled(const MendRequest& request, const std::vector<Written>& forms,
-                                                   const Workshop& workshop) {
-    if (!fs::exists(workshop.flags / "form.flags"))
-        throw EnvironmentError((workshop.flags / "form.flags").string() +
+std::vector<intersect::external::Formula> compile_and_load(const MendRequest& request,
+                                                           const std::vector<RepairedSource>& forms,
+                                                           const CompilerSetup& setup) {
+    if (!fs::exists(setup.flags / "form.flags"))
+        throw EnvironmentError((setup.flags / "form.flags").string() +
                                ": this file is missing; it holds the compiler flags for forms; a build of lostbits has "
                                "it, and an installation has it in lib/lostbits");
     const intersect::device::TemporaryFolder bench("lostbits-mend");
     const auto path = [&](const std::string& name) { return (bench.path / name).string(); };
-    const auto flags = [&](const std::string& name) { return "@" + (workshop.flags / name).string(); };
+    const auto flags = [&](const std::string& name) { return "@" + (setup.flags / name).string(); };
     for (std::size_t k = 0; k < forms.size(); ++k) write(path("mended" + std::to_string(k) + ".hpp"), forms[k].header);
     const std::string source = path("mended.cpp"), packs = path("packs.o"), library = path("mended.so"),
                       isa = "form.w" + std::string(name_of(simd::current_isa())) + ".flags";
     write(source, source_of(forms));
-    intersect::process::ProgramArguments link{workshop.compiler, "-shared", source};
-    if (fs::exists(workshop.flags / isa)) {
+    intersect::process::ProgramArguments link{setup.compiler, "-shared", source};
+    if (fs::exists(setup.flags / isa)) {
         // form.flags names the libraries to link as well; `-c` does not use them.
-        run_compiler({workshop.compiler, "-c", source, "-o", packs, flags("form.flags"), flags(isa)}, request);
+        run_compiler({setup.compiler, "-c", source, "-o", packs, flags("form.flags"), flags(isa)}, request);
         link.push_back(packs);
     }
     link.insert(link.end(), {"-o", library, flags("form.flags")});

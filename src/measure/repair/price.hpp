@@ -12,13 +12,13 @@
 namespace lostbits::measure::repair {
 
 /// The compiler, and the folder with `form.flags` and `form.w256.flags`, as the build of this program left it.
-struct Workshop {
+struct CompilerSetup {
     std::string compiler;
     std::filesystem::path flags;
 };
 
 /// Repaired form as C++.
-struct Written {
+struct RepairedSource {
     const Tape* tape;
     std::string header;         ///< text
     std::string type;           ///< the struct's name, with its namespace
@@ -27,15 +27,16 @@ struct Written {
 
 /// Time in seconds for one ray and one primitive.
 struct Price {
-    std::string_view isa = {};  ///< instruction set of `packed`; `scalar` where there is none
+    std::string_view isa = {};  ///< instruction set of `packed`; `scalar` if the form is not timed in packs
     speed::Timing packed{}, single{};
 };
 
-/// Compiles all forms into one library, also in packs of the current width, and loads it; the library stays loaded. Of
-/// the request only the scene and the limit matter. EnvironmentError with the compiler's output; std::logic_error where
-/// a compiled form has other bits than its tape on any ray of the scene.
-std::vector<intersect::external::Formula> compiled(const MendRequest& request, const std::vector<Written>& forms,
-                                                   const Workshop& workshop);
+/// Compiles all forms into one library, also in packs of the current width, and loads it. The library stays loaded.
+/// Only the scene and the limit of the request are used. Throws EnvironmentError with the compiler's output if it
+/// fails, and std::logic_error if a compiled form gives other bits than its tape for any ray of the scene.
+std::vector<intersect::external::Formula> compile_and_load(const MendRequest& request,
+                                                           const std::vector<RepairedSource>& forms,
+                                                           const CompilerSetup& setup);
 
 /// Times all rows in one run, on rays of the scene, as `lostbits trade SCENE` does.
 std::vector<Price> prices_of(const MendRequest& request, const std::vector<evaluate::TestedForm>& rows,

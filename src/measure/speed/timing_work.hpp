@@ -170,7 +170,7 @@ private:
     Stores<double> f64_;
 };
 
-/// True where an untimed pass brings so many bytes back into the cache level where they were.
+/// True if an untimed pass over so many bytes leaves them in cache.
 bool stay_in_cache(std::size_t bytes);
 
 }  // namespace lostbits::measure::speed

@@ -1,4 +1,5 @@
-// Proving: a number of a formula and a bound on its error, in its own format. Filters decide by these bounds.
+// Proving: a number of a formula together with a bound on its rounding error, both in the formula's own format. A
+// filter decides a comparison if these bounds allow it.
 #pragma once
 
 #include "number/tri.hpp"
@@ -6,33 +7,37 @@
 
 namespace lostbits::number::wide {
 
-/// u of a format, its smallest normal number L, and the factor on the bound of a comparison.
+/// Unit roundoff u of a format.
 template <class P>
 P roundoff_of() {
     if constexpr (InRegisters<P>) return P(has_wider_word<P> ? 0x1p-24 : 0x1p-53);
     else return unit_roundoff<P>();
 }
+/// Factor 1 + 2^-9 by which the bound of a comparison is enlarged.
 template <class P>
 P outward_of() {
     if constexpr (InRegisters<P>) return P(1 + 0x1p-9);
     else return P(513) / P(512);
 }
 
-/// T's own operations, to the bit and recorded as T records them, with a bound e, a number of P: T without recording.
-/// It encloses all real x with |x − w| ≤ e (1 + 2^-10), where 2^20 u ≤ 1. If e is infinite or NaN, nothing is known,
-/// and no comparison with it is decided.
+/// A word w of T and a bound e of P. w is computed by T's own operations, so it has the same bits as T, and T records
+/// it in the same way. P is T without recording. The pair encloses all real x with |x − w| ≤ e (1 + 2^-10), for formats
+/// with 2^20 u ≤ 1. If e is infinite or NaN, nothing is known about x, and no comparison with it is decided.
 ///
-/// For x and y in a and b, with w the rounded result and η the least subnormal number:
+/// Let x and y be enclosed by a and b, w the rounded result, η the least subnormal number, and L the least normal one:
 ///
 ///     w = a ± b    |x ± y − w| ≤ e_a + e_b + u|w|                     (a sum does not underflow)
 ///     w = a b      |x y − w|   ≤ (|a| + e_a) e_b + |b| e_a + u|w| + η
 ///     w = a/b      |x/y − w|   ≤ (e_a + (|w| + η) e_b)/(|b| − e_b) (1 + 2u) + u|w| + η
 ///     w = √a       |√x − w|    ≤ e_a/√a + u|w|
 ///
-/// Nothing is known about a quotient if |b| ≤ e_b, nor about a root if a ≤ e_a. Each product and quotient in these
-/// bounds can lose an η too, so L, which is at least 4η, is added for each. Each step of the bounds loses a factor of
-/// at most 1 + 2u. The only subtraction is |b| − e_b, with e_b rounded up. No formula here has 400 such steps one after
-/// the other: (1 + 2u)^400 < 1 + 2^-10. If a word overflows, u|w| is infinite or NaN.
+/// Nothing is known about a quotient if |b| ≤ e_b, nor about a root if a ≤ e_a. The bounds are rounded too:
+///
+/// - A product or quotient in a bound can lose an η, so L, which is at least 4η, is added for each.
+/// - Each step of a bound loses a factor of at most 1 + 2u. No formula here has 400 such steps one after the other, and
+///   (1 + 2u)^400 < 1 + 2^-10.
+/// - The only subtraction is |b| − e_b, with e_b rounded up.
+/// - If a word overflows, u|w| is infinite or NaN.
 ///
 /// A comparison uses d, the rounded difference, which has the sign of the exact difference. Its bound is
 /// e = (e_a + e_b)(1 + 2^-9), which covers the factor 1 + 2^-10 and the rounding u|d| of d itself.
@@ -49,10 +54,10 @@ public:
     Proving(const T& w, const P& e) : w_(w), e_(e) {}
 
     [[nodiscard]] const T& word() const { return w_; }
-    /// Upper bound on the distance of x from the word.
+    /// Upper bound on the distance from the word to any x that is enclosed.
     [[nodiscard]] P radius() const { return e_ * outward_of<P>(); }
-    /// True if the word is positive, whatever x is.
-    [[nodiscard]] Mask leans_up() const {
+    /// True if the word is positive. It may be wrong about the sign of x.
+    [[nodiscard]] Mask word_is_positive() const {
         const Lanes up = value_of(w_) > P(0);
         return {up, !up};
     }
@@ -89,7 +94,7 @@ public:
         return {root.w_, select(value_of(a.w_) > a.radius(), root.e_ + spread, P(1) / P(0))};
     }
     friend Proving fma(const Proving& a, const Proving& b, const Proving& c) { return a * b + c; }
-    /// Represents exact numbers, which have no neighbours.
+    /// Returns the number itself: the pair encloses real numbers, which have no neighbours.
     friend Proving next_up(const Proving& a) { return a; }
     friend Proving next_down(const Proving& a) { return a; }
     friend Proving abs(const Proving& a) {
@@ -100,7 +105,7 @@ public:
         const Proving x = abs(a);
         return select(b < Proving(0), -x, x);
     }
-    /// The result is unknown if the mask is undecided.
+    /// If the mask is undecided, the result is b with an infinite bound.
     friend Proving select(const Mask& mask, const Proving& a, const Proving& b) {
         using lostbits::select;
         return {select(constant_mask<T>(mask.yes()), a.w_, b.w_),

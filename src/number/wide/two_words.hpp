@@ -1,4 +1,5 @@
-// Double-double over any number: the operations of `Ball` on its midpoint, in the same order, so the same bits.
+// Double-double arithmetic over any number type P: a number is the sum of two words of P. The operations are those of
+// `Ball` on its midpoint, in the same order, so the bits are the same.
 #pragma once
 
 #include <bit>
@@ -9,7 +10,7 @@
 
 namespace lostbits::number::wide {
 
-/// 2^k in P, k ≤ 0 and normal, exactly. It is a constant for floats, doubles and packs of them.
+/// 2^k in P, exactly, where k ≤ 0 and 2^k is a normal number. For floats, doubles and packs of them it is a constant.
 template <class P>
 P power_of_two(int k) {
     if constexpr (std::floating_point<P> || requires { typename P::Lanes; }) {

@@ -42,8 +42,11 @@ fs::path find_module() {
         throw EnvironmentError(path.string() + ": cannot load the image module: " + why +
                                "; the module and its libraries take 500 MB of address space: raise `ulimit -v`");
     throw EnvironmentError(path.string() + ": cannot load the image module: " + (why != nullptr ? why : "unknown") +
-                           "; install OpenImageIO and Cairo (Debian: libopenimageio2.4, libcairo2) and rebuild the "
-                           "target `lostbits_image`");
+                           "; install OpenImageIO and Cairo (Debian: libopenimageio2.4, libcairo2)");
+}
+
+[[noreturn]] void is_other_module(const fs::path& path, const char* why) {
+    throw EnvironmentError(path.string() + ": " + why + "; rebuild the target `lostbits_image`");
 }
 
 ImageBackend& load() {
@@ -56,8 +59,8 @@ ImageBackend& load() {
     if (handle == nullptr) cannot_load(path, ::dlerror());
     const auto abi = reinterpret_cast<int (*)()>(::dlsym(handle, "lostbits_image_abi"));
     const auto get = reinterpret_cast<ImageBackend* (*)()>(::dlsym(handle, "lostbits_image_backend"));
-    if (abi == nullptr || get == nullptr) cannot_load(path, "not an image module");
-    if (abi() != image_module_abi) cannot_load(path, "it belongs to another build");
+    if (abi == nullptr || get == nullptr) is_other_module(path, "is not an image module of lostbits");
+    if (abi() != image_module_abi) is_other_module(path, "this image module belongs to another build");
     return *get();
 }
 

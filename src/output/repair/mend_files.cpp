@@ -297,8 +297,8 @@ FormTexts words_of(const MendResult& r, const Proposal& proposal, const std::str
 
 }  // namespace
 
-measure::repair::Written written(const MendResult& r, const Proposal& proposal, const std::string& name,
-                                 const std::string& command) {
+measure::repair::RepairedSource written(const MendResult& r, const Proposal& proposal, const std::string& name,
+                                        const std::string& command) {
     const FormTexts words = words_of(r, proposal, "mended." + name, command);
     return {&proposal.tape, form_header(proposal.tape, *r.request.row.form, words),
             fmt::format("lostbits::intersect::{}::{}", row_of(r.request.row.form->shape).name, type_name(name)),

@@ -139,8 +139,8 @@ private:
 };
 
 /// A proposal as a header that holds `mended.NAME`, for the compiler. `command` made it.
-measure::repair::Written written(const MendResult& result, const Proposal& proposal, const std::string& name,
-                                 const std::string& command);
+measure::repair::RepairedSource written(const MendResult& result, const Proposal& proposal, const std::string& name,
+                                        const std::string& command);
 
 /// The best proposal for a file of that name: `NAME.hpp` holds `mended.NAME`, `NAME.glsl` the function NAME. Throws
 /// InputError if none meets the requirement, and the errors of `shader_code`.

@@ -13,7 +13,7 @@ namespace lostbits::output::repair {
 
 namespace {
 
-/// Most letters of an expression that is written inside another one.
+/// Largest number of characters of an expression that is written inside another one.
 constexpr std::size_t short_enough = 56;
 
 }  // namespace
@@ -25,11 +25,11 @@ std::vector<std::string> input_names_of(const intersect::table::Intersector& for
 }
 
 TapeCode::TapeCode(const Tape& tape, const intersect::table::Intersector& form, std::vector<NodeId> wanted,
-                   CodeNames words, const TapeCode* like)
+                   LanguageNames language, const TapeCode* like)
     : tape_(tape),
       wanted_(std::move(wanted)),
       slice_(tape, wanted_),
-      words_(std::move(words)),
+      language_(std::move(language)),
       own_(tape.format_of(tape.outputs.t)),
       inputs_(input_names_of(form)),
       primitive_numbers_(row_of(form.shape).numbers) {
@@ -58,13 +58,13 @@ std::string TapeCode::identifier(std::string_view label) const {
         if (c == '\'') id += "_prime";
         else if (c == '^') continue;
         else if (std::isalnum(static_cast<unsigned char>(c))) id += c;
-        else if (!id.ends_with('_')) id += '_';  // GLSL reserves names with two
+        else if (!id.ends_with('_')) id += '_';  // GLSL reserves names that contain two in a row
     }
     if (id.empty() || std::isdigit(static_cast<unsigned char>(id.front()))) id.insert(0, "x");
-    return words_.taken.contains(id) ? id + "_" : id;
+    return language_.reserved.contains(id) ? id + "_" : id;
 }
 
-// Conversions have no names, so that other operations have the same names with and without them.
+// Conversions get no names, so the names of other operations do not depend on which of them are wider.
 void TapeCode::name_all(const TapeCode* like) {
     const auto first_of_matrix = static_cast<NodeId>(6 + primitive_numbers_);
     std::set<std::string> used;
@@ -76,7 +76,7 @@ void TapeCode::name_all(const TapeCode* like) {
         if (n.op == TapeOp::input) {
             name = inputs_.at(static_cast<std::size_t>(n.operands[0]));
             if (name == "ray.tmax") name = "tmax";
-            else if (n.operands[0] >= 6 && n.operands[0] < first_of_matrix) name.insert(0, words_.primitive);
+            else if (n.operands[0] >= 6 && n.operands[0] < first_of_matrix) name.insert(0, language_.primitive);
         } else if (n.op != TapeOp::constant && n.op != TapeOp::convert) {
             name = new_name(n, like, used);
         }
@@ -144,8 +144,8 @@ int TapeCode::uses(NodeId i) const {
     return all;
 }
 
-// Chooses the expressions written inside others. Lengths do not count types and conversions, so the choice is the same
-// whichever operations are wider.
+// Chooses the expressions that are written inside others. Lengths leave out types and conversions, so the choice does
+// not depend on which operations are wider.
 void TapeCode::choose_inlined() {
     std::vector<std::size_t> length;
     for (NodeId i = 0; i < tape_.size(); ++i) {

@@ -14,9 +14,9 @@
 namespace lostbits::output::repair {
 
 /// Names of the numbers of the primitive in a language, and words that cannot be names there.
-struct CodeNames {
+struct LanguageNames {
     std::string primitive;  ///< prefix of `centre.x`
-    std::set<std::string, std::less<>> taken;
+    std::set<std::string, std::less<>> reserved;
 };
 
 /// Names of the inputs on the tape of a form: of a ray, of a primitive, and of its matrix if it has one.
@@ -36,8 +36,8 @@ public:
 protected:
     /// Code for whatever `wanted` is computed from. `like`: operations without a name of their own have the names that
     /// they have there.
-    TapeCode(const Tape& tape, const intersect::table::Intersector& form, std::vector<NodeId> wanted, CodeNames words,
-             const TapeCode* like = nullptr);
+    TapeCode(const Tape& tape, const intersect::table::Intersector& form, std::vector<NodeId> wanted,
+             LanguageNames language, const TapeCode* like = nullptr);
 
     [[nodiscard]] virtual std::string statement(NodeId i) const = 0;
     [[nodiscard]] virtual std::string expression(NodeId i) const = 0;
@@ -65,7 +65,7 @@ private:
 
     std::vector<NodeId> wanted_;
     attribution::TapeSlice slice_;
-    CodeNames words_;
+    LanguageNames language_;
     FloatFormat own_;
     std::vector<std::string> inputs_, names_;
     std::size_t primitive_numbers_;  ///< inputs after the ray; the matrix follows

@@ -12,7 +12,7 @@ struct ReportFile {
     std::vector<std::string> sweeps;
     std::vector<std::string> forms;  ///< globs
     std::vector<std::string> formats;
-    std::vector<std::string> offsets;  ///< scenes whose respawned rays are measured
+    std::vector<std::string> offsets;  ///< scenes whose next rays are measured
     std::vector<std::string> mends;    ///< SCENE:FORM:BITS: the forms to repair
 };
 

@@ -205,7 +205,7 @@ constexpr Kind measured[] = {
 struct OwnKey {
     std::string_view key, kind, why;
 };
-constexpr std::string_view of_offsets = "needs offsets = \"...\", a scene whose respawned rays the claim is about";
+constexpr std::string_view of_offsets = "needs offsets = \"...\", a scene whose next rays the claim is about";
 constexpr OwnKey own_keys[] = {
     {"size", "", "is the scene's own; write it there, or name a variant of the scene that has that size"},
     {"strategy", "offsets", of_offsets},

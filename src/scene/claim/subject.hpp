@@ -48,7 +48,7 @@ struct RenderSubject {
     std::optional<file::Stage> stage = {};  ///< absent: the last stage that the scene asks for
 };
 
-/// The respawned rays of a scene, as in `lostbits offsets`: the strategy, the side and the points.
+/// The next rays of a scene, as in `lostbits offsets`: the strategy, the side and the points.
 struct OffsetsSubject {
     std::string name, strategy = {}, side = {}, points = {};
 };

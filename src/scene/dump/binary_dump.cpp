@@ -176,7 +176,7 @@ Chunk BinaryDump::decode(const Records& records) const {
                 if (std::isinf(stored) && !std::isinf(value))
                     throw InputError(fmt::format(
                         "{}: record {}: {} is {}, larger than the largest number of {}; name the "
-                        "format that the answers were computed in with --file-format",
+                        "format that the answers were computed in with --answer-format",
                         source_.name(), records.first + i + 1,
                         record_layout_.columns[layout_->index_of(*reader.slot)].name, value, format().name));
                 writer.put(*reader.slot, stored, exact && (stored == value || std::isnan(value)));

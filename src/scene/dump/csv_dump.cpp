@@ -216,7 +216,7 @@ std::string CsvDump::put(std::string_view word, std::size_t slot, ChunkWriter& w
         case NumberParser::Kind::too_large:
             return fmt::format(
                 "is larger than the largest number of {}; name the format that the answers were computed "
-                "in with --file-format",
+                "in with --answer-format",
                 format().name);
         case NumberParser::Kind::not_a_number_word: break;
     }

@@ -106,17 +106,12 @@ struct NamedShapes {
 
 constexpr std::string_view hex_tail = "_hex";
 
-/// Returns `cx,cy,cz,radius or lox,loy,…`, with all shapes.
-std::string columns_of_primitives() {
-    std::string primitives;
-    for (const ShapeRow& row : shape_rows)
-        primitives += (primitives.empty() ? "" : " or ") + fmt::format("{}", fmt::join(column_names(row.shape), ","));
-    return primitives;
-}
-
-std::string what_to_write() {
-    return "name the columns ox,oy,oz,dx,dy,dz, optionally tmin and tmax, the primitive's " + columns_of_primitives() +
-           ", optionally its matrix m00,m01,...,m23, and the answer's hit and t";
+/// The columns as the file names them, at most six.
+std::string found_names(const std::vector<LayoutColumn>& columns) {
+    std::string all;
+    for (std::size_t i = 0; i < std::min<std::size_t>(columns.size(), 6); ++i)
+        all += (i == 0 ? "" : ",") + columns[i].name;
+    return columns.size() > 6 ? all + ",..." : all;
 }
 
 }  // namespace
@@ -261,7 +256,9 @@ void Layout::require_whole(const Complain& complain) const {
                              fmt::format("a ray has no {}; is \"{}\" meant to be \"{}\"?", names, column.name, name));
             }
         }
-        complain(0, fmt::format("a ray has no {}; {}", names, what_to_write()));
+        complain(0, fmt::format("a ray has no {}: the columns are \"{}\"; name ox,oy,oz,dx,dy,dz, and optionally tmin, "
+                                "tmax, hit and t (docs/judge.md lists these columns and those of a primitive)",
+                                names, found_names(columns_)));
     }
     if (const auto names = lacks(slot::matrix, slot::count, {}); has_any_of_matrix() && !names.empty())
         complain(0, fmt::format("a matrix has no {}; write its three rows of four numbers, m00 to m23, or rename the "
@@ -270,7 +267,8 @@ void Layout::require_whole(const Complain& complain) const {
     if (!primitive_) return;
     const std::size_t end = slot::primitive + row_of(*primitive_).numbers;
     if (const auto names = lacks(slot::primitive, end, *primitive_); !names.empty())
-        complain(0, fmt::format("{} has no {}; {}", with_article(*primitive_), names, what_to_write()));
+        complain(0, fmt::format("{} has no {}; its columns are {}", with_article(*primitive_), names,
+                                fmt::join(column_names(*primitive_), ",")));
 }
 
 bool Layout::has_any_of_matrix() const {

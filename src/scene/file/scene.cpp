@@ -309,7 +309,7 @@ std::string beside(const std::filesystem::path& by, const std::string& name) {
 SceneName find_scene(const std::string& name_or_path, const std::filesystem::path& data_dir) {
     const std::filesystem::path as_path(name_or_path);
     std::error_code ignored;
-    const std::string no_file = name_or_path + ": there is no such file";
+    const std::string no_file = name_or_path + ": no such file";
     const auto refuse_slip = [&] {
         if (std::filesystem::exists(as_path, ignored)) return;
         if (const std::string meant = toml::nearby_file(as_path); !meant.empty())

@@ -341,7 +341,7 @@ std::filesystem::path find_sweep(const std::string& name_or_path, const std::fil
     if (std::ranges::count_if(names, last_part) == 1)
         return folder / (*std::ranges::find_if(names, last_part) + ".toml");
     if (const std::string meant = toml::nearby_file(name_or_path); !meant.empty())
-        throw InputError(name_or_path + ": there is no such file; " + meant);
+        throw InputError(name_or_path + ": no such file; " + meant);
     const std::string hint = toml::did_you_mean(std::filesystem::path(name_or_path).stem().string(), names);
     throw InputError(name_or_path + ": is neither a file nor the name of a sweep in " + folder.string() +
                      (hint.empty() ? "; check the path" : "; " + hint));

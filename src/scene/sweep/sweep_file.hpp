@@ -26,15 +26,15 @@ struct Axis : AxisName {
     };
     std::vector<Target> targets;
 
-    /// The middle between two values in the axis's own spacing. It equals one of them if nothing is between.
+    /// Midpoint of a and b by the spacing of the axis. It is a or b if no number of the axis lies between.
     [[nodiscard]] double middle(double a, double b) const;
 };
 
 /// The changes to a sweep before a run begins.
 struct SweepChanges {
-    std::optional<std::pair<int, int>> size = {};  ///< size of the scene's picture, and so the rays in each step
-    /// Assignments to paths of the scene or of the table of the ray distribution, as in an axis; also to `march.` and
-    /// `axis[K].`.
+    std::optional<std::pair<int, int>> size = {};  ///< size of the scene's picture, and so the number of rays per step
+    /// Assignments to paths of the scene or of the table of the ray distribution, as in an axis; also to paths that
+    /// begin with `march.` or `axis[K].`.
     std::vector<toml::Override> set = {};
     std::vector<long long> steps = {};  ///< number of steps of each axis, or one number for all axes
 };
@@ -60,7 +60,7 @@ public:
     };
     std::vector<Mark> marks;
 
-    /// True if the forms for these shapes can handle the sweep.
+    /// True if a form for these shapes can run the sweep.
     [[nodiscard]] bool meets(Shapes forms) const {
         return forms == Shape::sdf ? marches_ : forms == Shapes(shapes_).placed(is_placed_);
     }

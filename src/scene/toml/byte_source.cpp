@@ -37,7 +37,7 @@ void ByteSource::open(Opens opens) {
     if (fd_ >= 0) return;
     const int error = errno;
     if (error == ENOENT || error == ENOTDIR)
-        throw InputError(name_ + ": there is no such file; check its name and the current folder");
+        throw InputError(name_ + ": no such file; check its name and the current folder");
     if (error == ELOOP || error == ENAMETOOLONG || error == ENXIO)
         throw InputError(name_ + ": is not a file: " + std::strerror(error) + "; name one");
     fail(std::string("cannot open: ") + std::strerror(error));

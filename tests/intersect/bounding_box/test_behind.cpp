@@ -60,9 +60,9 @@ TEST_CASE("a row behind a box is named after form, box and method, and shapes wi
     CHECK(two.info->name == "sphere.unified^box.signs@pbrt^box.pbrt_padded~pbrt");
     CHECK(two.shapes() == Shapes(Shape::sphere).placed());
     CHECK(&intersect::bounding_box::innermost(two) == &sphere);
-    CHECK(intersect::bounding_box::around(two, form("sphere.schoolbook")).info->name ==
+    CHECK(intersect::bounding_box::with_other_form(two, form("sphere.schoolbook")).info->name ==
           "sphere.schoolbook^box.signs@pbrt^box.pbrt_padded~pbrt");
-    CHECK(&intersect::bounding_box::around(sphere, form("sphere.schoolbook")) == &form("sphere.schoolbook"));
+    CHECK(&intersect::bounding_box::with_other_form(sphere, form("sphere.schoolbook")) == &form("sphere.schoolbook"));
 
     CHECK_THROWS_AS(behind(intersect::bounding_box::usual_box_method(), sphere, sphere), InputError);
     CHECK_THROWS_AS(behind(intersect::bounding_box::usual_box_method(),

@@ -99,7 +99,7 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not, also 
     CHECK(by_rationals > 60);
 }
 
-TEST_CASE("faults of respawned rays agree with rational arithmetic", "[measure][offset]") {
+TEST_CASE("faults of next rays agree with rational arithmetic", "[measure][offset]") {
     std::array<int, fault_names.size()> seen{};
     for (const auto& [scene, form] : scenes) {
         const ScenePoints points(scene, form, "f32");

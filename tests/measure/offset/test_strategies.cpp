@@ -76,7 +76,7 @@ TEST_CASE("strategies: constants for double scale those for float by the unit ro
     CHECK(at("offset.epsilon").y == -3 - 1e-3 * 0.5);
 }
 
-TEST_CASE("secondary rays leave a point to the light, mirrored, refracted by Snell's law, and over both hemispheres",
+TEST_CASE("next rays leave a point to the light, mirrored, refracted by Snell's law, and over both hemispheres",
           "[measure][offset]") {
     const Vec<double> n(0.48, -0.6, 0.64), p(1, 2, 3);
     const auto angle = [&](const Vec<double>& w) { return dot(n, w) / length(w); };

@@ -310,11 +310,11 @@ TEST_CASE("what cannot be compiled has no price, and the message says why", "[me
     const Scene scene = scene_named("near-benign", 8);
     const MendRequest request = request_of(scene, "sphere.half_b", 5);
     const Tape tape = tape::tape_of(*request.row.form, request.row.format);
-    const std::vector<Written> forms{{.tape = &tape, .header = "", .type = "None", .from = request.row}};
+    const std::vector<RepairedSource> forms{{.tape = &tape, .header = "", .type = "None", .from = request.row}};
     const test::Scratch folder;
-    CHECK_THROWS_WITH(compiled(request, forms, {"c++", folder.path()}), Catch::Contains("form.flags"));
+    CHECK_THROWS_WITH(compile_and_load(request, forms, {"c++", folder.path()}), Catch::Contains("form.flags"));
     folder.write("form.flags", "");
-    CHECK_THROWS_WITH(compiled(request, forms, {"no-such-compiler", folder.path()}),
+    CHECK_THROWS_WITH(compile_and_load(request, forms, {"no-such-compiler", folder.path()}),
                       Catch::Contains("no-such-compiler"));
 }
 

@@ -57,7 +57,7 @@ constexpr std::pair<std::string_view, Fruit> fruit[] = {{"apple", Fruit::apple},
 TEST_CASE("a file that cannot be read is refused with the reason") {
     const Scratch folder;
     CHECK(error_in(folder, [&] { read_toml(folder.path() / "none.toml"); }) ==
-          "none.toml: there is no such file; check its name and the current folder");
+          "none.toml: no such file; check its name and the current folder");
     CHECK(error_of([&] { read_toml(folder.path()); }) ==
           folder.path().string() + ": is a folder; name a .toml file in it");
     const fs::path large = folder.write("large.toml", std::string((16u << 20) + 1, '\n'));

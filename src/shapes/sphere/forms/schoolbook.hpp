@@ -9,7 +9,7 @@ namespace lostbits::intersect::sphere {
 struct Schoolbook {
     static constexpr Info info{
         .name = "sphere.schoolbook",
-        .title = "schoolbook quadratic, touching hits",
+        .title = "schoolbook quadratic; a touching ray hits",
         .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), eqs. 2 and 3",
     };
 

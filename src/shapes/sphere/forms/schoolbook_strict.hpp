@@ -9,7 +9,7 @@ namespace lostbits::intersect::sphere {
 struct SchoolbookStrict {
     static constexpr Info info{
         .name = "sphere.schoolbook_strict",
-        .title = "schoolbook quadratic, touching misses",
+        .title = "schoolbook quadratic; a touching ray misses",
         .source = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7 (2019), eqs. 2 and 3 with disc <= 0 a miss",
         .touching = Touching::miss,
     };
