@@ -22,6 +22,11 @@ std::string subject(const OffsetRow& row, Side side) {
                        name_of(row.point), in_words(side));
 }
 
+/// Look of a strategy in every plot: its row in the table of strategies.
+std::size_t look_of(const measure::offset::Strategy& strategy) {
+    return static_cast<std::size_t>(&strategy - measure::offset::strategies().data());
+}
+
 plot::AxisSpec axis_of(Along along) {
     return {std::string(measure::offset::meaning_of(along)), plot::AxisSpec::Scale::log2, {}, {}};
 }
@@ -56,7 +61,12 @@ void AlongFiles::plot_wrong(std::size_t row, Side side) const {
                             .y = {"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1},
                             .series = {}};
     for (std::size_t k = 0; k < study_.strategies.size(); ++k) {
-        plot::Series series{.label = short_name(*study_.strategies[k]), .x = steps_, .y = {}, .low = {}, .high = {}};
+        plot::Series series{.label = short_name(*study_.strategies[k]),
+                            .x = steps_,
+                            .y = {},
+                            .low = {},
+                            .high = {},
+                            .look = look_of(*study_.strategies[k])};
         for (const auto& step : summaries_) {
             const SideSummary& s = step[row].on(side);
             series.y.push_back(measure::truth::fraction(s.strategies[k].bad, s.rays));
@@ -75,15 +85,17 @@ void AlongFiles::plot_size(std::size_t row, Side side) const {
                             .x = axis_of(along_),
                             .y = {"world units", plot::AxisSpec::Scale::log10, {}, {}},
                             .series = {}};
-    const auto add = [&](const std::string& label, bool dashed, const auto& value) {
-        plot::Series series{.label = label, .x = steps_, .y = {}, .low = {}, .high = {}, .dashed = dashed};
+    const auto add = [&](const std::string& label, bool dashed, std::size_t look, const auto& value) {
+        plot::Series series{
+            .label = label, .x = steps_, .y = {}, .low = {}, .high = {}, .dashed = dashed, .look = look};
         for (const auto& step : summaries_) series.y.push_back(value(step[row].on(side)));
         spec.series.push_back(std::move(series));
     };
-    add("smallest safe offset, largest of all points", true, [](const SideSummary& s) { return s.safe.quantile(1); });
+    add("smallest safe offset, largest of all points", true, measure::offset::strategies().size(),
+        [](const SideSummary& s) { return s.safe.quantile(1); });
     for (std::size_t k = 0; k < study_.strategies.size(); ++k) {
         if (study_.strategies[k]->keeps_point) continue;
-        add(short_name(*study_.strategies[k]), false,
+        add(short_name(*study_.strategies[k]), false, look_of(*study_.strategies[k]),
             [k](const SideSummary& s) { return s.strategies[k].size.quantile(0.5); });
     }
     spec.notes = {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "output/file/atomic_file.hpp"
+#include "output/file/number_text.hpp"
 #include "output/map/row_names.hpp"
 #include "scene/toml/counted.hpp"
 
@@ -259,7 +260,7 @@ std::string standings_text(const TradeRequest& request, const TradeResult& resul
         const double kept = all[k].kept_bits;
         text += fmt::format("  {} {:<28} {:<5} {:>9} {:>9.2f} {:>5.1f}% {:>15} {:>7.3g}%\n", dominated[k] ? ' ' : '*',
                             form, format, isa, all[k].time_ns, 50 * (t.high_quartile - t.low_quartile) / t.median,
-                            std::isnan(kept) ? "-" : fmt::format("{:.1f}", kept), 100 * all[k].wrong_fraction);
+                            std::isnan(kept) ? "-" : file::kept_text(kept), 100 * all[k].wrong_fraction);
     }
     return text + "  * on the Pareto front; +-: half the distance between the quartiles\n";
 }
