@@ -11,6 +11,7 @@
 
 #include "output/file/atomic_file.hpp"
 #include "output/file/number_text.hpp"
+#include "output/image/figure.hpp"
 #include "output/map/row_names.hpp"
 #include "scene/toml/counted.hpp"
 
@@ -233,11 +234,6 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
     return spec;
 }
 
-void write_trade_plot(const std::filesystem::path& path, const TradeRequest& request, const TradeResult& result,
-                      std::size_t set) {
-    plot::write_scatter_plot(path, trade_plot(request, result, set));
-}
-
 namespace {
 
 /// The kernels on a set of rays, the fastest register width of each form and format, by time.
@@ -323,7 +319,8 @@ void TradeFiles::write_standings(const TradeResult& result) {
                             &metric_of(request_, accuracy, "lost_bits"), &metric_of(request_, accuracy, "excess_bits"),
                             static_cast<bool>(beaten[k])});
         }
-        write_trade_plot(folder_ / fmt::format("{}.png", sets[s].name), request_, result, s);
+        image::save_figure(folder_ / fmt::format("{}.png", sets[s].name),
+                           plot::scatter_plot(trade_plot(request_, result, s)));
     }
 }
 

@@ -1,3 +1,4 @@
+#include "output/image/figure.hpp"
 #include "output/plot/scatter_plot.hpp"
 
 #include <cmath>
@@ -35,7 +36,7 @@ ScatterPlotSpec small() {
 }
 
 PngImage plotted(const Scratch& folder, const ScatterPlotSpec& spec) {
-    write_scatter_plot(folder / "s.png", spec);
+    save_figure(folder / "s.png", scatter_plot(spec));
     return backend().read_png(folder / "s.png");
 }
 
@@ -130,7 +131,7 @@ TEST_CASE("a scatter plot shows points, names and the Pareto front where they be
     REQUIRE((blue > 0 && red > 0 && faint > 0));
     CHECK(blue < red);
     CHECK(red < faint);
-    write_scatter_plot(folder / "again.png", small());
+    save_figure(folder / "again.png", scatter_plot(small()));
     CHECK(contents(folder / "s.png") == contents(folder / "again.png"));
     auto without = small();
     for (auto& p : without.points) p.label.clear();
