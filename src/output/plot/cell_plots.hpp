@@ -23,10 +23,10 @@ struct MatrixPlotSpec {
         std::string label;                 ///< above its columns, `f32`
         std::vector<std::string> columns;  ///< written upwards below it
     };
-    std::vector<Group> groups;  ///< side by side
-    std::vector<std::string> rows;
-    std::string keys = {};          ///< for a script: what each column shows; see `MarkData`
-    std::vector<MatrixCell> cells;  ///< row by row, over all groups
+    std::vector<Group> groups = {};  ///< side by side
+    std::vector<std::string> rows = {};
+    std::string keys = {};               ///< for a script: what each column shows; see `MarkData`
+    std::vector<MatrixCell> cells = {};  ///< row by row, over all groups
     std::vector<image::LegendEntry> legend;
     std::optional<image::ColourScale> scale = {};  ///< drawn as a bar to the right
     std::string unit = {};                         ///< above the bar

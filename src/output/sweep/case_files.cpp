@@ -98,9 +98,6 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
                                                             intersect::convention_name(judged))
                                               : request.file.title,
                               .subtitle = {fmt::format("Right: {}. {}.", right_means(request.file), numbers_mean)},
-                              .groups = {},
-                              .rows = {},
-                              .cells = {},
                               .legend = {{"right", case_right_colour, {}}},
                               .scale = scale.bar(),
                               .unit = scale.unit()};

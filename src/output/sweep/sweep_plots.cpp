@@ -49,7 +49,7 @@ const plot::AxisSpec share_axis{"share of rays", plot::AxisSpec::Scale::linear, 
 /// One value of a row along the sweep, by rising parameter.
 Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std::string& label,
                  const std::function<double(const FormSummary&)>& value) {
-    Series series{label, {}, {}, {}, {}};
+    Series series{label};
     for (const SweepStep& step : steps) {
         series.x.push_back(step.values.front());
         series.y.push_back(value(step.rows[row]));
@@ -85,11 +85,7 @@ std::string rays_text(const MeasuredSweep& sweep) {
 /// Plot with the parts common to all plots along a sweep: its title, its axis, and the number of rays per step.
 LinePlotSpec plot_along(const MeasuredSweep& sweep, const std::string& title, const plot::AxisSpec& y) {
     const scene::sweep::SweepFile& file = sweep.request.sweep;
-    return {.title = title,
-            .subtitle = {file.title, rays_text(sweep)},
-            .x = plot_axis(file.axes.front()),
-            .y = y,
-            .series = {}};
+    return {.title = title, .subtitle = {file.title, rays_text(sweep)}, .x = plot_axis(file.axes.front()), .y = y};
 }
 
 image::Canvas lines_of(const MeasuredSweep& sweep, const Format& format, const Quantity& quantity, PlotSize size = {}) {
