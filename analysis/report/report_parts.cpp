@@ -9,6 +9,7 @@
 #include "analysis/selection/select.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "measure/sweep/sweep.hpp"
+#include "output/image/figure.hpp"
 #include "output/map/finding.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/map_files.hpp"
@@ -63,9 +64,8 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
         const std::string alt =
             judged ? fmt::format("{}, judged by the {} primitive", file.title, intersect::convention_name(judged))
                    : file.title;
-        part.charts.push_back(page::chart(
-            alt, [&](const auto& to) { output::sweep::write_case_matrix(to, request, cases, judged); },
-            std::string(intersect::convention_name(judged)), false));
+        part.charts.push_back({alt, svg_text(output::sweep::case_matrix(request, cases, judged)),
+                               std::string(intersect::convention_name(judged)), false});
     }
     return part;
 }
@@ -78,17 +78,14 @@ std::vector<page::Chart> line_charts(const output::sweep::MeasuredSweep& sweep) 
         const std::string what = fmt::format("{}, {}", sweep.request.sweep.title, format.name);
         for (const auto& [q, title, name] : {std::tuple(0.99, "99th percentile of lost bits: ", "lost_bits_p99"),
                                              {0.5, "Median of lost bits: ", "lost_bits_p50"}})
-            charts.push_back(page::chart(
-                title + what,
-                [&, q = q](const auto& to) { output::sweep::write_lost_bits_plot(to, sweep, format, q, size); },
-                fmt::format("{}.{}", name, format.name)));
+            charts.push_back({title + what, svg_text(lost_bits_plot(sweep, format, q, size)),
+                              fmt::format("{}.{}", name, format.name)});
         for (const auto outcome : output::sweep::wrong_outcomes(sweep, format)) {
             if (!output::sweep::occurs(sweep, format, outcome)) continue;
-            charts.push_back(page::chart(
-                output::sweep::wrong_title(outcome) + ": " + what,
-                [&](const auto& to) { output::sweep::write_wrong_plot(to, sweep, format, outcome, size); },
-                fmt::format("{}_fraction.{}", measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
-                            format.name)));
+            charts.push_back(
+                {output::sweep::wrong_title(outcome) + ": " + what, svg_text(wrong_plot(sweep, format, outcome, size)),
+                 fmt::format("{}_fraction.{}", measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
+                             format.name)});
         }
     }
     return charts;
@@ -127,9 +124,8 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             const std::string alt =
                 fmt::format("{}: {} in {}", sweep.title, request.rows[r].form->info->name, request.rows[r].format.name);
-            part.charts.push_back(page::chart(
-                alt, [&](const auto& to) { output::sweep::write_plane_picture(to, request, steps, r); }, part.rows[r],
-                false));
+            part.charts.push_back(
+                {alt, svg_text(output::sweep::plane_picture(request, steps, r)), part.rows[r], false});
         }
         return part;
     }
@@ -257,12 +253,10 @@ page::TradePart trade_part(Shape shape, const std::vector<TestedForm>& rows, Sto
                          output::speed::trade_in_words(request, result),
                          {}};
     const auto sets = measure::speed::ray_sets(shape);
-    for (std::size_t s = 0; s < sets.size(); ++s) {
-        part.charts.push_back(page::chart(
-            fmt::format("Time against kept bits: {}", sets[s].title),
-            [&](const auto& to) { output::speed::write_trade_plot(to, request, result, s); },
-            std::string(sets[s].name)));
-    }
+    for (std::size_t s = 0; s < sets.size(); ++s)
+        part.charts.push_back({fmt::format("Time against kept bits: {}", sets[s].title),
+                               svg_text(scatter_plot(output::speed::trade_plot(request, result, s))),
+                               std::string(sets[s].name)});
     return part;
 }
 

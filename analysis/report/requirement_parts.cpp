@@ -8,6 +8,7 @@
 #include "analysis/selection/select.hpp"
 #include "measure/choice/margin.hpp"
 #include "output/choice/choice_files.hpp"
+#include "output/image/figure.hpp"
 #include "output/page/page.hpp"
 #include "output/repair/mend_files.hpp"
 
@@ -109,8 +110,7 @@ page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
             .requirement = output::choice::in_words(work.requirement),
             .words = output::choice::in_words(chosen),
             .table = page::choice_table(chosen),
-            .front = page::chart(fmt::format("Time against kept bits on {}", work.scene.id),
-                                 [&](const auto& to) { output::choice::write_front_plot(to, chosen); })};
+            .front = {fmt::format("Time against kept bits on {}", work.scene.id), svg_text(front_plot(chosen))}};
 }
 
 page::MendPart mend_part(const MendWork& work, StopToken stop) {
@@ -128,8 +128,7 @@ page::MendPart mend_part(const output::repair::MendResult& result) {
                         .changes = {},
                         .words = in_words(result),
                         .table = page::mend_table(result),
-                        .front = page::chart(fmt::format("Kept bits on {}", result.request.id()),
-                                             [&](const auto& to) { write_front_plot(to, result); }),
+                        .front = {fmt::format("Kept bits on {}", result.request.id()), svg_text(front_plot(result))},
                         .timed = !result.prices.empty()};
     for (const output::repair::FormRow& one : rows_of(result))
         if (one.came_out()) part.changes.push_back(change_in_words(result, one));

@@ -110,12 +110,23 @@ async function halves({ open }) {
     const inspector = await page.locator("#inspector").innerText();
     assert.match(inspector, /A: .*sphere\.schoolbook in f32/);
     assert.match(inspector, /B: .*sphere\.unified in f64/);
+    // Each half has its classes in the legend, and bars of two formats differ.
+    const lines = page.locator("#map-view .half-legend"), bar = page.locator("#map-view .legend .ramp");
+    assert.equal(await lines.count(), 2);
+    assert.equal(await bar.count(), 2);
+    const counted = await page.evaluate(
+        () => [rowNow(), otherRow()].map((row) => row.outcomes[outcomeNames.indexOf("agree_miss")]));
+    for (const k of [0, 1]) {
+        const text = await lines.nth(k).innerText();
+        assert.ok(text.startsWith("AB"[k]) && text.includes(`correct miss ${counted[k]}`), text);
+    }
     await page.locator("#map").press("x");
     await settled(page);
     assert.equal(await page.locator(".half.a").innerText(), "A unified f64");
     await page.selectOption("#pick-other", "");
     await settled(page);
     assert.equal(await page.locator(".half:visible").count(), 0);
+    assert.equal(await lines.count(), 0);
     // Two forms are compared from the start: the best one beside the first. Links need not say so.
     const fresh = await open("report", { hash: schoolbook.replace("&other=", "") });
     await settled(fresh);
@@ -138,6 +149,11 @@ async function narrow({ open }) {
     await settled(page);
     const legend = await boxOf(page, "#map-view .legend"), map = await boxOf(page, "#map");
     assert.ok(legend.bottom <= map.top && legend.right <= 400);
+    for (const chart of ["#sweep-chart", "#trade-plot"]) {
+        const [shown, all] = await page.$eval(`${chart} .chart`, (e) => [e.clientWidth, e.scrollWidth]);
+        assert.ok(all > shown);
+        assert.equal(await page.locator(`${chart} .sideways:visible`).count(), 1, "it says that it scrolls");
+    }
     const names = page.locator(".names .class"), lines = await page.evaluate(() => sweepParts.chart.lines.length);
     assert.ok(lines > 1);
     assert.equal(await page.locator(".names .class:visible").count(), lines);
@@ -254,6 +270,11 @@ async function margins({ open }) {
         assert.ok(Number(low) < Number(measured) && Number(measured) < Number(high), text);
     }
     assert.match(await page.locator("#sweep-view pre.copied").textContent(), /lostbits check --measure --seeds 31/);
+    // Where no claim can be copied, the page says why.
+    assert.equal(await page.locator("#map-view .no-claim:visible").count(), 0);
+    const small = await open("small");
+    assert.ok(await small.locator("#copy-claim").isDisabled());
+    assert.match(await small.locator("#map-view .no-claim").innerText(), /the scene's own size/);
 }
 
 exports.promises = {

@@ -83,7 +83,7 @@ async function trade({ open }) {
     const [x, y] = await onScreen(page, "trade", place);
     await page.mouse.move(x, y);
     await settled(page);
-    assert.match(await page.locator("#trade-view .hint").innerText(), /ns per ray, keeps/);
+    assert.match(await page.locator("#trade-view > .hint").innerText(), /ns per ray, keeps/);
     const named = await page.evaluate(() => tradeParts.under.form);
     await page.mouse.click(x, y);
     assert.equal((await stateOf(page)).form, named);

@@ -161,7 +161,7 @@ TEST_CASE("choose blames the inputs where rays of a file are more exact than the
     const auto r = run("choose near.csv --bits 16 -f f32 -i sphere.unified --quick -o .", scratch.path());
     CHECK(r.code == 1);
     CHECK(
-        has(r.out, "What limits it: the inputs. Even exact arithmetic on them, rounded to binary32, keeps 8.1 bits."));
+        has(r.out, "What limits it: the inputs. Even exact arithmetic on them, rounded to binary32, keeps 8.0 bits."));
     CHECK(has(r.out, "the rounding of the centres: with these in binary64 (of 32 bits at least)"));
     const auto rows = read_csv(scratch / "near" / "inputs.csv");
     REQUIRE(rows.size() == 16);

@@ -4,6 +4,7 @@
 
 #include "measure/choice/file_rays.hpp"
 #include "output/file/atomic_file.hpp"
+#include "output/image/figure.hpp"
 #include "output/plot/scatter_plot.hpp"
 #include "scene/toml/counted.hpp"
 
@@ -134,7 +135,9 @@ Table<InputRow> input_table() {
                          form);
 }
 
-plot::ScatterPlotSpec front_plot(const ChoiceResult& chosen) {
+}  // namespace
+
+image::Canvas front_plot(const ChoiceResult& chosen) {
     const auto& requirement = chosen.request.requirement;
     plot::ScatterPlotSpec spec;
     spec.title = fmt::format("Time against kept bits on {}", chosen.request.id());
@@ -166,13 +169,7 @@ plot::ScatterPlotSpec front_plot(const ChoiceResult& chosen) {
                  {"decides more rays wrongly than allowed", 0, plot::ink_colour, false, true},
                  {"not on the Pareto front", 0, 0, true}};
     if (chosen.meets) spec.keys.push_back({"chosen", 3, plot::ink_colour});
-    return spec;
-}
-
-}  // namespace
-
-void write_front_plot(const std::filesystem::path& path, const ChoiceResult& chosen) {
-    plot::write_scatter_plot(path, front_plot(chosen));
+    return plot::scatter_plot(spec);
 }
 
 ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
@@ -219,7 +216,7 @@ void ChoiceFiles::finish(const ChoiceResult& chosen) {
     if (chosen.offsets) offsets_.add_all(offset_rows(*chosen.offsets));
     if (chosen.obstacle)
         for (const auto& trial : chosen.obstacle->trials) inputs_.add({&*chosen.obstacle, &trial});
-    write_front_plot(folder_ / "front.png", chosen);
+    image::save_figure(folder_ / "front.png", front_plot(chosen));
     file::write_file(folder_ / "choose.txt", in_words(chosen));
     table::close_tables(
         folder_,

@@ -67,7 +67,7 @@ std::string end_in_words(const measure::choice::GrowthMargin& margin, const meas
 std::string name_of_inputs(const FloatFormat& format);
 
 /// Plots every form and format by time and bits kept, with the Pareto front and the chosen one.
-void write_front_plot(const std::filesystem::path& path, const ChoiceResult& chosen);
+image::Canvas front_plot(const ChoiceResult& chosen);
 
 /// A row of choose.csv: a candidate, or the answers of the files.
 struct CandidateRow {

@@ -246,7 +246,7 @@ std::string end_in_words(const GrowthMargin& margin, const measure::choice::File
 std::string bits_beside(double kept, const Requirement& requirement) {
     std::string text;
     for (int digits = 1; digits <= 9; ++digits) {
-        text = fmt::format("{:.{}f}", kept, digits);
+        text = file::kept_text(kept, digits);
         if ((file::number_in(text).value_or(kept) < requirement.bits) == (kept < requirement.bits)) break;
     }
     return text;

@@ -193,7 +193,7 @@ std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
             if (std::ranges::none_of(rows, [&](const TestedForm& r) { return r.judged == judged; })) continue;
             const std::string picture =
                 judged ? fmt::format("{}.{}.png", file.id, intersect::convention_name(judged)) : file.id + ".png";
-            sweep::write_case_matrix(picture_path(shown, picture), request, cases, judged);
+            image::save_figure(picture_path(shown, picture), sweep::case_matrix(request, cases, judged));
             text += picture_link(shown, file.title, picture);
         }
         return text;
@@ -208,7 +208,7 @@ std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
         for (std::size_t r = 0; r < rows.size(); ++r) {
             const std::string file =
                 fmt::format("{}.{}.{}.png", sweep.id, rows[r].form->info->name, rows[r].format.name);
-            sweep::write_plane_picture(picture_path(shown, file), request, steps, r);
+            image::save_figure(picture_path(shown, file), sweep::plane_picture(request, steps, r));
             text += picture_link(shown, fmt::format("{} in {}", rows[r].form->info->name, rows[r].format.name), file);
         }
         return text;
@@ -217,17 +217,16 @@ std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
     const sweep::MeasuredSweep measured{request, steps, onsets};
     const SweepPlots plots = plots_of(claims);
     for (const Format& format : sweep::formats_of(measured)) {
-        const auto show = [&](const char* what) {
+        const auto show = [&](std::string_view what, const image::Canvas& plot) {
             const std::string file = fmt::format("{}.{}.{}.png", sweep.id, what, format.name);
             text += picture_link(shown, fmt::format("{}: {}, {}", sweep.title, what, format.name), file);
-            return picture_path(shown, file);
+            image::save_figure(picture_path(shown, file), plot);
         };
-        if (plots.median) sweep::write_lost_bits_plot(show("lost_bits_p50"), measured, format, 0.5);
-        if (plots.tail) sweep::write_lost_bits_plot(show("lost_bits_p99"), measured, format, 0.99);
+        if (plots.median) show("lost_bits_p50", sweep::lost_bits_plot(measured, format, 0.5));
+        if (plots.tail) show("lost_bits_p99", sweep::lost_bits_plot(measured, format, 0.99));
         if (!plots.wrong) continue;
         for (const measure::answer::Outcome o : sweep::wrong_outcomes(measured, format))
-            sweep::write_wrong_plot(show(measure::answer::outcome_names[static_cast<std::size_t>(o)].data()), measured,
-                                    format, o);
+            show(measure::answer::outcome_names[static_cast<std::size_t>(o)], sweep::wrong_plot(measured, format, o));
     }
     return text;
 }

@@ -112,11 +112,8 @@ pixel::Sheet ConsistencyView::sheet(const ConsistencyStudy& study, const std::fi
                          study.scene.id, study.scene.width, study.scene.height),
              "shares are of the pixels of which both are asked; reverse and placed have on the ramp by how much "
              "more than the exact answers both chords, or both t, differ"},
-        .forms = {},
-        .formats = {},
         .scales = {excess_scale()},
         .unit = excess_unit,
-        .legend = {},
         .categories = true};
     for (const Check* check : study.checks) spec.forms.emplace_back(check->name);
     for (const auto& row : study.rows)

@@ -42,6 +42,13 @@ std::string short_decimal(double value, int digits) {
     return factor == "1" ? power : factor == "-1" ? "-" + power : factor + "×" + power;
 }
 
+std::string kept_text(double bits, int decimals) {
+    if (!std::isfinite(bits)) return decimal(bits);
+    char text[400];
+    const double unit = std::pow(10, decimals), down = std::floor((bits + 1e-9) * unit) / unit;
+    return {text, std::to_chars(text, text + sizeof text, down, std::chars_format::fixed, decimals).ptr};
+}
+
 std::string hex(double value) {
     if (!std::isfinite(value)) return shortest(value);
     char text[64];

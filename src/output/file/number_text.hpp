@@ -19,6 +19,10 @@ namespace lostbits::output::file {
 /// begin below 10^-4 and at 10^6, or where the digits end. `nan`, `inf`, `-inf` as in `decimal`.
 [[nodiscard]] std::string short_decimal(double value, int digits);
 
+/// Bits that are kept, rounded down, so that no more is said than was measured: `21.9` for 21.97. A shortfall of 1e-9
+/// counts as the rounding of a subtraction.
+[[nodiscard]] std::string kept_text(double bits, int decimals = 1);
+
 /// The exact value as a C hexadecimal float: `0x1.8p+1`, `-0x0p+0`; `nan`, `inf`, `-inf`. A float converts to
 /// double exactly, so one function serves both.
 [[nodiscard]] std::string hex(double value);

@@ -65,12 +65,12 @@ private:
 struct SheetSpec {
     std::string title;
     std::vector<std::string> subtitle;
-    std::vector<std::string> forms;         ///< across
-    std::vector<std::string> formats;       ///< down
+    std::vector<std::string> forms = {};    ///< across
+    std::vector<std::string> formats = {};  ///< down
     int field_width = 0, field_height = 0;  ///< size of every cell, in samples
-    std::vector<ColourScale> scales;        ///< none; one for all cells; or one for each line of cells
-    std::string unit;                       ///< label over a colour bar
-    std::vector<LegendEntry> legend;        ///< every class that may occur, with the widest count that it may get
+    std::vector<ColourScale> scales = {};   ///< none; one for all cells; or one for each line of cells
+    std::string unit = {};                  ///< label over a colour bar
+    std::vector<LegendEntry> legend = {};   ///< every class that may occur, with the widest count that it may get
     bool categories = false;                ///< colours are names, so cells are not averaged
     std::size_t note_lines = 4;             ///< number of lines of small text under each cell
     bool collapses = false;                 ///< forms whose cells and texts are all the same share a column

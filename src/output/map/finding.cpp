@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "output/file/number_text.hpp"
 #include "output/map/row_names.hpp"
 
 namespace lostbits::output::map {
@@ -23,11 +24,10 @@ struct FoundForm {
     double kept;  ///< bits that 99 of 100 hits keep; -1 if too few hits agree
 };
 
-/// Bits rounded down to a tenth, so that the form keeps what the text says: `21.7`, `22`. The last bits of the
-/// subtraction are not rounded down.
+/// `21.7`, `22`
 std::string bits_text(double kept) {
-    const double tenths = std::floor(10 * kept + 1e-9) / 10;
-    return fmt::format("{:.{}f}", tenths, tenths == std::floor(tenths) ? 0 : 1);
+    const std::string text = file::kept_text(kept);
+    return text.ends_with(".0") ? text.substr(0, text.size() - 2) : text;
 }
 
 /// The better form comes first.

@@ -6,7 +6,6 @@
 
 #include "measure/truth/missing.hpp"
 #include "output/map/row_names.hpp"
-#include "scene/rays/made_rows.hpp"
 
 namespace lostbits::output::map {
 
@@ -19,17 +18,12 @@ using measure::truth::missing;
 
 /// Data that rows with the same truth share. The first of these rows fills it.
 struct MapExr::Truths {
-    intersect::Direction direction;
-    intersect::Convention convention;
-    const scene::camera::RayGenerator* generator;  ///< its ideal rays may have other origins
+    TruthKind kind;
     const TestedForm* filled_by;
     pixel::ExrLayers<MapStrip> layers;
 
-    [[nodiscard]] bool is_of(const TestedForm& row) const {
-        return direction == row.form->info->direction && convention == row.convention() &&
-               generator == scene::rays::generator_of(*row.form);
-    }
     [[nodiscard]] std::string name() const {
+        const auto& [direction, convention, generator] = kind;
         std::string name = "truth";
         if (direction == intersect::Direction::unit) name += ".distance";
         if (convention.touching == intersect::Touching::miss) name += ".open";
@@ -179,10 +173,9 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
     std::vector<ExrPart> parts;
     for (const TestedForm& row : request.map.rows) {
         rows_.push_back({&row, layers_of(request, row)});
-        const std::size_t truths = place_in(truths_, [&row](const Truths& t) { return t.is_of(row); });
-        if (truths == truths_.size())
-            truths_.push_back({row.form->info->direction, row.convention(), scene::rays::generator_of(*row.form), &row,
-                               truth_layers(row)});
+        const std::size_t truths =
+            place_in(truths_, [kind = truth_kind(row)](const Truths& t) { return t.kind == kind; });
+        if (truths == truths_.size()) truths_.push_back({truth_kind(row), &row, truth_layers(row)});
         parts.push_back(row_part(request, row, truths_[truths].name(), rows_.back().layers.channels()));
     }
     for (const Truths& t : truths_) {

@@ -60,8 +60,7 @@ struct MapFiles::Parts {
                 options.keep ? "" : options.folder, row_name(row) + ".csv",
                 fmt::format("One row per pixel: {} in {}", row.form->info->name, row.format.name),
                 pixel_table(request.metrics));
-        MapRowFiles::Writers writers{.exr_rows = {},
-                                     .add_pixel =
+        MapRowFiles::Writers writers{.add_pixel =
                                          [&row](table::TableFile<BandRay>& to, const BandResult& band, std::size_t i) {
                                              to.add({&band, i, &row});
                                          },

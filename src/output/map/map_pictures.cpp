@@ -100,7 +100,6 @@ pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
              .formats = sheet.lines,
              .scales = std::move(scales),
              .unit = alone ? "lost bits" : std::string(sheet.paint.metric().unit),
-             .legend = {},
              .categories = !sheet.paint.scale(),
              .note_lines = cell_note_lines,
              .collapses = !alone,

@@ -153,7 +153,6 @@ struct NeededFiles::Parts {
                 options.keep ? "" : options.folder, stem(form) + ".csv",
                 fmt::format("One row per pixel: bits needed by {}", form.name), needed_pixel_table(request.bits));
         NeededFormFiles::Writers writers{
-            .exr_rows = {},
             .add_pixel =
                 [](table::TableFile<NeededPixel>& to, const NeededBand& band, std::size_t i) {
                     to.add({&band, i, band.truth(i)});

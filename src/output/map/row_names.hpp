@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "measure/evaluate/evaluate.hpp"
+#include "scene/rays/made_rows.hpp"
 
 namespace lostbits::output::map {
 
@@ -45,6 +46,17 @@ namespace lostbits::output::map {
     const auto at = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
     if (at == names.size()) names.push_back(name);
     return at;
+}
+
+/// Rows that are alike in these have the same truths of all rays.
+struct TruthKind {
+    intersect::Direction direction;
+    intersect::Convention convention;
+    const scene::camera::RayGenerator* generator;  ///< its ideal rays may have other origins
+    friend bool operator==(const TruthKind&, const TruthKind&) = default;
+};
+[[nodiscard]] inline TruthKind truth_kind(const measure::evaluate::TestedForm& row) {
+    return {row.form->info->direction, row.convention(), scene::rays::generator_of(*row.form)};
 }
 
 /// Forms across and formats down, both in the order of their first rows.

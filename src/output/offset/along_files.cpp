@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "output/image/image.hpp"
-#include "output/plot/line_plot.hpp"
+#include "output/image/figure.hpp"
 
 namespace lostbits::output::offset {
 
@@ -14,6 +13,7 @@ using measure::offset::OffsetStudy;
 using measure::offset::OffsetSummary;
 using measure::offset::Side;
 using measure::offset::SideSummary;
+using measure::offset::Strategy;
 
 namespace {
 
@@ -22,8 +22,10 @@ std::string subject(const OffsetRow& row, Side side) {
                        name_of(row.point), in_words(side));
 }
 
-plot::AxisSpec axis_of(Along along) {
-    return {std::string(measure::offset::meaning_of(along)), plot::AxisSpec::Scale::log2, {}, {}};
+/// Look of a strategy in every plot: its row in the table of strategies. The look after these is for no strategy.
+std::size_t look_of(const Strategy* strategy) {
+    const auto all = measure::offset::strategies();
+    return strategy ? static_cast<std::size_t>(strategy - all.data()) : all.size();
 }
 
 }  // namespace
@@ -49,47 +51,48 @@ std::filesystem::path AlongFiles::file_of(std::size_t row, Side side, const char
            fmt::format("along.{}.{}.{}.{}.png", name_of(along_), row_name(study_.rows[row]), name_of(side), what);
 }
 
+plot::LinePlotSpec AlongFiles::spec_of(std::size_t row, Side side, const std::string& title, plot::AxisSpec y) const {
+    return {.title = fmt::format("{} along {}", title, name_of(along_)),
+            .subtitle = {study_.scene.title, subject(study_.rows[row], side)},
+            .x = {std::string(measure::offset::meaning_of(along_)), plot::AxisSpec::Scale::log2, {}, {}},
+            .y = std::move(y)};
+}
+
+plot::Series AlongFiles::series_of(std::size_t row, Side side, const std::function<double(const SideSummary&)>& value,
+                                   const Strategy* strategy) const {
+    plot::Series series{.label = strategy ? short_name(*strategy) : "smallest safe offset, largest of all points",
+                        .x = steps_,
+                        .dashed = strategy == nullptr,
+                        .look = look_of(strategy)};
+    for (const auto& step : summaries_) series.y.push_back(value(step[row].on(side)));
+    return series;
+}
+
 void AlongFiles::plot_wrong(std::size_t row, Side side) const {
-    plot::LinePlotSpec spec{.title = fmt::format("Rays that go wrong along {}", name_of(along_)),
-                            .subtitle = {study_.scene.title, subject(study_.rows[row], side)},
-                            .x = axis_of(along_),
-                            .y = {"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1},
-                            .series = {}};
-    for (std::size_t k = 0; k < study_.strategies.size(); ++k) {
-        plot::Series series{.label = short_name(*study_.strategies[k]), .x = steps_, .y = {}, .low = {}, .high = {}};
-        for (const auto& step : summaries_) {
-            const SideSummary& s = step[row].on(side);
-            series.y.push_back(measure::truth::fraction(s.strategies[k].bad, s.rays));
-        }
-        spec.series.push_back(std::move(series));
-    }
+    auto spec = spec_of(row, side, "Rays that go wrong",
+                        {"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1});
+    for (std::size_t k = 0; k < study_.strategies.size(); ++k)
+        spec.series.push_back(series_of(
+            row, side, [k](const SideSummary& s) { return measure::truth::fraction(s.strategies[k].bad, s.rays); },
+            study_.strategies[k]));
     spec.notes = {
         "wrong: a self-hit (by truth or by the form's arithmetic), a lost occluder, or a lost exit",
         "shares are of the points that the form finds; there is none if it misses or names another primitive"};
-    plot::write_line_plot(file_of(row, side, "wrong"), spec);
+    image::save_figure(file_of(row, side, "wrong"), plot::line_plot(spec));
 }
 
 void AlongFiles::plot_size(std::size_t row, Side side) const {
-    plot::LinePlotSpec spec{.title = fmt::format("Offsets along {}", name_of(along_)),
-                            .subtitle = {study_.scene.title, subject(study_.rows[row], side)},
-                            .x = axis_of(along_),
-                            .y = {"world units", plot::AxisSpec::Scale::log10, {}, {}},
-                            .series = {}};
-    const auto add = [&](const std::string& label, bool dashed, const auto& value) {
-        plot::Series series{.label = label, .x = steps_, .y = {}, .low = {}, .high = {}, .dashed = dashed};
-        for (const auto& step : summaries_) series.y.push_back(value(step[row].on(side)));
-        spec.series.push_back(std::move(series));
-    };
-    add("smallest safe offset, largest of all points", true, [](const SideSummary& s) { return s.safe.quantile(1); });
-    for (std::size_t k = 0; k < study_.strategies.size(); ++k) {
-        if (study_.strategies[k]->keeps_point) continue;
-        add(short_name(*study_.strategies[k]), false,
-            [k](const SideSummary& s) { return s.strategies[k].size.quantile(0.5); });
-    }
+    auto spec = spec_of(row, side, "Offsets", {"world units", plot::AxisSpec::Scale::log10, {}, {}});
+    spec.series = {series_of(row, side, [](const SideSummary& s) { return s.safe.quantile(1); })};
+    for (std::size_t k = 0; k < study_.strategies.size(); ++k)
+        if (!study_.strategies[k]->keeps_point)
+            spec.series.push_back(series_of(
+                row, side, [k](const SideSummary& s) { return s.strategies[k].size.quantile(0.5); },
+                study_.strategies[k]));
     spec.notes = {
         "dashed: the largest of the smallest safe offsets of all points; other lines: medians over the points",
         "the dashed line has a gap where no point needs an offset or no offset is safe"};
-    plot::write_line_plot(file_of(row, side, "size"), spec);
+    image::save_figure(file_of(row, side, "size"), plot::line_plot(spec));
 }
 
 void AlongFiles::finish() {

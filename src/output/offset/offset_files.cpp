@@ -154,10 +154,8 @@ pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::
              "first column: the smallest safe offset, in ulps of the largest coordinate; then each strategy, with its "
              "share of rays that go wrong"},
         .forms = {"smallest safe"},
-        .formats = {},
         .scales = {*safe_look().scale},
         .unit = safe_unit,
-        .legend = {},
         .categories = true};
     for (const Strategy* s : study.strategies) spec.forms.push_back(short_name(*s));
     for (const OffsetRow& row : study.rows) {

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "measure/offset/along.hpp"
 #include "measure/offset/offsets.hpp"
+#include "output/plot/line_plot.hpp"
 #include "output/study/study_files.hpp"
 
 namespace lostbits::output::offset {
@@ -81,6 +83,12 @@ public:
 private:
     void plot_wrong(std::size_t row, measure::offset::Side side) const;
     void plot_size(std::size_t row, measure::offset::Side side) const;
+    [[nodiscard]] plot::LinePlotSpec spec_of(std::size_t row, measure::offset::Side side, const std::string& title,
+                                             plot::AxisSpec y) const;
+    /// The line of a strategy; without one, of the smallest safe offset.
+    [[nodiscard]] plot::Series series_of(std::size_t row, measure::offset::Side side,
+                                         const std::function<double(const measure::offset::SideSummary&)>& value,
+                                         const measure::offset::Strategy* strategy = nullptr) const;
     [[nodiscard]] std::filesystem::path file_of(std::size_t row, measure::offset::Side side, const char* what) const;
 
     std::filesystem::path folder_;

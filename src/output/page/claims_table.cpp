@@ -179,7 +179,7 @@ std::string rests_on(const Claim& c, const ClaimResult& r, const Word& word) {
 /// `Shirley, section 9.3: <q>ignore hits</q> &middot; `: the source and its words. Empty if the claim is our own.
 std::string source_text(const Claim& c) {
     if (!c.is_sourced()) return "";
-    const std::string quoted = c.quotation.empty() ? "" : fmt::format(": <q>{}</q>", html(c.quotation));
+    const std::string quoted = c.quotation.empty() ? "" : fmt::format(": <q>{}</q>", prose(c.quotation));
     return html(c.source) + quoted + " &middot; ";
 }
 
@@ -187,8 +187,8 @@ std::string claim_row(const Claim& c, const ClaimResult& r, const Report& report
     const Word word = word_of(c, r);
     std::string text = fmt::format(
         "<tr id=\"claim-{}\" class=\"{}\" {} data-command=\"{}\"><td class=\"verdict\">{}</td><td>{}", html(c.id),
-        word.style, sort_keys(word, r), html(claim::words_of(c).command), word.text, html(c.statement));
-    if (!c.note.empty()) text += fmt::format("<br><em>{}</em>", html(c.note));
+        word.style, sort_keys(word, r), html(claim::words_of(c).command), word.text, prose(c.statement));
+    if (!c.note.empty()) text += fmt::format("<br><em>{}</em>", prose(c.note));
     text += rests_on(c, r, word);
     text += fmt::format("<br><small>{}<code>{}</code></small></td>", source_text(c), html(c.id));
     return text + fmt::format(

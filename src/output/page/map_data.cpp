@@ -13,7 +13,6 @@
 #include "output/image/exr_parts.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
-#include "scene/rays/made_rows.hpp"
 
 namespace lostbits::output::page {
 
@@ -49,28 +48,14 @@ std::int16_t bound_exponent(const measure::truth::Certified& x) {
 
 /// Data that rows with the same truth share. The first of these rows fills it.
 struct MapData::Group {
-    Direction direction;
-    intersect::Convention convention;
-    const scene::camera::RayGenerator* generator;  ///< its ideal rays may have other origins
+    map::TruthKind kind;
     Layer hit, object, truth, rest, bound, condition;
 
     Group(const TestedForm& row, std::size_t n)
-        : direction(row.form->info->direction),
-          convention(row.convention()),
-          generator(scene::rays::generator_of(*row.form)),
-          hit(1, n),
-          object(4, n),
-          truth(8, n),
-          rest(4, n),
-          bound(2, n),
-          condition(4, n) {}
-
-    [[nodiscard]] bool is_of(const TestedForm& row) const {
-        return direction == row.form->info->direction && convention == row.convention() &&
-               generator == scene::rays::generator_of(*row.form);
-    }
+        : kind(map::truth_kind(row)), hit(1, n), object(4, n), truth(8, n), rest(4, n), bound(2, n), condition(4, n) {}
 
     void take(std::size_t at, std::size_t i, const BandResult& result, bool with_condition) {
+        const auto& [direction, convention, generator] = kind;
         const measure::truth::Truth& t = result.truth(i);
         hit.set(at, static_cast<std::uint64_t>(t.decision));
         object.set(at, static_cast<std::uint64_t>(t.object + 1));
@@ -183,7 +168,8 @@ private:
 MapData::MapData(const EvaluationRequest& request) : request_(request) {
     const std::size_t n = request.scene->pixels();
     for (const TestedForm& row : request.rows) {
-        const auto found = std::ranges::find_if(groups_, [&row](const auto& g) { return g->is_of(row); });
+        const auto found =
+            std::ranges::find_if(groups_, [&row](const auto& g) { return g->kind == map::truth_kind(row); });
         const auto g = static_cast<std::size_t>(found - groups_.begin());
         const bool first = found == groups_.end();
         if (first) groups_.push_back(std::make_unique<Group>(row, n));

@@ -51,7 +51,8 @@ std::string figure(const Chart& c) {
     return c.svg.empty() ? std::string()
                          : fmt::format(
                                "<figure class=\"chart{}\" data-chart=\"{}\" role=\"group\" "
-                               "aria-label=\"{}\">{}</figure>\n",
+                               "aria-label=\"{}\"><p class=\"hint sideways\">The chart continues to the right: "
+                               "scroll it sideways.</p>{}</figure>\n",
                                c.is_plot ? " plotted" : "", html(c.name), html(c.alt), c.svg);
 }
 
@@ -102,7 +103,7 @@ std::string blob(const std::string& name, const std::string& packed) {
 
 std::string about(const std::string& note, const std::string& source) {
     std::string text;
-    if (!note.empty()) text += fmt::format("<p>{}</p>\n", html(note));
+    if (!note.empty()) text += fmt::format("<p>{}</p>\n", prose(note));
     if (!source.empty() && source != "-") text += fmt::format("<p class=\"source\">Source: {}</p>\n", html(source));
     return text;
 }

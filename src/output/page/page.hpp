@@ -33,8 +33,6 @@ struct Chart {
 
 /// Lets `draw` write a picture and reads it back. EnvironmentError if it cannot be read back.
 [[nodiscard]] Picture picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw);
-[[nodiscard]] Chart chart(std::string alt, const std::function<void(const std::filesystem::path&)>& draw,
-                          std::string name = {}, bool is_plot = true);
 
 struct MapPart {
     std::string id, title, note, source;

@@ -7,12 +7,9 @@
 
 namespace lostbits::output::page {
 
-namespace {
-
-/// The bytes of the file of that name that `draw` writes.
-std::string drawn(const char* name, const std::function<void(const std::filesystem::path&)>& draw) {
+Picture picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw) {
     const intersect::device::TemporaryFolder folder("lostbits-report");
-    const auto file = folder.path / name;
+    const auto file = folder.path / "picture.png";
     draw(file);
     std::ifstream in(file, std::ios::binary);
     std::ostringstream bytes;
@@ -20,18 +17,7 @@ std::string drawn(const char* name, const std::function<void(const std::filesyst
     if (!in)
         throw EnvironmentError(
             file.string() + ": the picture could not be read back; check that the disk for temporary files has space");
-    return bytes.str();
-}
-
-}  // namespace
-
-Picture picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw) {
-    return {std::move(alt), drawn("picture.png", draw)};
-}
-
-Chart chart(std::string alt, const std::function<void(const std::filesystem::path&)>& draw, std::string name,
-            bool is_plot) {
-    return {std::move(alt), drawn("picture.svg", draw), std::move(name), is_plot};
+    return {std::move(alt), bytes.str()};
 }
 
 }  // namespace lostbits::output::page

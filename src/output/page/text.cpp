@@ -8,6 +8,18 @@
 
 namespace lostbits::output::page {
 
+std::string prose(std::string_view text) {
+    std::string out;
+    for (;;) {
+        const auto open = text.find('`');
+        const auto close = open == std::string_view::npos ? open : text.find('`', open + 1);
+        if (close == std::string_view::npos) return out + html(text);
+        out +=
+            fmt::format("{}<code>{}</code>", html(text.substr(0, open)), html(text.substr(open + 1, close - open - 1)));
+        text.remove_prefix(close + 1);
+    }
+}
+
 std::string header_row(const std::vector<std::string>& names) {
     std::string text = "<thead><tr>";
     for (const std::string& name : names) text += fmt::format("<th scope=\"col\">{}</th>", html(name));

@@ -13,6 +13,9 @@ namespace lostbits::output::page {
 
 using file::html;
 
+/// Prose of users as HTML: what stands between backquotes is code.
+[[nodiscard]] std::string prose(std::string_view text);
+
 /// A rounded number for display that carries the exact one: `<data value="12.818665731680333">12.82</data>`. NaN is a
 /// dash.
 [[nodiscard]] std::string shown(double value);

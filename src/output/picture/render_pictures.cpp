@@ -77,11 +77,7 @@ image::SheetSpec sheet_spec(const RenderStudy& study, const map::RowGrid& grid) 
                                                    scene.width, scene.height),
                                        "the picture of each form in each format, next to the certified one",
                                        glance_means, map::input_note(scene, study.rows)},
-                          .forms = {"certified"},
-                          .formats = {},
-                          .scales = {},
-                          .unit = "",
-                          .legend = {}};
+                          .forms = {"certified"}};
     std::erase(spec.subtitle, "");
     spec.forms.insert(spec.forms.end(), grid.forms.begin(), grid.forms.end());
     for (const Stage stage : study.stages)

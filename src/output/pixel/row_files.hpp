@@ -60,9 +60,9 @@ class RowFiles {
 public:
     struct Writers {
         /// Turns a band into rows of the EXR; empty: there is none.
-        std::function<std::vector<ExrRows>(const Band&, std::span<const image::Rgb8> preview)> exr_rows;
+        std::function<std::vector<ExrRows>(const Band&, std::span<const image::Rgb8> preview)> exr_rows = {};
         /// Adds pixel i to the table; empty: there is no table.
-        std::function<void(table::TableFile<Pixel>&, const Band&, std::size_t i)> add_pixel;
+        std::function<void(table::TableFile<Pixel>&, const Band&, std::size_t i)> add_pixel = {};
         std::size_t (*pixels)(const Band&);  ///< the number of pixels of a band
     };
     RowFiles(std::size_t row, const BandFiles<Band>& files, Writers writers,

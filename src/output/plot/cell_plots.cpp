@@ -4,7 +4,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "output/image/figure.hpp"
 #include "output/plot/plot_axis.hpp"
 
 namespace lostbits::output::plot {
@@ -64,10 +63,10 @@ void draw_cell(Canvas& page, int x, int y, int cell_width, const MatrixCell& cel
 
 }  // namespace
 
-void write_matrix_plot(const std::filesystem::path& path, const MatrixPlotSpec& spec) {
+Canvas matrix_plot(const MatrixPlotSpec& spec) {
     const std::size_t columns = column_count(spec);
     if (columns == 0 || spec.rows.empty() || spec.cells.size() != columns * spec.rows.size())
-        throw std::invalid_argument(path.string() + ": the number of cells is not rows x columns");
+        throw std::invalid_argument("matrix plot: the number of cells is not rows x columns");
     std::vector<TextBitmap> row_labels, column_labels, group_labels;
     int left = 0, head_room = 0;
     for (const auto& r : spec.rows) {
@@ -119,7 +118,7 @@ void write_matrix_plot(const std::filesystem::path& path, const MatrixPlotSpec& 
     page.about_nothing();
     page.picture(x0 + field_width + block_gap, y0, bar);
     page.picture(image::style::margin, below, legend.draw(spec.legend));
-    image::save_figure(path, page);
+    return page;
 }
 
 namespace {
@@ -206,15 +205,15 @@ AxisRange range_of(const AxisSpec& axis, const std::vector<double>& edges) {
 
 }  // namespace
 
-void write_plane_plot(const std::filesystem::path& path, const PlanePlotSpec& spec) {
+Canvas plane_plot(const PlanePlotSpec& spec) {
     if (spec.x.empty() || spec.y.empty() || spec.cells.size() != spec.x.size() * spec.y.size()) {
-        throw std::invalid_argument(path.string() + ": the number of cells is not x values times y values");
+        throw std::invalid_argument("plane plot: the number of cells is not x values times y values");
     }
     bool hatched = false;
     for (const auto& cell : spec.cells) {
         hatched |= !cell.colour && std::isnan(cell.value);
         if (!cell.colour && !std::isnan(cell.value) && !spec.scale) {
-            throw std::invalid_argument(path.string() + ": a cell has a value, but there is no colour scale");
+            throw std::invalid_argument("plane plot: a cell has a value, but there is no colour scale");
         }
     }
     const auto x_edges = edges_of(spec.x_axis, spec.x), y_edges = edges_of(spec.y_axis, spec.y);
@@ -263,8 +262,7 @@ void write_plane_plot(const std::filesystem::path& path, const PlanePlotSpec& sp
     axes.draw(page, frame);
     page.picture(frame.x + frame.width + 1 + image::style::gap, frame.y - 1, bar);
     page.picture(image::style::margin, page.height() - image::style::margin - legend.height(), legend.draw(entries));
-
-    image::save_figure(path, page);
+    return page;
 }
 
 }  // namespace lostbits::output::plot

@@ -1,7 +1,6 @@
 // Pictures made of coloured cells: a table of named rows and columns, and a value over a plane of two parameters.
 #pragma once
 
-#include <filesystem>
 #include <limits>
 #include <optional>
 #include <string>
@@ -24,18 +23,17 @@ struct MatrixPlotSpec {
         std::string label;                 ///< above its columns, `f32`
         std::vector<std::string> columns;  ///< written upwards below it
     };
-    std::vector<Group> groups;  ///< side by side
-    std::vector<std::string> rows;
-    std::string keys = {};          ///< for a script: what each column shows; see `MarkData`
-    std::vector<MatrixCell> cells;  ///< row by row, over all groups
+    std::vector<Group> groups = {};  ///< side by side
+    std::vector<std::string> rows = {};
+    std::string keys = {};               ///< for a script: what each column shows; see `MarkData`
+    std::vector<MatrixCell> cells = {};  ///< row by row, over all groups
     std::vector<image::LegendEntry> legend;
     std::optional<image::ColourScale> scale = {};  ///< drawn as a bar to the right
     std::string unit = {};                         ///< above the bar
 };
 
-/// Writes the picture as a PNG. The same spec gives the same bytes. Throws EnvironmentError for a file that cannot be
-/// written, and std::invalid_argument for no cells or a wrong number of them.
-void write_matrix_plot(const std::filesystem::path& path, const MatrixPlotSpec& spec);
+/// Throws std::invalid_argument for no cells or a wrong number of them.
+[[nodiscard]] image::Canvas matrix_plot(const MatrixPlotSpec& spec);
 
 /// One pair of parameters: an outcome's colour, or else a value. A NaN without a colour is hatched.
 struct PlaneCell {
@@ -56,10 +54,9 @@ struct PlanePlotSpec {
     std::string none_means = "no value";      ///< meaning of hatched cells
 };
 
-/// Writes the plot as a PNG. The same spec gives the same bytes. A cell has one flat colour and reaches half-way to its
-/// neighbours on the scale of the axis, at least one pixel. A legend entry is added for hatched cells.
-/// Throws EnvironmentError for a file that cannot be written, and std::invalid_argument for parameters that do not rise
-/// or are not on their axis, a wrong number of cells, or a value without a colour scale.
-void write_plane_plot(const std::filesystem::path& path, const PlanePlotSpec& spec);
+/// A cell has one flat colour and reaches half-way to its neighbours on the scale of the axis, at least one pixel. A
+/// legend entry is added for hatched cells. Throws std::invalid_argument for parameters that do not rise or are not on
+/// their axis, a wrong number of cells, or a value without a colour scale.
+[[nodiscard]] image::Canvas plane_plot(const PlanePlotSpec& spec);
 
 }  // namespace lostbits::output::plot

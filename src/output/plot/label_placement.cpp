@@ -12,35 +12,46 @@ using image::Point;
 namespace {
 
 constexpr std::array<double, 10> distances{6, 11, 18, 27, 40, 56, 76, 100, 130, 170};  // pixels from the point
-// Twelve directions: right, left, above and below before the corners. Cosines and sines are written out, so that they
-// are the same on every machine.
-constexpr std::array<std::pair<double, double>, 12> directions{{{1, 0},
-                                                                {-1, 0},
-                                                                {0, -1},
-                                                                {0, 1},
-                                                                {0.866, -0.5},
-                                                                {-0.866, -0.5},
-                                                                {0.866, 0.5},
-                                                                {-0.866, 0.5},
-                                                                {0.5, -0.866},
-                                                                {-0.5, -0.866},
-                                                                {0.5, 0.866},
-                                                                {-0.5, 0.866}}};
-// Covering a box costs more than the largest distance, so it happens only if every position covers something.
-constexpr double between_labels = 3, price_of_cover = 400;  // pixels
-constexpr double leader_step = 3;
+// Directions in steps of 15 degrees: right, left, above and below before the corners. Cosines and sines are written
+// out, so that they are the same on every machine.
+constexpr std::array<std::pair<double, double>, 24> directions{
+    {{1, 0},          {-1, 0},          {0, -1},         {0, 1},           {0.866, -0.5},   {-0.866, -0.5},
+     {0.866, 0.5},    {-0.866, 0.5},    {0.5, -0.866},   {-0.5, -0.866},   {0.5, 0.866},    {-0.5, 0.866},
+     {0.707, -0.707}, {-0.707, -0.707}, {0.707, 0.707},  {-0.707, 0.707},  {0.966, -0.259}, {-0.966, -0.259},
+     {0.966, 0.259},  {-0.966, 0.259},  {0.259, -0.966}, {-0.259, -0.966}, {0.259, 0.966},  {-0.259, 0.966}}};
+// Prices in pixels of distance. Covering a box or crossing a line costs more than the largest distance, so it happens
+// only if every position does. A line over boxes costs twice the length that lies on them.
+constexpr double between_labels = 3, from_lines = 1, price_of_cover = 400, price_of_crossing = 500, price_on_boxes = 2;
 
-/// The line from a point to its label, as small boxes.
-std::vector<Box2> leader(Point from, const Box2& label) {
-    const Point to = label.nearest(from);
-    const double length = std::hypot(to.x - from.x, to.y - from.y);
-    const int steps = static_cast<int>(length / leader_step);
-    std::vector<Box2> out;
-    for (int i = 1; i < steps; ++i) {
-        const double s = static_cast<double>(i) / steps;
-        out.push_back({std::lerp(from.x, to.x, s) - 1, std::lerp(from.y, to.y, s) - 1, 2, 2});
-    }
-    return out;
+/// The line from a point to its label.
+struct Leader {
+    Point from, to;
+};
+
+double length_of(const Leader& line) { return std::hypot(line.to.x - line.from.x, line.to.y - line.from.y); }
+
+/// Length of the part of a line that lies inside of a box, by the method of Liang and Barsky.
+double length_in(const Leader& line, const Box2& box) {
+    double first = 0, last = 1;
+    const auto cut = [&](double from, double to, double low, double high) {
+        if (from == to) {
+            if (from <= low || from >= high) last = 0;
+            return;
+        }
+        const double a = (low - from) / (to - from), b = (high - from) / (to - from);
+        first = std::max(first, std::min(a, b));
+        last = std::min(last, std::max(a, b));
+    };
+    cut(line.from.x, line.to.x, box.x, box.x + box.width);
+    cut(line.from.y, line.to.y, box.y, box.y + box.height);
+    return std::max(last - first, 0.0) * length_of(line);
+}
+
+bool do_cross(const Leader& a, const Leader& b) {
+    const auto side = [](const Leader& line, Point p) {
+        return (line.to.x - line.from.x) * (p.y - line.from.y) - (line.to.y - line.from.y) * (p.x - line.from.x);
+    };
+    return side(a, b.from) * side(a, b.to) < 0 && side(b, a.from) * side(b, a.to) < 0;
 }
 
 Box2 grown(const Box2& b, double by) { return {b.x - by, b.y - by, b.width + 2 * by, b.height + 2 * by}; }
@@ -58,9 +69,7 @@ public:
                              cy = request.at.y + y * (distance + request.height / 2);
                 const Box2 box{cx - request.width / 2, cy - request.height / 2, request.width, request.height};
                 if (!is_free(box, request.at)) continue;
-                const double price =
-                    distance + price_of_cover * static_cast<double>(std::ranges::count_if(
-                                                    places_.avoided, [&](const Box2& a) { return a.overlaps(box); }));
+                const double price = distance + price_of(box, request.at);
                 if (best && price >= least) continue;
                 best = box;
                 least = price;
@@ -68,24 +77,39 @@ public:
         }
         if (best) {
             labels_.push_back(*best);
-            std::ranges::copy(leader(request.at, *best), std::back_inserter(leaders_));
+            leaders_.push_back({request.at, best->nearest(request.at)});
         }
         return best;
     }
 
 private:
+    /// Price of what the label covers and of what its line crosses.
+    double price_of(const Box2& box, Point at) const {
+        const Leader line{at, box.nearest(at)};
+        double price = std::ranges::any_of(leaders_, [&](const Leader& other) { return do_cross(line, other); })
+                           ? price_of_crossing
+                           : 0;
+        for (const Box2& avoided : places_.avoided)
+            price += (avoided.overlaps(box) ? price_of_cover : 0) + price_on_boxes * length_in(line, avoided);
+        return price;
+    }
+
     bool is_free(const Box2& box, Point at) const {
         const auto on = [](std::span<const Box2> boxes, const Box2& b) {
             return std::ranges::any_of(boxes, [&b](const Box2& o) { return o.overlaps(b); });
         };
-        if (!places_.limits.contains(box) || on(places_.taken, box) || on(labels_, grown(box, between_labels)) ||
-            on(leaders_, box))
-            return false;
-        return std::ranges::none_of(leader(at, box), [&](const Box2& piece) { return on(labels_, piece); });
+        const auto lie_apart = [](const Leader& line, const Box2& label) {
+            return length_in(line, grown(label, from_lines)) == 0;
+        };
+        const Leader own{at, box.nearest(at)};
+        return places_.limits.contains(box) && !on(places_.taken, box) && !on(labels_, grown(box, between_labels)) &&
+               std::ranges::all_of(leaders_, [&](const Leader& line) { return lie_apart(line, box); }) &&
+               std::ranges::all_of(labels_, [&](const Box2& label) { return lie_apart(own, label); });
     }
 
     const LabelLimits& places_;
-    std::vector<Box2> labels_, leaders_;
+    std::vector<Box2> labels_;
+    std::vector<Leader> leaders_;
 };
 
 }  // namespace

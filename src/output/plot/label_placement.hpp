@@ -36,8 +36,8 @@ struct LabelLimits {
 };
 
 /// Places each label near its point; nothing if there is no space for it. The method is greedy, in the given order. Of
-/// the free positions around the point it takes the one that covers the fewest `avoided` boxes, and of those the
-/// nearest. Neither a label nor the straight line from its point to it lies on another label.
+/// the free positions around the point it takes the one that covers the fewest `avoided` boxes and whose straight line
+/// to the point crosses the fewest, and of those the nearest. Neither a label nor its line lies on another label.
 std::vector<std::optional<Box2>> place_labels(std::span<const LabelRequest> requests, const LabelLimits& places);
 
 }  // namespace lostbits::output::plot

@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "output/file/number_text.hpp"
-#include "output/image/figure.hpp"
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_axis.hpp"
 #include "scene/toml/counted.hpp"
@@ -269,22 +268,22 @@ private:
 };
 
 /// Title and subtitle, and a sentence that says why there is no plot.
-void write_without_plot(const std::filesystem::path& path, const LinePlotSpec& spec) {
+Canvas without_plot(const LinePlotSpec& spec) {
     const int content = spec.width - 2 * image::style::margin;
     const Canvas head = image::heading(spec.title, spec.subtitle, content),
                  sentence = image::heading({}, std::span(&spec.nothing, 1), content);
     Canvas page(spec.width, 2 * image::style::margin + head.height() + image::style::gap + sentence.height());
     page.picture(image::style::margin, image::style::margin, head);
     page.picture(image::style::margin, image::style::margin + head.height() + image::style::gap, sentence);
-    image::save_figure(path, page);
+    return page;
 }
 
 }  // namespace
 
-void write_line_plot(const std::filesystem::path& path, const LinePlotSpec& spec) {
+Canvas line_plot(const LinePlotSpec& spec) {
     if (spec.width < 400 || spec.height < 200)
-        throw std::invalid_argument(path.string() + ": a plot needs at least 400 x 200 pixels");
-    if (spec.series.empty() && !spec.envelope) return write_without_plot(path, spec);
+        throw std::invalid_argument("line plot: it needs at least 400 x 200 pixels");
+    if (spec.series.empty() && !spec.envelope) return without_plot(spec);
     auto lines = plot_lines(spec.series);
     if (spec.envelope)
         static_cast<void>(plot_lines({&*spec.envelope, 1}));  // checks its columns like those of any series
@@ -368,8 +367,7 @@ void write_line_plot(const std::filesystem::path& path, const LinePlotSpec& spec
     plot.leaders(page, sorted, legend, legend_x);
     legend.draw(page, legend_x, frame.y);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
-
-    image::save_figure(path, page);
+    return page;
 }
 
 }  // namespace lostbits::output::plot

@@ -1,12 +1,11 @@
 // A value plotted against a parameter, for any number of forms and formats.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "output/image/image.hpp"
+#include "output/image/canvas.hpp"
 #include "output/plot/plot_axis.hpp"
 
 namespace lostbits::output::plot {
@@ -14,8 +13,8 @@ namespace lostbits::output::plot {
 /// One line. Its points are joined in their order, and x should not fall.
 struct Series {
     std::string label;
-    std::vector<double> x, y;       ///< a NaN breaks the line; an infinite y is a triangle at the edge
-    std::vector<double> low, high;  ///< a faint band; both empty, or as long as x
+    std::vector<double> x = {}, y = {};       ///< a NaN breaks the line; an infinite y is a triangle at the edge
+    std::vector<double> low = {}, high = {};  ///< a faint band; both empty, or as long as x
     bool dashed = false;
     std::string family = {};  ///< series of one family share colour and marker (a form in two formats); empty: none
     /// Look below `look_count`: the colour and marker of the series in every plot. Its colour differs only if an
@@ -41,7 +40,7 @@ struct LinePlotSpec {
     std::string title;
     std::vector<std::string> subtitle;
     AxisSpec x, y;
-    std::vector<Series> series;
+    std::vector<Series> series = {};
     std::optional<Series> envelope = {};  ///< lower bound for any form: grey below it
     std::vector<PlotMark> marks = {};
     std::vector<PlotShade> shades = {};
@@ -50,14 +49,14 @@ struct LinePlotSpec {
     int width = 1100, height = 620;       ///< the height grows if legend or marks need it
 };
 
-/// Writes the plot; the same spec gives the same bytes. Without lines and envelope it is only a heading and a sentence.
+/// Draws the plot. Without lines and envelope it is only a heading and a sentence.
 /// Many forms agree bit for bit. Series with the same points (and band) are drawn once and share one line of the
 /// legend, which says how many they are. Each entry of the legend stands as near to the end of its line as the others
 /// allow, and a thin line leads there. If the legend needs two columns, it is only sorted in the order in which the
 /// lines end. Series without a look of their own get colours in their order. If there are more than eight, markers tell
 /// them apart. A footnote counts what cannot be drawn.
-/// Throws EnvironmentError for a file that cannot be written. Throws std::invalid_argument for x, y and bands of
-/// different lengths, for ends of axes that AxisRange refuses, and for a picture of less than 400 by 200 pixels.
-void write_line_plot(const std::filesystem::path& path, const LinePlotSpec& spec);
+/// Throws std::invalid_argument for x, y and bands of different lengths, for ends of axes that AxisRange refuses, and
+/// for a picture of less than 400 by 200 pixels.
+[[nodiscard]] image::Canvas line_plot(const LinePlotSpec& spec);
 
 }  // namespace lostbits::output::plot

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "output/image/figure.hpp"
 #include "output/plot/label_placement.hpp"
 #include "output/plot/line_plot_parts.hpp"
 #include "output/plot/plot_axis.hpp"
@@ -189,7 +188,7 @@ AxisRange range_of(const ScatterPlotSpec& spec, const AxisSpec& axis, bool is_x)
 
 }  // namespace
 
-void write_scatter_plot(const std::filesystem::path& path, const ScatterPlotSpec& spec) {
+Canvas scatter_plot(const ScatterPlotSpec& spec) {
     const AxisRange x = range_of(spec, spec.x, true), y = range_of(spec, spec.y, false);
     const int content = spec.width - 2 * image::style::margin;
     const Canvas head = image::heading(spec.title, spec.subtitle, content);
@@ -220,8 +219,7 @@ void write_scatter_plot(const std::filesystem::path& path, const ScatterPlotSpec
     axes.draw(page, frame);
     keys.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.below() + image::style::gap);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
-
-    image::save_figure(path, page);
+    return page;
 }
 
 }  // namespace lostbits::output::plot

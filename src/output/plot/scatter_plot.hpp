@@ -1,7 +1,6 @@
 // Points with two properties. A stepped line joins the points on the Pareto front, which are named.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -44,8 +43,6 @@ struct ScatterPlotSpec {
     int width = 1100, height = 760;
 };
 
-/// Writes the plot as a PNG; the same spec gives the same bytes. Throws EnvironmentError for a file that cannot be
-/// written.
-void write_scatter_plot(const std::filesystem::path& path, const ScatterPlotSpec& spec);
+[[nodiscard]] image::Canvas scatter_plot(const ScatterPlotSpec& spec);
 
 }  // namespace lostbits::output::plot

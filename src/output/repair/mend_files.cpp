@@ -44,26 +44,24 @@ std::vector<FormRow> rows_of(const MendResult& r) {
     const auto& m = r.mended;
     const auto& own = r.request.row;
     const std::string wider = name_of_wider(m.wider);
-    std::vector<FormRow> rows{{"own", std::string(own.form->info->name), own, m.operations, 0, &m.own, &m.own_apart}};
-    if (r.has_set()) {
-        const std::size_t wide = m.set->operations.size();
-        const std::string name = fmt::format("{} of {} in {}", wide, m.operations, wider);
-        rows.push_back({"wider", name, own, m.operations, wide, &m.set->quality, &m.apart_quality});
-        rows.back().set = &m.set->operations;
-    }
-    if (m.symmetric) {
-        const std::size_t wide = m.symmetric->operations.size();
-        const std::string name = fmt::format("{} of {} in {}, symmetric", wide, m.operations, wider);
-        rows.push_back({"symmetric", name, own, m.operations, wide, &m.symmetric->quality, &m.symmetric->apart});
-        rows.back().set = &m.symmetric->operations;
-    }
+    std::vector<FormRow> rows{
+        {"own", std::string(own.form->info->name), own, m.operations, 0, &m.own, &m.own_apart, &m.own_probed}};
+    const auto add = [&](const Proposal& p) {
+        if (p.rewritten)
+            return rows.push_back({"rewritten", rules_of(*p.rewritten), own, p.rewritten->operations,
+                                   p.rewritten->set ? p.rewritten->set->operations.size() : 0, p.quality, p.apart,
+                                   p.probed, rules_of(*p.rewritten)});
+        const std::string name = fmt::format("{} of {} in {}", p.wider->size(), m.operations, wider);
+        rows.push_back({p.symmetric ? "symmetric" : "wider", p.symmetric ? name + ", symmetric" : name, own,
+                        m.operations, p.wider->size(), p.quality, p.apart, p.probed});
+        rows.back().set = p.wider;
+    };
+    const auto proposals = proposals_of(r);
+    const auto rewritten = std::ranges::find_if(proposals, [](const Proposal& p) { return p.rewritten != nullptr; });
+    std::for_each(proposals.begin(), rewritten, add);
     rows.push_back({"all_wider", fmt::format("all {} in {}", m.operations, wider), own, m.operations, m.operations,
-                    &m.all, m.set ? nullptr : &m.apart_quality});
-    for (const auto& one : m.rewriting.found) {
-        const std::string rules = rules_of(one);
-        rows.push_back({"rewritten", rules, own, one.operations, one.set ? one.set->operations.size() : 0, &one.quality,
-                        &one.apart, rules});
-    }
+                    &m.all, m.set ? nullptr : &m.apart_quality, m.set ? nullptr : &m.set_probed});
+    std::for_each(rewritten, proposals.end(), add);
     for (FormRow& row : rows) row.wider = row.wide == 0 ? "" : wider;
     const std::size_t first = rows.size();
     for (std::size_t k = 0; k < r.catalogue.size(); ++k)
@@ -101,7 +99,7 @@ std::string change_in_words(const MendResult& r, const FormRow& row) {
     return text;
 }
 
-void write_front_plot(const std::filesystem::path& path, const MendResult& r) {
+image::Canvas front_plot(const MendResult& r) {
     const auto& requirement = r.request.requirement;
     const bool timed = !r.prices.empty();
     plot::ScatterPlotSpec spec;
@@ -137,7 +135,7 @@ void write_front_plot(const std::filesystem::path& path, const MendResult& r) {
                  {"catalogue", 0, plot::ink_colour},
                  {"decides more rays wrongly than allowed", 0, plot::ink_colour, false, true},
                  {"not on the Pareto front", 0, 0, true}};
-    plot::write_scatter_plot(path, spec);
+    return plot::scatter_plot(spec);
 }
 
 Table<FormRow> form_table() {
@@ -244,18 +242,11 @@ Table<ProbeRow> probe_table() {
 }
 
 std::vector<ProbeRow> probe_rows(const MendResult& r) {
-    const auto& m = r.mended;
     std::vector<ProbeRow> rows;
-    std::size_t rewritten = 0;
-    for (const FormRow& form : rows_of(r)) {
-        const std::vector<RowQuality>* probed = nullptr;
-        if (form.kind == "own") probed = &m.own_probed;
-        else if (form.kind == "wider" || (form.kind == "all_wider" && !m.set)) probed = &m.set_probed;
-        else if (form.kind == "symmetric") probed = &m.symmetric->probed;
-        else if (form.kind == "rewritten") probed = &m.rewriting.found[rewritten++].probed;
-        for (std::size_t k = 0; probed && k < probed->size(); ++k)
-            rows.push_back({form, m.probes[k]->name, &(*probed)[k], (*probed)[k].meets(r.request.requirement)});
-    }
+    for (const FormRow& form : rows_of(r))
+        for (std::size_t k = 0; form.probed && k < form.probed->size(); ++k)
+            rows.push_back(
+                {form, r.mended.probes[k]->name, &(*form.probed)[k], (*form.probed)[k].meets(r.request.requirement)});
     return rows;
 }
 

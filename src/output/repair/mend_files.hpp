@@ -11,6 +11,7 @@
 
 #include "measure/repair/mend.hpp"
 #include "measure/repair/price.hpp"
+#include "output/image/canvas.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::repair {
@@ -81,10 +82,11 @@ struct FormRow {
     std::size_t wide = 0;               ///< number of operations that are done wider
     const measure::repair::RowQuality* quality = nullptr;
     const measure::repair::RowQuality* apart = nullptr;  ///< on rays that the search did not use; null: not measured
-    std::string rules = {};                              ///< rules that rewrote it
-    std::string wider = {};                              ///< format of the wider operations
-    bool meets = false;                                  ///< meets the requirement
-    const measure::repair::Price* price = nullptr;       ///< null: not timed
+    const std::vector<measure::repair::RowQuality>* probed = nullptr;  ///< on each probe; null: not measured
+    std::string rules = {};                                            ///< rules that rewrote it
+    std::string wider = {};                                            ///< format of the wider operations
+    bool meets = false;                                                ///< meets the requirement
+    const measure::repair::Price* price = nullptr;                     ///< null: not timed
     bool front = false;  ///< it was timed, and no other is at least as accurate and as fast, and better in one
     const std::vector<NodeId>* set = nullptr;  ///< operations of the set that is done wider; null: it is none
     bool told =
@@ -102,7 +104,7 @@ std::string change_in_words(const MendResult& result, const FormRow& row);
 
 /// Plots kept bits of all rows against their time in packs, or against the number of wider operations if nothing was
 /// timed.
-void write_front_plot(const std::filesystem::path& path, const MendResult& result);
+image::Canvas front_plot(const MendResult& result);
 
 /// A row of minimal.csv: one of the wider operations.
 struct MinimalRow {

@@ -10,6 +10,8 @@
 #include <utility>
 
 #include "output/file/atomic_file.hpp"
+#include "output/file/number_text.hpp"
+#include "output/image/figure.hpp"
 #include "output/map/row_names.hpp"
 #include "scene/toml/counted.hpp"
 
@@ -232,11 +234,6 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
     return spec;
 }
 
-void write_trade_plot(const std::filesystem::path& path, const TradeRequest& request, const TradeResult& result,
-                      std::size_t set) {
-    plot::write_scatter_plot(path, trade_plot(request, result, set));
-}
-
 namespace {
 
 /// The kernels on a set of rays, the fastest register width of each form and format, by time.
@@ -259,7 +256,7 @@ std::string standings_text(const TradeRequest& request, const TradeResult& resul
         const double kept = all[k].kept_bits;
         text += fmt::format("  {} {:<28} {:<5} {:>9} {:>9.2f} {:>5.1f}% {:>15} {:>7.3g}%\n", dominated[k] ? ' ' : '*',
                             form, format, isa, all[k].time_ns, 50 * (t.high_quartile - t.low_quartile) / t.median,
-                            std::isnan(kept) ? "-" : fmt::format("{:.1f}", kept), 100 * all[k].wrong_fraction);
+                            std::isnan(kept) ? "-" : file::kept_text(kept), 100 * all[k].wrong_fraction);
     }
     return text + "  * on the Pareto front; +-: half the distance between the quartiles\n";
 }
@@ -322,7 +319,8 @@ void TradeFiles::write_standings(const TradeResult& result) {
                             &metric_of(request_, accuracy, "lost_bits"), &metric_of(request_, accuracy, "excess_bits"),
                             static_cast<bool>(beaten[k])});
         }
-        write_trade_plot(folder_ / fmt::format("{}.png", sets[s].name), request_, result, s);
+        image::save_figure(folder_ / fmt::format("{}.png", sets[s].name),
+                           plot::scatter_plot(trade_plot(request_, result, s)));
     }
 }
 

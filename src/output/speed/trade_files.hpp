@@ -98,7 +98,5 @@ std::string registers_of(const measure::speed::TradeKernel& kernel);
 /// sometimes wrong.
 plot::ScatterPlotSpec trade_plot(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result,
                                  std::size_t set);
-void write_trade_plot(const std::filesystem::path& path, const measure::speed::TradeRequest& request,
-                      const measure::speed::TradeResult& result, std::size_t set);
 
 }  // namespace lostbits::output::speed

@@ -94,7 +94,7 @@ private:
     using Rows = pixel::RowFiles<Band, Pixel>;
 
     void add_row(std::size_t r) {
-        typename Rows::Writers writers{.exr_rows = {}, .add_pixel = {}, .pixels = View::pixels};
+        typename Rows::Writers writers{.pixels = View::pixels};
         pixel::BandFiles<Band> files{pictures_, {}, keep_};
         std::unique_ptr<table::TableFile<Pixel>> table;
         if constexpr (requires { View::pixel_table(study_); }) {

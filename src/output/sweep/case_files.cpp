@@ -6,6 +6,7 @@
 
 #include "output/attribution/explain_command.hpp"
 #include "output/file/number_text.hpp"
+#include "output/image/figure.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/cell_plots.hpp"
@@ -90,16 +91,13 @@ private:
 
 }  // namespace
 
-void write_case_matrix(const std::filesystem::path& path, const CaseRequest& request,
-                       const std::vector<std::vector<FormSummary>>& cases, std::optional<intersect::Touching> judged) {
+image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vector<FormSummary>>& cases,
+                          std::optional<intersect::Touching> judged) {
     const map::LostBitsScale scale(request.rows);
     plot::MatrixPlotSpec spec{.title = judged ? fmt::format("{}: judged by the {} primitive", request.file.title,
                                                             intersect::convention_name(judged))
                                               : request.file.title,
                               .subtitle = {fmt::format("Right: {}. {}.", right_means(request.file), numbers_mean)},
-                              .groups = {},
-                              .rows = {},
-                              .cells = {},
                               .legend = {{"right", case_right_colour, {}}},
                               .scale = scale.bar(),
                               .unit = scale.unit()};
@@ -142,7 +140,7 @@ void write_case_matrix(const std::filesystem::path& path, const CaseRequest& req
         spec.legend.insert(spec.legend.begin() + 1, {within_means(request.file), map::paler(scale.bar().at(0.5)), {}});
     }
     if (!any_wrong_value && !any_within) spec.scale.reset();
-    plot::write_matrix_plot(path, spec);
+    return plot::matrix_plot(spec);
 }
 
 CaseFiles::CaseFiles(const CaseRequest& request, const std::filesystem::path& folder, std::string named)
@@ -164,9 +162,9 @@ void CaseFiles::finish(const std::vector<std::vector<FormSummary>>& cases) {
                       {request_.rows[r], &cases[i][r], name_of_ray}});
     }
     for (const auto& judged : request_.file.conventions) {
-        write_case_matrix(
+        image::save_figure(
             folder_ / (judged ? fmt::format("matrix.{}.png", intersect::convention_name(judged)) : "matrix.png"),
-            request_, cases, judged);
+            case_matrix(request_, cases, judged));
     }
     table::close_tables(folder_, request_.file.title, csv_);
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "measure/sweep/sweep.hpp"
-#include "output/image/colour.hpp"
+#include "output/image/canvas.hpp"
 #include "output/map/map_tables.hpp"
 
 namespace lostbits::output::sweep {
@@ -43,9 +43,9 @@ private:
     table::TableFile<CaseRow> csv_;
 };
 
-/// Writes the matrix of forms (columns, by format) and cases (rows) for the rows judged by one convention.
-void write_case_matrix(const std::filesystem::path& path, const measure::sweep::CaseRequest& request,
-                       const std::vector<std::vector<measure::evaluate::FormSummary>>& cases,
-                       std::optional<intersect::Touching> judged = {});
+/// The matrix of forms (columns, by format) and cases (rows) for the rows judged by one convention.
+image::Canvas case_matrix(const measure::sweep::CaseRequest& request,
+                          const std::vector<std::vector<measure::evaluate::FormSummary>>& cases,
+                          std::optional<intersect::Touching> judged = {});
 
 }  // namespace lostbits::output::sweep

@@ -9,6 +9,7 @@
 
 #include "measure/truth/lost_bits.hpp"
 #include "output/attribution/explain_command.hpp"
+#include "output/image/figure.hpp"
 #include "output/map/row_names.hpp"
 #include "output/table/shared_columns.hpp"
 #include "scene/toml/counted.hpp"
@@ -333,8 +334,8 @@ void ExhaustiveFiles::finish(const ExhaustiveState& state, const std::vector<Ran
         statements_.add(of);
     }
     if (const auto plots = exhaustive_plots(request_, state)) {
-        plot::write_line_plot(folder_ / "lost_bits_max.png", plots->lost_bits);
-        plot::write_line_plot(folder_ / "wrong.png", plots->wrong);
+        image::save_figure(folder_ / "lost_bits_max.png", plot::line_plot(plots->lost_bits));
+        image::save_figure(folder_ / "wrong.png", plot::line_plot(plots->wrong));
     }
     table::close_tables(folder_, request_.sweep.title, binades_, onsets_, statements_);
 }

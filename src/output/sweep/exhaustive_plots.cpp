@@ -68,8 +68,7 @@ public:
 
     /// A line that is level in each binade, by rising size.
     [[nodiscard]] plot::Series series(const Half& half, const OfTally& value) const {
-        plot::Series series{.label = label(half), .x = {}, .y = {}, .low = {}, .high = {}};
-        series.look = plot::form_look(*request_.rows[half.row].form);
+        plot::Series series{.label = label(half), .look = plot::form_look(*request_.rows[half.row].form)};
         for (std::size_t b = 0; b < parts_.size(); ++b) {
             if (!has_place(parts_[b]) || parts_[b].binade.negative != half.negative) continue;
             const auto [low, high] = sizes_of(parts_[b]);
@@ -138,13 +137,11 @@ std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request
     plot::LinePlotSpec lost{.title = "Lost bits of the worst float in f32",
                             .subtitle = drawn.subtitle(),
                             .x = drawn.axis(),
-                            .y = lost_bits_axis(binary32, "f32"),
-                            .series = {}};
+                            .y = lost_bits_axis(binary32, "f32")};
     plot::LinePlotSpec wrong{.title = "Floats with a wrong decision in f32",
                              .subtitle = drawn.subtitle(),
                              .x = drawn.axis(),
-                             .y = {"share of the tried floats in the binade", S::log2, least_share, 1.0, true},
-                             .series = {}};
+                             .y = {"share of the tried floats in the binade", S::log2, least_share, 1.0, true}};
     wrong.subtitle.emplace_back("a line at 0, below the log scale, means no such float in that binade");
     for (const Half& half : drawn.halves()) {
         lost.series.push_back(drawn.series(half, [](const FloatTally& t) {

@@ -169,14 +169,12 @@ std::string note_of(const DrawnPlane& drawn) {
 
 }  // namespace
 
-void write_plane_picture(const std::filesystem::path& path, const SweepRequest& request,
-                         const std::vector<SweepStep>& steps, std::size_t row) {
+image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row) {
     const auto& axes = request.sweep.axes;
     const TestedForm& what = request.rows[row];
     const SweepGrid plane(request, steps);
     const DrawnPlane drawn = drawn_plane(request, plane, row);
-    plot::write_plane_plot(
-        path,
+    return plot::plane_plot(
         {.title = fmt::format("{} in {}: lost bits, p99", what.form->info->name, what.format.name),
          .subtitle = {request.sweep.title, std::string(drawn.any_outlined ? outlined_means : nowhere_outlined) + "."},
          .x_axis = plot_axis(axes[0]),
@@ -242,7 +240,7 @@ void write_planes(const std::filesystem::path& folder, const SweepRequest& reque
     write_plane_sheet(folder / "contact.png", request, steps);
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const std::string stem = map::row_name(request.rows[r]);
-        if (singles) write_plane_picture(folder / (stem + ".png"), request, steps, r);
+        if (singles) image::save_figure(folder / (stem + ".png"), plane_picture(request, steps, r));
         write_exr(folder / (stem + ".exr"), request, plane, r);
     }
 }

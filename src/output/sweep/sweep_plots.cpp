@@ -10,6 +10,7 @@
 #include "measure/attribution/culprits.hpp"
 #include "measure/truth/missing.hpp"
 #include "output/file/number_text.hpp"
+#include "output/image/figure.hpp"
 #include "output/map/map_tables.hpp"
 #include "output/map/row_names.hpp"
 #include "output/plot/form_look.hpp"
@@ -48,7 +49,7 @@ const plot::AxisSpec share_axis{"share of rays", plot::AxisSpec::Scale::linear, 
 /// One value of a row along the sweep, by rising parameter.
 Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std::string& label,
                  const std::function<double(const FormSummary&)>& value) {
-    Series series{label, {}, {}, {}, {}};
+    Series series{label};
     for (const SweepStep& step : steps) {
         series.x.push_back(step.values.front());
         series.y.push_back(value(step.rows[row]));
@@ -84,15 +85,10 @@ std::string rays_text(const MeasuredSweep& sweep) {
 /// Plot with the parts common to all plots along a sweep: its title, its axis, and the number of rays per step.
 LinePlotSpec plot_along(const MeasuredSweep& sweep, const std::string& title, const plot::AxisSpec& y) {
     const scene::sweep::SweepFile& file = sweep.request.sweep;
-    return {.title = title,
-            .subtitle = {file.title, rays_text(sweep)},
-            .x = plot_axis(file.axes.front()),
-            .y = y,
-            .series = {}};
+    return {.title = title, .subtitle = {file.title, rays_text(sweep)}, .x = plot_axis(file.axes.front()), .y = y};
 }
 
-void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format,
-                 const Quantity& quantity, PlotSize size = {}) {
+image::Canvas lines_of(const MeasuredSweep& sweep, const Format& format, const Quantity& quantity, PlotSize size = {}) {
     const SweepRequest& request = sweep.request;
     LinePlotSpec spec = plot_along(sweep, fmt::format("{} in {}", quantity.title, format.name), quantity.axis);
     spec.width = size.width;
@@ -115,7 +111,7 @@ void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, 
     if (!quantity.nothing.empty()) {
         spec.series.clear();
         spec.nothing = quantity.nothing;
-        return plot::write_line_plot(path, spec);
+        return plot::line_plot(spec);
     }
     shade_and_note(spec, sweep, format, quantity.over_hits);
     for (const auto& mark : request.sweep.marks) {
@@ -135,13 +131,12 @@ void write_lines(const std::filesystem::path& path, const MeasuredSweep& sweep, 
                                    mark.statistic == "p50" ? "median" : mark.statistic, file::decimal(mark.threshold))
                      : fmt::format("{}: measured", map::short_name(*request.rows[measured->row].form->info))});
     }
-    plot::write_line_plot(path, spec);
+    return plot::line_plot(spec);
 }
 
 }  // namespace
 
-void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format, double q,
-                          PlotSize size) {
+image::Canvas lost_bits_plot(const MeasuredSweep& sweep, const Format& format, double q, PlotSize size) {
     const SweepRequest& request = sweep.request;
     const std::size_t lost = measure::metric::index_of(request.metrics, "lost_bits"),
                       inherent = measure::metric::index_of(request.metrics, "inherent_bits");
@@ -151,11 +146,10 @@ void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep
                       .over_hits = true};
     if (inherent < request.metrics.size())
         quantity.envelope = [inherent, q](const FormSummary& s) { return drawn_quantile(s, inherent, q); };
-    write_lines(path, sweep, format, quantity, size);
+    return lines_of(sweep, format, quantity, size);
 }
 
-void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format,
-                      Outcome outcome, PlotSize size) {
+image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size) {
     const auto share = [outcome](const FormSummary& s) { return measure::truth::fraction(s.count(outcome), s.rays); };
     std::uint64_t most = 1;
     for (const SweepStep& step : sweep.steps) {
@@ -171,7 +165,7 @@ void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sw
                           });
     if (possible) quantity.note = "a line at 0, below the log scale, means no such ray in that step";
     else quantity.nothing = "No ray of this sweep truly misses, so none can be a false hit.";
-    write_lines(path, sweep, format, quantity, size);
+    return lines_of(sweep, format, quantity, size);
 }
 
 bool occurs(const MeasuredSweep& sweep, const Format& format, Outcome outcome) {
@@ -208,8 +202,7 @@ namespace {
 using Parts = std::vector<std::pair<std::string, std::string>>;
 
 /// Plots medians of the parts of one row's error side by side, and where each step of a transform first loses an ulp.
-void write_parts_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, std::size_t r,
-                      const std::string& title, const Parts& parts) {
+image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t r, const std::string& title, const Parts& parts) {
     const SweepRequest& request = sweep.request;
     const TestedForm& row = request.rows[r];
     LinePlotSpec spec =
@@ -226,7 +219,7 @@ void write_parts_plot(const std::filesystem::path& path, const MeasuredSweep& sw
     for (const auto& mark : request.sweep.marks) {
         if (mark.format.empty() || mark.format == row.format.name) spec.marks.push_back({mark.at, mark.label});
     }
-    plot::write_line_plot(path, spec);
+    return plot::line_plot(spec);
 }
 
 /// The measured steps of a transform.
@@ -238,8 +231,11 @@ Parts steps_of(const SweepRequest& request) {
     return steps;
 }
 
+/// Saves a plot of a format under a name.
+using SaveAs = std::function<void(const std::string& name, const image::Canvas& plot)>;
+
 /// Plots that a sweep has in addition if forms march; none otherwise.
-void write_march_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, const Format& format) {
+void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const Format& format) {
     const SweepRequest& request = sweep.request;
     const std::size_t stop = measure::metric::index_of(request.metrics, "stop"),
                       iterations = measure::metric::index_of(request.metrics, "iterations");
@@ -249,25 +245,27 @@ void write_march_plots(const std::filesystem::path& folder, const MeasuredSweep&
         return static_cast<double>(of(intersect::Stop::max_steps) + of(intersect::Stop::stagnated)) /
                static_cast<double>(s.rays);
     };
-    write_lines(folder / fmt::format("unfinished.{}.png", format.name), sweep, format,
-                {.title = "Marches that did not finish", .axis = share_axis, .value = unfinished, .shows = marches});
-    write_lines(folder / fmt::format("iterations.{}.png", format.name), sweep, format,
-                {.title = "Samples of the field, 99th percentile",
-                 .axis = {"samples", plot::AxisSpec::Scale::log2, 1.0, {}},
-                 .value = [iterations](const FormSummary& s) { return s.metrics[iterations].quantile(0.99); },
-                 .shows = marches});
+    save("unfinished",
+         lines_of(sweep, format,
+                  {.title = "Marches that did not finish", .axis = share_axis, .value = unfinished, .shows = marches}));
+    save("iterations",
+         lines_of(sweep, format,
+                  {.title = "Samples of the field, 99th percentile",
+                   .axis = {"samples", plot::AxisSpec::Scale::log2, 1.0, {}},
+                   .value = [iterations](const FormSummary& s) { return s.metrics[iterations].quantile(0.99); },
+                   .shows = marches}));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const TestedForm& row = request.rows[r];
         if (row.format == format && marches(row))
-            write_parts_plot(folder / fmt::format("split.{}.{}.png", row.form->info->name, format.name), sweep, r,
-                             "Model and rounding error",
-                             {{"model_error", "model"}, {"rounding_error", "rounding"}, {"ulp_error", "total error"}});
+            save(fmt::format("split.{}", row.form->info->name),
+                 parts_plot(sweep, r, "Model and rounding error",
+                            {{"model_error", "model"}, {"rounding_error", "rounding"}, {"ulp_error", "total error"}}));
     }
 }
 
 /// Plots the culprits of one row along the axis: the shares of the operations that are blamed most anywhere, and of all
-/// others together.
-void write_culprit_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, std::size_t r) {
+/// others together. Nothing if no operation is blamed.
+std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_t r) {
     const SweepRequest& request = sweep.request;
     constexpr std::size_t most = 7;
     constexpr std::size_t longest = 70;
@@ -284,7 +282,7 @@ void write_culprit_plot(const std::filesystem::path& path, const MeasuredSweep& 
     for (std::size_t c = 1; c < peak.size(); ++c) {
         if (peak[c] > 0) order.push_back(c);
     }
-    if (order.empty()) return;
+    if (order.empty()) return {};
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return peak[a] > peak[b]; });
     LinePlotSpec spec =
         plot_along(sweep, fmt::format("Culprits of {} in {}", row.form->info->name, row.format.name), share_axis);
@@ -302,7 +300,7 @@ void write_culprit_plot(const std::filesystem::path& path, const MeasuredSweep& 
     }
     if (named < order.size())
         add(scene::toml::counted(order.size() - named, "other operation"), std::span(order).subspan(named));
-    plot::write_line_plot(path, spec);
+    return plot::line_plot(spec);
 }
 
 }  // namespace
@@ -319,19 +317,21 @@ void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep&
     const SweepRequest& request = sweep.request;
     if (request.sweep.axes.size() == 2) return write_planes(folder, request, sweep.steps, singles);
     for (const Format& format : formats_of(sweep)) {
-        const auto file = [&](const std::string& name) { return folder / fmt::format("{}.{}.png", name, format.name); };
-        write_lost_bits_plot(file("lost_bits_p50"), sweep, format, 0.5);
-        write_lost_bits_plot(file("lost_bits_p99"), sweep, format, 0.99);
+        const SaveAs save = [&](const std::string& name, const image::Canvas& plot) {
+            image::save_figure(folder / fmt::format("{}.{}.png", name, format.name), plot);
+        };
+        save("lost_bits_p50", lost_bits_plot(sweep, format, 0.5));
+        save("lost_bits_p99", lost_bits_plot(sweep, format, 0.99));
         for (const Outcome o : wrong_outcomes(sweep, format))
-            write_wrong_plot(file(std::string(measure::answer::outcome_names[static_cast<std::size_t>(o)])), sweep,
-                             format, o);
-        write_march_plots(folder, sweep, format);
+            save(std::string(measure::answer::outcome_names[static_cast<std::size_t>(o)]),
+                 wrong_plot(sweep, format, o));
+        write_march_plots(save, sweep, format);
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             const TestedForm& row = request.rows[r];
             if (const Parts parts = steps_of(request); row.format == format && !parts.empty() && row.form->is_placed)
-                write_parts_plot(file(fmt::format("steps.{}", row.form->info->name)), sweep, r, "Steps", parts);
-            if (row.format == format && map::asks_for_culprits(request.metrics))
-                write_culprit_plot(file(fmt::format("culprit.{}", row.form->info->name)), sweep, r);
+                save(fmt::format("steps.{}", row.form->info->name), parts_plot(sweep, r, "Steps", parts));
+            if (row.format != format || !map::asks_for_culprits(request.metrics)) continue;
+            if (const auto plot = culprit_plot(sweep, r)) save(fmt::format("culprit.{}", row.form->info->name), *plot);
         }
     }
 }

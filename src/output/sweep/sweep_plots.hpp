@@ -41,12 +41,11 @@ struct PlotSize {
 };
 
 /// One of these plots: the quantile q (0.5 or 0.99) of lost bits in one format.
-void write_lost_bits_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format, double q,
-                          PlotSize size = {});
+image::Canvas lost_bits_plot(const MeasuredSweep& sweep, const Format& format, double q, PlotSize size = {});
 
 /// Plot of the share of rays with one wrong outcome in one format, on a log axis with 0 drawn below it.
-void write_wrong_plot(const std::filesystem::path& path, const MeasuredSweep& sweep, const Format& format,
-                      measure::answer::Outcome outcome, PlotSize size = {});
+image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, measure::answer::Outcome outcome,
+                         PlotSize size = {});
 
 /// True if any ray of a form in the format has the outcome.
 [[nodiscard]] bool occurs(const MeasuredSweep& sweep, const Format& format, measure::answer::Outcome outcome);
@@ -81,9 +80,9 @@ inline constexpr const char* nowhere_outlined =
 /// highest first; the attributes hold the values.
 void write_planes(const std::filesystem::path& folder, const measure::sweep::SweepRequest& request,
                   const std::vector<measure::sweep::SweepStep>& steps, bool singles);
-/// Writes one of the single pictures.
-void write_plane_picture(const std::filesystem::path& path, const measure::sweep::SweepRequest& request,
-                         const std::vector<measure::sweep::SweepStep>& steps, std::size_t row);
+/// One of the single pictures.
+image::Canvas plane_picture(const measure::sweep::SweepRequest& request,
+                            const std::vector<measure::sweep::SweepStep>& steps, std::size_t row);
 /// Writes the sheet. A step has one colour there. Cells that the outline would not enclose are paler instead
 /// (`map::paler_means`).
 void write_plane_sheet(const std::filesystem::path& path, const measure::sweep::SweepRequest& request,

@@ -44,6 +44,14 @@ TEST_CASE("numbers for a reader have few digits, and powers of ten where they ar
     CHECK(short_decimal(3 * 0.1, 6) == "0.3");
 }
 
+TEST_CASE("kept bits are rounded down", "[number_text]") {
+    CHECK(kept_text(21.97) == "21.9");
+    CHECK(kept_text(21.97, 2) == "21.97");
+    CHECK(kept_text(24) == "24.0");
+    CHECK(kept_text(24 - 1.3 - 0.7) == "22.0");  // 21.999999999999996
+    CHECK(kept_text(not_a_number) == "nan");
+}
+
 TEST_CASE("numbers are written as the shortest decimal and as exact C hexadecimal", "[number_text]") {
     const struct {
         double x;

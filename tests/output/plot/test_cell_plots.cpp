@@ -6,6 +6,7 @@
 #include "catch.hpp"
 #include "number/error.hpp"
 #include "output/helpers.hpp"
+#include "output/image/figure.hpp"
 #include "output/image/pixels.hpp"
 #include "output/plot/cell_plots.hpp"
 
@@ -35,7 +36,7 @@ MatrixPlotSpec matrix() {
 }
 
 PngImage plotted(const Scratch& folder, const MatrixPlotSpec& spec) {
-    write_matrix_plot(folder / "m.png", spec);
+    save_figure(folder / "m.png", matrix_plot(spec));
     return backend().read_png(folder / "m.png");
 }
 
@@ -55,7 +56,7 @@ TEST_CASE("a matrix plot shows every cell in its place, with groups apart", "[ma
         }
     }
     CHECK(rim_is_blank(image));
-    write_matrix_plot(folder / "again.png", matrix());
+    save_figure(folder / "again.png", matrix_plot(matrix()));
     CHECK(contents(folder / "m.png") == contents(folder / "again.png"));
 }
 
@@ -123,7 +124,7 @@ TEST_CASE("a matrix plot with missing or extra cells is refused", "[matrix_plot]
     CHECK_THROWS_AS(plotted(folder, MatrixPlotSpec{}), std::invalid_argument);
     CHECK(folder.entries() == 0);
     plotted(folder, matrix());
-    CHECK_THROWS_AS(write_matrix_plot(folder / "m.png/below.png", matrix()), lostbits::EnvironmentError);
+    CHECK_THROWS_AS(save_figure(folder / "m.png/below.png", matrix_plot(matrix())), lostbits::EnvironmentError);
 }
 
 namespace {
@@ -148,7 +149,7 @@ PlanePlotSpec plane(int columns, int rows) {
 }
 
 image::PngImage plotted(const Scratch& folder, const PlanePlotSpec& spec) {
-    write_plane_plot(folder / "p.png", spec);
+    save_figure(folder / "p.png", plane_plot(spec));
     return backend().read_png(folder / "p.png");
 }
 
@@ -169,7 +170,7 @@ TEST_CASE("a plane plot shows every cell, equal steps as equal rectangles, with 
     CHECK(place({0, 29, 77}) < place({0, 0, 77}));
     CHECK(place({0, 29, 77}) + 39 * 14 == place({39, 29, 77}));
     CHECK(rim_is_blank(image));
-    write_plane_plot(folder / "again.png", plane(40, 30));
+    save_figure(folder / "again.png", plane_plot(plane(40, 30)));
     CHECK(contents(folder / "p.png") == contents(folder / "again.png"));
 }
 

@@ -4,6 +4,7 @@
 
 #include "catch.hpp"
 #include "output/helpers.hpp"
+#include "output/image/figure.hpp"
 #include "output/image/pixels.hpp"
 #include "output/plot/line_plot.hpp"
 #include "output/plot/line_plot_parts.hpp"
@@ -82,7 +83,7 @@ LinePlotSpec spec_of(std::vector<Series> series) {
 }
 
 image::PngImage plotted(const Scratch& folder, const LinePlotSpec& spec) {
-    write_line_plot(folder / "p.png", spec);
+    save_figure(folder / "p.png", line_plot(spec));
     return backend().read_png(folder / "p.png");
 }
 
@@ -250,7 +251,7 @@ TEST_CASE("a line plot never cuts anything off, and its bytes are reproducible",
         CHECK(rim_is_blank(image));
         CHECK(image.width == spec.width);
         CHECK(image.height >= spec.height);
-        write_line_plot(folder / "again.png", spec);
+        save_figure(folder / "again.png", line_plot(spec));
         CHECK(contents(folder / "p.png") == contents(folder / "again.png"));
     }
     CHECK(plotted(folder, spec_of({level("a", 3)})).height == 620);

@@ -1,3 +1,4 @@
+#include "output/image/figure.hpp"
 #include "output/plot/scatter_plot.hpp"
 
 #include <cmath>
@@ -35,7 +36,7 @@ ScatterPlotSpec small() {
 }
 
 PngImage plotted(const Scratch& folder, const ScatterPlotSpec& spec) {
-    write_scatter_plot(folder / "s.png", spec);
+    save_figure(folder / "s.png", scatter_plot(spec));
     return backend().read_png(folder / "s.png");
 }
 
@@ -82,6 +83,21 @@ TEST_CASE("labels never cover other labels or occupied space", "[scatter_plot]")
     CHECK(placed > requested * 9 / 10);
 }
 
+TEST_CASE("a line to a label crosses another one only if it must", "[scatter_plot]") {
+    // The first label fits only into a corridor, 130 to the right. The second is nearer to the upper end of the
+    // occupied space than to the lower one, but the line upwards would cross that of the first.
+    const std::vector<Box2> taken{{24, -20, 116, 260}, {140, -20, 260, 114}, {140, 106, 260, 134}};
+    const std::vector<LabelRequest> requests{{{20, 100}, 40, 10}, {{80, 104}, 30, 10}};
+    const Box2 limits{10, -100, 400, 500};
+    const auto both = place_labels(requests, {limits, taken, {}});
+    REQUIRE((both[0] && both[1]));
+    CHECK(both[0]->x == Approx(150));
+    CHECK(both[1]->y > 240);
+    const auto second = place_labels({&requests[1], 1}, {limits, taken, {}});
+    REQUIRE(second[0].has_value());
+    CHECK(second[0]->y < -20);
+}
+
 TEST_CASE("a label is beside its point where it covers least, and left out where there is no space", "[scatter_plot]") {
     const Box2 limits{0, 0, 300, 100};
     const LabelRequest request{{150, 50}, 50, 14};
@@ -115,7 +131,7 @@ TEST_CASE("a scatter plot shows points, names and the Pareto front where they be
     REQUIRE((blue > 0 && red > 0 && faint > 0));
     CHECK(blue < red);
     CHECK(red < faint);
-    write_scatter_plot(folder / "again.png", small());
+    save_figure(folder / "again.png", scatter_plot(small()));
     CHECK(contents(folder / "s.png") == contents(folder / "again.png"));
     auto without = small();
     for (auto& p : without.points) p.label.clear();

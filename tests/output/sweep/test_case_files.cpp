@@ -1,4 +1,5 @@
 // The tables and the picture of named cases, and the files of a search, read back.
+#include "output/image/figure.hpp"
 #include "output/sweep/case_files.hpp"
 
 #include <cmath>
@@ -150,7 +151,8 @@ TEST_CASE("cases.csv and matrix.png show what each form makes of each case") {
     CHECK_FALSE(flat(1));
     CHECK_FALSE(flat(4));
 
-    output::sweep::write_case_matrix(folder / "alone.png", request, measure::sweep::run_cases(request));
+    output::image::save_figure(folder / "alone.png",
+                               output::sweep::case_matrix(request, measure::sweep::run_cases(request)));
     CHECK(contents(folder / "alone.png") == contents(folder / "matrix.png"));
 }
 

@@ -1,5 +1,6 @@
 // The plots along a sweep: false hits apart from false misses, the first of them to be seen, no envelope without a
 // line, and where numbers stop meaning anything.
+#include "output/image/figure.hpp"
 #include "output/sweep/sweep_plots.hpp"
 
 #include <cmath>
@@ -91,7 +92,7 @@ TEST_CASE("a single false miss among a thousand rays is visible apart from none 
     Made made;
     const image::Rgb8 line = plot::look_colour(plot::form_look(*made.request.rows[0].form));
     const auto drawn = [&](Outcome o) {
-        output::sweep::write_wrong_plot(folder / "w.png", made.measured(), made.format(), o);
+        output::image::save_figure(folder / "w.png", output::sweep::wrong_plot(made.measured(), made.format(), o));
         return find(backend().read_png(folder / "w.png"), line);
     };
     static_cast<void>(backend());
@@ -130,7 +131,8 @@ TEST_CASE("an envelope is drawn for a form that returns t, and not for one that 
             for (auto& metric : step.rows[0].metrics) metric.seal();
         }
         static_cast<void>(backend());
-        output::sweep::write_lost_bits_plot(folder / "l.png", made.measured(), made.format(), 0.99);
+        output::image::save_figure(folder / "l.png",
+                                   output::sweep::lost_bits_plot(made.measured(), made.format(), 0.99));
         const auto image = backend().read_png(folder / "l.png");
         CAPTURE(tells);
         CHECK((find(image, plot::envelope_fill).pixels > 1000) == tells);

@@ -46,23 +46,41 @@ function culpritLegend({ name, categories }, pixels) {
     return shown;
 }
 
-async function drawLegend() {
-    const metric = metricNow(), row = rowNow(), { name, unit, blamed, categories } = metric, children = [];
-    if (metric.scales)
-        children.push(rampBar(
+/** The colour bar of a metric in the format of a row; none for categories. */
+const barOf = (metric, row) => (
+    metric.scales ?
+        [rampBar(
             scaleOf(metric, row).ticks,
-            `${words(name)}${unit && unit !== "1" && !name.includes(unit) ? `, ${unit}` : ""}`));
-    if (blamed) children.push(...culpritLegend(metric, await pixelsOf(mapNow(), row)));
-    else children.push(...(categories ?? []).map(([word, colour]) => ofColour(colour, words(word))));
-    if (metricNow() !== metric || rowNow() !== row) return;  // something else is looked at by now
-    if (!metric.marches && !metric.every_ray) {
-        index.outcomes.forEach(([word, colour], o) => {
-            if (blamed && wrongDecisions.includes(o)) return;  // a culprit is named for wrong decisions too
-            if (row.outcomes[o] > 0 && (o !== agreeHit || metric.kind === "classes"))
-                children.push(ofColour(colour, `${words(word)} ${row.outcomes[o]}`));
-        });
-    }
-    mapParts.legend.replaceChildren(...children);
+            words(metric.name) +
+                (metric.unit && metric.unit !== "1" && !metric.name.includes(metric.unit) ? `, ${metric.unit}` : ""))] :
+        []);
+
+/** Colours of the classes that a row has, each with its number of pixels. */
+async function classesOf(metric, row) {
+    const { blamed, kind } = metric, shown = blamed ? culpritLegend(metric, await pixelsOf(mapNow(), row)) : [];
+    if (metric.marches || metric.every_ray) return shown;
+    index.outcomes.forEach(([word, colour], o) => {
+        if (blamed && wrongDecisions.includes(o)) return;  // a culprit is named for wrong decisions too
+        if (row.outcomes[o] > 0 && (o !== agreeHit || kind === "classes"))
+            shown.push(ofColour(colour, `${words(word)} ${row.outcomes[o]}`));
+    });
+    return shown;
+}
+
+/** Draws the legend. Two halves have a line each: their classes and numbers differ, and so do bars of two formats. */
+async function drawLegend() {
+    const metric = metricNow(), row = rowNow(), other = otherRow(), halves = other ? [row, other] : [row];
+    const isShared = !other || other.format === row.format;
+    const classes = await Promise.all(halves.map((half) => classesOf(metric, half)));
+    if (metricNow() !== metric || rowNow() !== row || otherRow() !== other) return;  // something else by now
+    const parts = halves.map((half, k) => [...(isShared ? [] : barOf(metric, half)), ...classes[k]]);
+    const lines = other ?
+        parts.map((part, k) => (part.length > 0 ? make("div.legend.half-legend", make("b", "AB"[k]), ...part) : "")) :
+        parts.flat();
+    mapParts.legend.replaceChildren(
+        ...(isShared ? barOf(metric, row) : []),
+        ...(metric.blamed ? [] : metric.categories ?? []).map(([word, colour]) => ofColour(colour, words(word))),
+        ...lines);
 }
 
 /** Writes A and B on the halves. Each name is at most as wide as its half. */
@@ -97,7 +115,9 @@ function noteBox(id) {
         box,
         (note) => {
             box.hidden = !note;
-            if (text.textContent !== note) text.textContent = note ?? "";
+            // Between backquotes stands code.
+            text.replaceChildren(
+                ...(note ?? "").split(/`([^`]+)`/).map((part, k) => (k % 2 === 1 ? make("code", part) : part)));
         }
     ];
 }

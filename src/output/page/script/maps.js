@@ -98,7 +98,8 @@ function drawPickers() {
             [["", "nothing"], ...others.map((r) => [keyOf(r), title(r)])]));
     mapParts.slider.hidden = state.other === "";
     mapParts.slider.value = state.split;
-    mapParts.copyClaim.disabled = !map.own_size;  // a claim is about the scene at its own size
+    mapParts.copyClaim.disabled = !map.own_size;
+    mapParts.noClaim.hidden = map.own_size;
     mapParts.what.textContent = `${row.title}. ${metricNow().meaning}.`;
     mapParts.worst.replaceChildren(...worstOf(row));
     mapParts.showNote(map.note);
@@ -222,6 +223,10 @@ function buildMaps() {
         showNote,
         copied,
         copyClaim: buttons[2],
+        noClaim: make(
+            "p.hint.no-claim",
+            "No claim can be copied here: claims are measured at the scene's own size, and this map has another " +
+                "(--size)."),
         halfA: make("span.half.a", { hidden: true }),
         halfB: make("span.half.b", { hidden: true }),
         pickers: make("div.pickers"),
@@ -245,7 +250,7 @@ function buildMaps() {
             "div.stage", parts.picture,
             make(
                 "div.side", parts.inspector, make("div.buttons", button("#worst", toWorst, "worst pixel"), ...buttons),
-                copied)),
+                parts.noClaim, copied)),
         parts.operations, make("div#panes"));
     root.hidden = false;
 

@@ -335,11 +335,11 @@ function onsetLines(row) {
     const body = make("tbody");
     for (const [event, statistic, threshold, good, bad, low, high] of row.onsets)
         body.append(cells(
-            "td", `${words(event)} ${statistic}`, decimal(threshold), good === null ? "–" : decimal(good), decimal(bad),
-            low === high ? "–" : `${rounded(low)} to ${rounded(high)}`));
+            "td", `${words(event)} ${statistic} ≥ ${decimal(threshold)}`, good === null ? "–" : decimal(good),
+            decimal(bad), low === high ? "–" : `${rounded(low)} to ${rounded(high)}`));
     return [make(
         "details", { open: true }, make("summary", `Onsets of ${title(row)}: ${row.onsets.length}`),
-        make("table", header("event", "threshold", "last good", "first seen bad", "range over draws"), body))];
+        make("table", header("event", "last good", "first seen bad", "range over draws"), body))];
 }
 
 function buildChart() {
