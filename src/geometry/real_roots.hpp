@@ -100,39 +100,59 @@ struct EnclosedRoots {
 
 namespace detail {
 
-/// f in the arithmetic of the search for approximations. Balls search in double, which is a good enough start for most
-/// roots. Numbers of selectable precision search in 192 bits; each Newton step doubles the number of correct bits.
+/// Approximates the roots within ±bound of a polynomial in double. With y = x/bound, the coefficients divided by the
+/// leading one fit into the range of double, except for lines so far away that f has no root.
 template <class E>
-NearRoots<E> started(const Polynomial<E>& f, const E& bound) {
-    if constexpr (requires { bound.hi(); }) {
-        Polynomial<double> quick{{}, f.degree};
-        for (int i = 0; i <= f.degree; ++i) quick.of(i) = f.of(i).hi();
-        const NearRoots<double> near = near_roots(quick, bound.hi());
-        NearRoots<E> roots;
-        for (int i = 0; i < near.count; ++i) roots.add(E(near.x[static_cast<std::size_t>(i)]));
-        return roots;
-    } else if constexpr (requires { typename E::Precision; }) {
-        NearRoots<E> roots;
-        long bits = 192;
-        {
-            const typename E::Precision few(bits);
-            Polynomial<E> short_f{{}, f.degree};
-            for (int i = 0; i <= f.degree; ++i) short_f.of(i) = middle(f.of(i));
-            roots = near_roots(short_f, E(middle(bound)));
-        }
-        const Polynomial<E> slope = f.slope();
-        for (const long all = precision_of(E(0)); bits < all; bits *= 2) {
-            const typename E::Precision more(std::min(2 * bits, all));
-            for (int i = 0; i < roots.count; ++i) {
-                E& x = roots.x[static_cast<std::size_t>(i)];
-                const E step = middle(f.at(x)) / middle(slope.at(x));
-                if (step.is_bounded()) x = middle(x - step);
-            }
-        }
-        return roots;
-    } else {
-        return near_roots(f, bound);
+NearRoots<E> near_in_double(const Polynomial<E>& f, const E& bound) {
+    Polynomial<double> quick{{}, f.degree};
+    E power(1);
+    for (int i = f.degree; i >= 0; --i) {
+        quick.of(i) = nearest_double(f.of(i) / (f.leading() * power));
+        power = power * bound;
     }
+    const NearRoots<double> near = near_roots(quick, 1.0);
+    NearRoots<E> roots;
+    for (int i = 0; i < near.count; ++i) roots.add(middle(E(near.x[static_cast<std::size_t>(i)]) * bound));
+    return roots;
+}
+
+/// Approximates the roots in a few bits; each Newton step then doubles the number of correct bits.
+template <class E>
+NearRoots<E> refined(const Polynomial<E>& f, const NearRoots<E>& from, long bits) {
+    NearRoots<E> roots = from;
+    const Polynomial<E> slope = f.slope();
+    for (const long all = precision_of(E(0)); bits < all; bits *= 2) {
+        const typename E::Precision more(std::min(2 * bits, all));
+        for (int i = 0; i < roots.count; ++i) {
+            E& x = roots.x[static_cast<std::size_t>(i)];
+            const E step = middle(f.at(x)) / middle(slope.at(x));
+            if (step.is_bounded()) x = middle(x - step);
+        }
+    }
+    return roots;
+}
+
+/// Precision in which roots are searched if those found in double prove nothing.
+inline constexpr long bits_of_search = 192;
+
+/// Approximates the roots in `bits_of_search`.
+template <class E>
+NearRoots<E> near_in_few_bits(const Polynomial<E>& f, const E& bound) {
+    const typename E::Precision few(bits_of_search);
+    Polynomial<E> short_f{{}, f.degree};
+    for (int i = 0; i <= f.degree; ++i) short_f.of(i) = middle(f.of(i));
+    return near_roots(short_f, E(middle(bound)));
+}
+
+/// Approximates the roots of a polynomial over balls in double, which is a good enough start for most.
+template <class E>
+NearRoots<E> near_first_words(const Polynomial<E>& f, const E& bound) {
+    Polynomial<double> quick{{}, f.degree};
+    for (int i = 0; i <= f.degree; ++i) quick.of(i) = f.of(i).hi();
+    const NearRoots<double> near = near_roots(quick, bound.hi());
+    NearRoots<E> roots;
+    for (int i = 0; i < near.count; ++i) roots.add(E(near.x[static_cast<std::size_t>(i)]));
+    return roots;
 }
 
 /// Encloses a root near an approximation. The interval extends to eight times the largest possible Newton step, where f
@@ -198,11 +218,19 @@ std::optional<EnclosedRoots<E>> enclosed_roots(const Polynomial<E>& f, const E& 
         if (!trim(roots.simple)) return std::nullopt;
     }
     const E end = middle(bound);
-    const auto found = detail::enclosed_from(detail::started(roots.simple, end), roots, are_simple, bound);
-    if constexpr (requires { typename E::Precision; }) {
-        if (!found) return detail::enclosed_from(near_roots(roots.simple, end), roots, are_simple, bound);
+    const auto from = [&](const NearRoots<E>& near) { return detail::enclosed_from(near, roots, are_simple, bound); };
+    if constexpr (requires { bound.hi(); }) {
+        return from(detail::near_first_words(roots.simple, end));
+    } else if constexpr (requires { typename E::Precision; }) {
+        if (auto found = from(detail::refined(roots.simple, detail::near_in_double(roots.simple, end), 53)))
+            return found;
+        if (auto found = from(
+                detail::refined(roots.simple, detail::near_in_few_bits(roots.simple, end), detail::bits_of_search)))
+            return found;
+        return from(near_roots(roots.simple, end));
+    } else {
+        return from(near_roots(roots.simple, end));
     }
-    return found;
 }
 
 }  // namespace lostbits

@@ -91,6 +91,8 @@ public:
     friend Interval between(const Interval& low, const Interval& high);
     friend Interval largest(const Interval& a);
     friend int precision_of(const Interval& a) { return static_cast<int>(a.bits_); }
+    /// Double nearest to the lower end.
+    friend double nearest_double(const Interval& a) { return mpfr_get_d(a.lower(), MPFR_RNDN); }
 
 private:
     /// Selects the constructor whose ends are still to be set, at the working precision.

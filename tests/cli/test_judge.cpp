@@ -382,7 +382,7 @@ TEST_CASE("judge: the hits of a ray may be in two pieces of a file, and must bel
     scratch.write("hits.csv", other + "0.5,0.5,4,0,0,-1,1,0,5\n");
     const auto r = run("judge hits.csv --scene cube.toml" + into(scratch), scratch.path());
     CHECK(r.code == 2);
-    CHECK(has(r.err, "hits.csv: record 4097: hit_index is 1; the record before it is of another ray"));
+    CHECK(has(r.err, "hits.csv:4098:18: hit_index is 1; the record before it is of another ray"));
 }
 
 TEST_CASE("judge: numbers of crossings, their parity, and points in a mesh") {

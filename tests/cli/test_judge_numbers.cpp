@@ -46,7 +46,7 @@ TEST_CASE("judge: raw numbers in the other byte order are refused first") {
     const auto reversed = with("ox:f32,oy,oz,dx,dy,dz,t");
     CHECK(reversed.code == 2);
     CHECK(has(reversed.err, "the most significant byte comes first; write --columns ox:f32be,oy,oz,dx,dy,dz,t"));
-    CHECK(has(reversed.err, "rays.bin: record 1: oz is "));
+    CHECK(has(reversed.err, "rays.bin: record 0: oz is "));
     CHECK_FALSE(has(reversed.err, "--miss"));
     const auto right = with("ox:f32be,oy,oz,dx,dy,dz,t");
     CHECK(right.code == 0);

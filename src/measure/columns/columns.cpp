@@ -114,12 +114,12 @@ const TrueLengths& BandColumns::find(Convention convention, Direction unit_of) {
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, truths.size(), 4096), [&](const auto& range) {
         put_lengths(unit_of == Direction::unit ? truths.distance : truths.t, range.begin(), range.end(), columns);
     });
-    for (const auto& [i, closed] : truths.whole) columns.put(i, band_->truth(i, convention), unit_of);
-    if (!convention.is_special()) return columns;
+    for (const auto& [i, closed] : truths.whole) columns.put(i, closed, unit_of);
+    if (convention == Convention{}) return columns;
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, truths.size(), 256), [&](const auto& range) {
         band_->stop().check();
         for (std::size_t i = range.begin(); i < range.end(); ++i)
-            if (band_->needs_special_truth(i, convention)) columns.put(i, band_->truth(i, convention), unit_of);
+            if (band_->may_differ(i, convention)) columns.put(i, band_->truth(i, convention), unit_of);
     });
     return columns;
 }

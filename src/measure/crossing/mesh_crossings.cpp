@@ -8,6 +8,7 @@
 
 #include "measure/truth/side.hpp"
 #include "number/error.hpp"
+#include "number/wide/running.hpp"
 #include "shapes/lift.hpp"
 
 namespace lostbits::measure::crossing {
@@ -41,9 +42,10 @@ std::optional<Passage> find_passage(const Ray<double>& ray, const Primitive<doub
     return Passage{span.open.is_yes() ? Passage::By::inner : Passage::By::rim, span.front.is_yes(), *t};
 }
 
-/// Nothing if no precision decides.
+/// Nothing if no precision decides. Single doubles with bounds decide most triangles, in a fifth of the time.
 std::optional<Passage> passage(const Ray<double>& ray, const Primitive<double>& triangle) {
     if (!is_proper(triangle)) return Passage{};
+    if (const auto quick = find_passage<number::wide::Running<double>>(ray, triangle)) return quick;
     return by_rising_precision([&]<class E>() { return find_passage<E>(ray, triangle); });
 }
 

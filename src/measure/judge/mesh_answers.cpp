@@ -82,8 +82,7 @@ private:
     /// Requires that a hit after the first follows the one before it. Within a chunk its reader has seen to that.
     void require_next(const Chunk& chunk, std::size_t i) const {
         const auto fail = [&](const std::string& why) {
-            throw InputError(dump_.name() + ": record " + std::to_string(chunk.first + i + 1) + ": hit_index is " +
-                             std::to_string(chunk.counts[i]) + "; " + why);
+            throw InputError(chunk.first_place + ": hit_index is " + std::to_string(chunk.counts[i]) + "; " + why);
         };
         if (waiting_.empty() || waiting_.back().count != chunk.counts[i])
             fail("the hits of a ray follow each other in the order of their hit_index, from 0");

@@ -11,6 +11,7 @@
 #include "number/real.hpp"
 #include "number/rounded.hpp"
 #include "scene/rays/random.hpp"
+#include "scene/sweep/distributions.hpp"
 
 namespace lostbits::measure::sweep {
 
@@ -125,6 +126,7 @@ private:
             }
             if (file_.nearest) approach(p);
             if (file_.at_edge) put_edge(p);
+            else if (file_.aim) aim_at_place(p);
             else aim(p);
             for (double& x : p.x) x = rounding::to_format(x, 0, row_.format.parameters);
             if (file_.holds(p.ray(), p.primitive(file_.shape))) return p;
@@ -207,6 +209,28 @@ private:
         for (std::size_t i = 0; i < 3; ++i) p.x[3 + i] = to[i] / largest * size;
     }
 
+    /// Aims at a rim, an edge, an apex or a line of the primitive. The distance of the eye is uniform in its logarithm,
+    /// and the direction keeps the size of its largest component. The numbers of the primitive are rounded first, so
+    /// that the place is on the primitive that the form receives.
+    void aim_at_place(SearchPoint& p) {
+        const FloatFormat& format = row_.format.parameters;
+        for (std::size_t i = 6; i < file_.ranges.size(); ++i) p.x[i] = rounding::to_format(p.x[i], 0, format);
+        const Primitive<double> primitive = p.primitive(file_.shape);
+        if (broken_limit(primitive)) return;
+        const scene::rays::AimedPlace place = aimed_at_(random_, primitive, *file_.aim);
+        const Vec<double> any = scene::rays::draw_direction(random_), d = place.along.value_or(any);
+        const double low = std::log2(file_.distance.low), high = std::log2(file_.distance.high);
+        const double half = visit(primitive, [](const auto& shape) { return shape.half_extent(); });
+        const double away = half * std::exp2(low + random_.unit() * (high - low));
+        const double size = std::max({std::fabs(p.x[3]), std::fabs(p.x[4]), std::fabs(p.x[5])}),
+                     largest = std::max({std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)});
+        for (std::size_t i = 0; i < 3; ++i) {
+            const int k = static_cast<int>(i);
+            p.x[i] = place.point[k] - away * d[k];
+            p.x[3 + i] = d[k] / largest * size;
+        }
+    }
+
     SearchPoint moved(const SearchPoint& from, std::size_t begin, std::size_t end, int count) {
         for (int attempt = 0; count > 0 && attempt < 16; ++attempt) {
             SearchPoint p = from;
@@ -265,6 +289,8 @@ private:
     const WorstRequest& request_;
     const scene::sweep::SearchFile& file_;
     const evaluate::TestedForm& row_;
+    decltype(scene::sweep::DistributionRow::aimed_at) aimed_at_ =
+        std::ranges::find(scene::sweep::distributions(), file_.shape, &scene::sweep::DistributionRow::shape)->aimed_at;
     scene::rays::Random random_;
     std::size_t metric_;
     std::uint64_t evaluations_ = 0;

@@ -120,9 +120,6 @@ Ray<double> in_double(const Ray<S>& ray) {
     return {of(ray.origin), of(ray.direction)};
 }
 
-constexpr Convention other_conventions[] = {
-    {Touching::miss}, {Touching::hit, AtOrigin::miss}, {Touching::miss, AtOrigin::miss}};
-
 /// Primitives that a ray is tested against: those that an index finds, all, or the one that it is paired with.
 struct Candidates {
     const culling::PrimitiveIndex* index = nullptr;
@@ -173,18 +170,13 @@ void Band::find_truth_of_all() {
     stages_ =
         ideal_ ? find_truths(RaysAndPrimitives<Real>{*ideal_, ideal_primitives_, index, paired_}, limit_, truths_)
                : find_truths(RaysAndPrimitives<double>{shared_, shared_primitives_, index, paired_}, limit_, truths_);
-    for (const auto& [i, closed] : truths_.whole) {
-        for (const Convention convention : other_conventions) {
-            if (matters(convention, closed.touches, closed.on_surface))
-                apart_[key_of(i, convention)].truth = find_truth_of(i, convention);
-        }
-    }
 }
 
-const Band::SpecialTruth* Band::find_special(std::size_t i, Convention convention) const {
-    const Truth* const closed = truths_.find_whole(i);
-    return closed && matters(convention, closed->touches, closed->on_surface) ? &apart_.at(key_of(i, convention))
-                                                                              : nullptr;
+const Truth& Band::truth_apart(std::size_t i, Convention convention) const {
+    const std::size_t key = key_of(i, convention);
+    const auto known = truths_apart_.find(key);
+    if (known != truths_apart_.end()) return known->second;
+    return truths_apart_.emplace(key, find_truth_of(i, plain_part(convention))).first->second;
 }
 
 bool Band::shows_side(std::size_t i, Facing facing) const {
@@ -198,20 +190,23 @@ bool Band::shows_side(std::size_t i, Facing facing) const {
     });
 }
 
+bool Band::may_differ(std::size_t i, Convention convention) const {
+    return truths_.may_differ(i, convention) || (convention.is_special() && needs_special_truth(i, convention));
+}
+
 bool Band::needs_special_truth(std::size_t i, Convention convention) const {
-    const Truth* const whole = truths_.find_whole(i);
     if (convention.by_shape)
         return std::ranges::any_of(all_shapes, [&](Shape shape) {
             const Convention own = convention.of(shape);
-            return (whole && matters(own, whole->touches, whole->on_surface)) || needs_special_truth(i, own);
+            return truths_.may_differ(i, own) || needs_special_truth(i, own);
         });
     const bool ranged = ideal_ ? ideal_->have_ranges() : shared_.have_ranges();
     if (convention.endless && ranged) return true;
-    if (convention.at_origin == AtOrigin::exit && whole && whole->on_surface) return true;
+    if (convention.at_origin == AtOrigin::exit && truths_.on_surface[i] != 0) return true;
     // A ray that meets nothing from either side meets nothing from one side. If the first hit is from a side that
     // counts, it stays the first.
     if (convention.facing != Facing::both && truths_.decision[i] != Truth::Decision::miss &&
-        (whole || !shows_side(i, convention.facing)))
+        !shows_side(i, convention.facing))
         return true;
     if (convention.inside == Inside::usual) return false;
     if (ranged) return true;  // the ray may begin elsewhere than at its origin
@@ -224,8 +219,7 @@ bool Band::needs_special_truth(std::size_t i, Convention convention) const {
 
 Truth Band::truth(std::size_t i, Convention convention) const {
     if (convention.is_special() && needs_special_truth(i, convention)) return find_truth_of(i, convention);
-    const SpecialTruth* const apart = find_special(i, convention);
-    return apart ? apart->truth : truths_[i];
+    return truths_.may_differ(i, convention) ? truth_apart(i, convention) : truths_[i];
 }
 
 FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
@@ -253,26 +247,17 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     }
     find_reach(in, needs);
     if (needs.own_truth && !in.ideal) {
-        const auto index = culler_ ? culler_->for_own_truth(shape, in.primitives) : nullptr;
-        const Candidates among{index.get(), paired_};
-        const auto own = [&](std::size_t i, Convention convention) {
-            return find_among(among, i, in.rays[i], in.primitives, limit_, convention, in.rays.range(i));
-        };
-        find_truths(RaysAndPrimitives<double>{in.rays, in.primitives, index.get(), paired_}, limit_, in.own_truth);
-        for (const auto& [i, closed] : in.own_truth.whole)
-            for (const Convention convention : other_conventions)
-                if (matters(convention, closed.touches, closed.on_surface))
-                    in.own_apart[key_of(i, convention)] = own(i, convention);
+        if (culler_) in.own_index = culler_->for_own_truth(shape, in.primitives);
+        find_truths(RaysAndPrimitives<double>{in.rays, in.primitives, in.own_index.get(), paired_}, limit_,
+                    in.own_truth);
     }
     return in;
 }
 
 Truth FormatInputs::own(std::size_t i, Convention convention) const {
-    if (convention.is_special())
-        return find_among({.paired = paired}, i, rays[i], primitives, {.stop = stop}, convention, rays.range(i));
     const Truth closed = own_truth[i];
-    const bool apart = matters(convention, closed.touches, closed.on_surface);
-    return apart ? own_apart.at(key_of(i, convention)) : closed;
+    if (!convention.is_special() && !matters(convention, closed.touches, closed.on_surface)) return closed;
+    return find_among({own_index.get(), paired}, i, rays[i], primitives, {.stop = stop}, convention, rays.range(i));
 }
 
 namespace {

@@ -1,10 +1,11 @@
 // A band of a picture: rays made once, their truth found once, and the same numbers handed to every form and format.
 #pragma once
 
+#include <tbb/concurrent_unordered_map.h>
+
 #include <memory>
 #include <optional>
 #include <set>
-#include <unordered_map>
 #include <vector>
 
 #include "intersect/process/stop_token.hpp"
@@ -82,11 +83,11 @@ public:
     /// Truth of ray i at one of the primitives alone, as if there were no other.
     [[nodiscard]] Truth truth_of_primitive(std::size_t i, std::size_t primitive,
                                            intersect::Convention convention) const;
-    /// True if a special convention needs a separate truth for ray i: because the ray starts in or on a primitive,
-    /// because of where it ends, or because of what it meets if only one side counts.
-    [[nodiscard]] bool needs_special_truth(std::size_t i, intersect::Convention convention) const;
-    /// Truth of every ray by the closed primitive's convention. Other conventions that are not special can differ only
-    /// on rays of its `whole`.
+    /// True if the truth of ray i by the convention may differ from that of `truths`, because the ray touches a
+    /// primitive, because it starts in or on one, because of where it ends, or because of what it meets if only one
+    /// side counts.
+    [[nodiscard]] bool may_differ(std::size_t i, intersect::Convention convention) const;
+    /// Truth of every ray by the closed primitive's convention.
     [[nodiscard]] const RayTruths& truths() const { return truths_; }
     /// Truth of ray i (a hit), correctly rounded to the format: as t, or as a distance.
     [[nodiscard]] double rounded_truth(std::size_t i, const FloatFormat& format, intersect::Direction unit_of,
@@ -117,13 +118,11 @@ private:
     std::optional<scene::rays::IdealRayBlock> ideal_;  ///< used if inputs = own
     scene::rays::PrimitiveList<Real> ideal_primitives_;
     std::optional<intersect::MarchConstants<double>> shared_march_;
-    /// Truth by a convention that differs from the closed primitive's.
-    struct SpecialTruth {
-        Truth truth;
-        double condition = 0;
-    };
-    /// Special truth of ray i if the convention makes a difference; null otherwise.
-    [[nodiscard]] const SpecialTruth* find_special(std::size_t i, intersect::Convention convention) const;
+    /// True if a special convention needs a separate truth for ray i.
+    [[nodiscard]] bool needs_special_truth(std::size_t i, intersect::Convention convention) const;
+    /// Truth of a ray for which `truths().may_differ`. It is found when it is first asked for, since few forms have
+    /// such a convention.
+    [[nodiscard]] const Truth& truth_apart(std::size_t i, intersect::Convention convention) const;
     template <class Function>
     auto with_ray(std::size_t i, Function&& function) const {
         return ideal_ ? function((*ideal_)[i], ideal_primitives_) : function(shared_[i], shared_primitives_);
@@ -132,7 +131,10 @@ private:
     RayTruths truths_;
     StageCounts stages_;
     std::vector<double> condition_;
-    std::unordered_map<std::size_t, SpecialTruth> apart_;  ///< by `key_of`, for rays on which the convention matters
+    /// Truths and conditions that were asked for, of rays on which the convention matters. Several threads may find the
+    /// same one; the first is kept.
+    mutable tbb::concurrent_unordered_map<std::size_t, Truth> truths_apart_;
+    mutable tbb::concurrent_unordered_map<std::size_t, double> conditions_apart_;
 };
 
 }  // namespace lostbits::measure::truth

@@ -16,9 +16,7 @@
 
 namespace lostbits::measure::truth {
 
-using intersect::AtOrigin;
 using intersect::Convention;
-using intersect::Touching;
 
 namespace {
 
@@ -193,10 +191,6 @@ void Band::find_condition() {
             condition_[i] = condition_of(i, truths_.decision[i], truths_.object[i], {});
         }
     });
-    for (auto& [key, apart] : apart_)
-        apart.condition = condition_of(
-            key / 4, apart.truth.decision, apart.truth.object,
-            {key % 4 >= 2 ? Touching::miss : Touching::hit, key % 2 == 1 ? AtOrigin::miss : AtOrigin::hit});
 }
 
 double Band::condition_of(std::size_t i, Truth::Decision decision, int object, Convention convention) const {
@@ -212,8 +206,13 @@ double Band::condition(std::size_t i, Convention convention) const {
         const Truth truth = find_truth_of(i, convention);
         return condition_of(i, truth.decision, truth.object, convention);
     }
-    const SpecialTruth* const apart = find_special(i, convention);
-    return apart ? apart->condition : condition_[i];
+    if (!truths_.may_differ(i, convention)) return condition_[i];
+    const std::size_t key = key_of(i, convention);
+    const auto known = conditions_apart_.find(key);
+    if (known != conditions_apart_.end()) return known->second;
+    const Truth& truth = truth_apart(i, convention);
+    return conditions_apart_.emplace(key, condition_of(i, truth.decision, truth.object, plain_part(convention)))
+        .first->second;
 }
 
 double Band::reach_of(std::size_t i, const Truth& found, Convention convention, Length length,
@@ -235,8 +234,7 @@ double Band::reach(std::size_t i, Convention convention, intersect::Direction un
                    Perturbed perturbed) const {
     const Length length = length_of(unit_of);
     const auto& known = of.reach[static_cast<std::size_t>(perturbed)][static_cast<std::size_t>(length)];
-    const bool closed = !known.empty() && !(convention.is_special() && needs_special_truth(i, convention)) &&
-                        find_special(i, convention) == nullptr;
+    const bool closed = !known.empty() && !may_differ(i, convention);
     return closed ? known[i] : reach_of(i, truth(i, convention), convention, length, of.format.parameters, perturbed);
 }
 

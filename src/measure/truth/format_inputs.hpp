@@ -4,7 +4,6 @@
 #include <array>
 #include <memory>
 #include <optional>
-#include <unordered_map>
 #include <vector>
 
 #include "intersect/process/stop_token.hpp"
@@ -27,8 +26,7 @@ struct FormatInputs {
     scene::rays::RayBlock unit_rays = {};
     /// Truth of these inputs; empty if they are the ideal ones, or if no metric needs it.
     RayTruths own_truth = {};
-    /// Truth by other conventions, by `key_of`, for the rays on which they matter.
-    std::unordered_map<std::size_t, Truth> own_apart = {};
+    std::shared_ptr<const culling::PrimitiveIndex> own_index = {};  ///< index by which it was found; null: none
     /// Reach by `Perturbed` and `Length`, of the closed primitive's truth, see `truth::reach`; empty unless requested.
     std::array<std::array<std::vector<double>, 2>, 2> reach = {};
     bool ideal = false;   ///< the inputs are exactly those of the truth
@@ -62,12 +60,6 @@ struct FormatInputs {
         return !is_primitive(form.shape) ? AimedAt(primitives.listed(), march.value()) : AimedAt(primitives[primitive]);
     }
 };
-
-/// Key for a ray and the values of a convention for touching and for the origin.
-[[nodiscard]] inline std::size_t key_of(std::size_t i, intersect::Convention convention) {
-    return 4 * i + (convention.touching == intersect::Touching::miss ? 2 : 0) +
-           (convention.at_origin == intersect::AtOrigin::miss ? 1 : 0);
-}
 
 struct BandNeeds {
     bool unit_rays = false;

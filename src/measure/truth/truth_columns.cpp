@@ -178,15 +178,20 @@ void find_truth_columns(const ProblemColumns<double>& problems, const ColumnTerm
 void RayTruths::resize(std::size_t rays) {
     decision.assign(rays, Truth::Decision::miss);
     object.assign(rays, -1);
+    touches.assign(rays, 0);
+    on_surface.assign(rays, 0);
     for (auto* length : {&t, &distance})
         for (auto* column : {&length->hi, &length->lo, &length->bound}) column->assign(rays, 0);
 }
 
 Truth RayTruths::operator[](std::size_t i) const {
-    if (const Truth* const there = find_whole(i)) return *there;
+    if (std::isnan(t.hi[i]))
+        return std::ranges::lower_bound(whole, i, {}, &std::pair<std::size_t, Truth>::first)->second;
     Truth truth;
     truth.decision = decision[i];
     truth.object = object[i];
+    truth.touches = touches[i] != 0;
+    truth.on_surface = on_surface[i] != 0;
     truth.bits = 106;
     if (!truth.is_hit()) return truth;
     truth.t = certified(t.hi[i], t.lo[i], t.bound[i]);
@@ -194,15 +199,12 @@ Truth RayTruths::operator[](std::size_t i) const {
     return truth;
 }
 
-const Truth* RayTruths::find_whole(std::size_t i) const {
-    if (!std::isnan(t.hi[i])) return nullptr;
-    return &std::ranges::lower_bound(whole, i, {}, &std::pair<std::size_t, Truth>::first)->second;
-}
-
 bool RayTruths::put(std::size_t i, const Truth& truth) {
     decision[i] = truth.decision;
     object[i] = truth.object;
-    bool held = !truth.touches && !truth.on_surface && truth.decision != Truth::Decision::unresolved;
+    touches[i] = truth.touches ? 1 : 0;
+    on_surface[i] = truth.on_surface ? 1 : 0;
+    bool held = truth.decision != Truth::Decision::unresolved;
     const auto put_length = [&](const Certified& x, Lengths& to) {
         const bool in_range = truth.is_hit() && !x.is_zero() && std::abs(x.exponent) <= 900;
         const auto word = [&](double part) { return in_range ? std::ldexp(part, static_cast<int>(x.exponent)) : 0; };

@@ -42,6 +42,17 @@ struct ProblemColumns {
            (convention.at_origin == intersect::AtOrigin::miss && on_surface);
 }
 
+/// The properties that `matters` reads, alone.
+[[nodiscard]] constexpr intersect::Convention plain_part(const intersect::Convention& convention) {
+    using intersect::AtOrigin;
+    return {convention.touching, convention.at_origin == AtOrigin::miss ? AtOrigin::miss : AtOrigin::hit};
+}
+/// Key for a ray and these properties.
+[[nodiscard]] inline std::size_t key_of(std::size_t i, const intersect::Convention& convention) {
+    return 4 * i + (convention.touching == intersect::Touching::miss ? 2 : 0) +
+           (convention.at_origin == intersect::AtOrigin::miss ? 1 : 0);
+}
+
 /// Accuracy of a length that a measurement needs.
 enum class Tightness {
     ulps_of_binary32,  ///< to 2^-33 of itself: an error in ulps of at most 24 bits is known to 2^-8
@@ -97,18 +108,21 @@ public:
         std::vector<double> hi, lo, bound;
     };
     std::vector<Truth::Decision> decision;
-    std::vector<std::int32_t> object;  ///< −1 for a miss
+    std::vector<std::int32_t> object;               ///< −1 for a miss
+    std::vector<std::uint8_t> touches, on_surface;  ///< 1 or 0, as in `Truth`
     Lengths t, distance;
-    /// Rays whose truth does not fit into doubles, in rising order: the ray touches a primitive or begins on a surface,
-    /// a length is 0 or out of range, or nothing is proved. Their `t.hi` is NaN.
+    /// Rays whose truth does not fit into doubles, in rising order: a length is 0 or out of range, or nothing is
+    /// proved. Their `t.hi` is NaN.
     std::vector<std::pair<std::size_t, Truth>> whole;
 
     void resize(std::size_t rays);
     [[nodiscard]] std::size_t size() const { return decision.size(); }
     /// Truth of ray i, rebuilt from the columns. Read the columns if they are enough. Its `bits` are at least 106.
     [[nodiscard]] Truth operator[](std::size_t i) const;
-    /// Truth of ray i if it is one of `whole`; null otherwise.
-    [[nodiscard]] const Truth* find_whole(std::size_t i) const;
+    /// True if the truth of ray i by a convention that is not special may differ from this one.
+    [[nodiscard]] bool may_differ(std::size_t i, const intersect::Convention& convention) const {
+        return matters(convention, touches[i] != 0, on_surface[i] != 0);
+    }
     /// Stores a truth in the columns; false if they cannot hold all of it.
     bool put(std::size_t i, const Truth& truth);
 };

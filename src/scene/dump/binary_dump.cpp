@@ -61,7 +61,7 @@ void BinaryDump::fail_short(std::uint64_t record, std::uint64_t bytes) const {
     throw InputError(fmt::format(
         "{}: record {}: has {} of {} bytes{}; the file was cut short, or its columns are "
         "different: check their names and types",
-        source_.name(), record + 1, bytes, record_layout_.record_size,
+        source_.name(), record, bytes, record_layout_.record_size,
         record_layout_.records ? ", and the header names " + toml::counted(*record_layout_.records, "record") : ""));
 }
 
@@ -99,7 +99,7 @@ bool BinaryDump::is_reversed(const Records& records, const std::vector<std::size
             ++numbers;
             usual += is_usual(x) ? 1 : 0;
             usual_reversed += is_usual(reversed.read(at).value) ? 1 : 0;
-            if (!is_usual(x) && strange.empty()) strange = fmt::format("record {}: {} is {}", i + 1, column.name, x);
+            if (!is_usual(x) && strange.empty()) strange = fmt::format("record {}: {} is {}", i, column.name, x);
         }
     }
     return numbers >= 6 && 2 * usual <= numbers && 10 * usual_reversed >= 9 * numbers;
@@ -177,14 +177,13 @@ Chunk BinaryDump::decode(const Records& records) const {
                     throw InputError(fmt::format(
                         "{}: record {}: {} is {}, larger than the largest number of {}; name the "
                         "format that the answers were computed in with --answer-format",
-                        source_.name(), records.first + i + 1,
-                        record_layout_.columns[layout_->index_of(*reader.slot)].name, value, format().name));
+                        source_.name(), records.first + i, record_layout_.columns[layout_->index_of(*reader.slot)].name,
+                        value, format().name));
                 writer.put(*reader.slot, stored, exact && (stored == value || std::isnan(value)));
             }
             reader.at += reader.step;
         }
-        writer.end_record(
-            [&](std::size_t) { return fmt::format("{}: record {}", source_.name(), records.first + i + 1); });
+        writer.end_record([&](std::size_t) { return fmt::format("{}: record {}", source_.name(), records.first + i); });
     }
     return chunk;
 }

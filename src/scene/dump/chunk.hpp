@@ -41,6 +41,8 @@ struct ReadSettings {
 /// A block of records from a ray file, rounded to the format.
 struct Chunk {
     std::uint64_t first = 0;  ///< position of the first record in the file, from 0
+    /// The file and the place of the first hit_index, for a fault that shows only in the next block; empty without one.
+    std::string first_place = {};
     rays::RayBlock rays = {};
     std::vector<Primitive<double>> primitives = {};  ///< one per ray; empty if records have no primitives
     std::vector<double> t = {};                      ///< NaN if a hit has no number, 0 for misses
@@ -74,6 +76,7 @@ public:
     template <class Place>
     void end_record(const Place& place) {
         if (const auto fault = find_fault()) fail(place(fault->slot), fault->why);
+        if (answers_ == AnswerKind::all_hits && chunk_.size() == 0) chunk_.first_place = place(slot::hit_index);
         keep();
     }
 

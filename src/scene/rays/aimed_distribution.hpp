@@ -39,15 +39,40 @@ struct AimedPlace {
     std::optional<Vec<double>> along;  ///< of length 1
 };
 
+/// Draws a point of the surface of a primitive.
+inline Vec<double> draw_on_surface(Random& random, const Primitive<double>& primitive) {
+    return visit(primitive, [&](const auto& shape) {
+        const auto any = [&] {
+            const double x = random.unit(), y = random.unit(), z = random.unit();
+            return shape.point_at({x, y, z});
+        };
+        Vec<double> inside = any();
+        if (!has_inside(primitive.shape)) return inside;
+        while (!(shape.distance(inside) < 0)) inside = any();
+        Vec<double> outside = inside + 4 * shape.half_extent() * draw_direction(random);
+        for (int i = 0; i < 60; ++i) {
+            const Vec<double> middle = 0.5 * (inside + outside);
+            (shape.distance(middle) < 0 ? inside : outside) = middle;
+        }
+        return outside;
+    });
+}
+
 /// Base of the ray distribution of a shape: a struct F with a table's name that is derived from this and has
 ///     static Primitive<double> drawn(Random&, const Vec<double>& middle, double size)
 /// It may also have targets:
 ///     static constexpr std::pair<std::string_view, int> aims[]    by the words of the key `aim`; else the first is 0
 ///     static AimedPlace aimed_at(Random&, const Primitive<double>&, int aim)
-/// Rays come from any direction that the target leaves open, from `distance` sizes away.
+/// Rays come from any direction that the target leaves open, from `distance` sizes away. If they begin on another
+/// primitive, its middle is that far away in any direction, and they begin anywhere on its surface, as rays to a light
+/// and reflected rays do. Rounded to binary32, they begin just inside of it or just outside.
 template <class F>
 struct AimedDistribution {
+    enum class Begin { away, on_other };
+    static constexpr std::pair<std::string_view, Begin> begins[] = {{"away", Begin::away}, {"other", Begin::on_other}};
+
     int aim = 0;
+    Begin begin = Begin::away;
     double size = 1;                 ///< approximate size of the primitive, world units
     double distance = 4;             ///< from the eye to the point aimed at, in sizes
     double aside = 0;                ///< distance by which the point is moved, in any direction, in sizes
@@ -61,6 +86,7 @@ struct AimedDistribution {
     static F read(toml::TableReader table) {
         F f;
         if constexpr (requires { F::aims; }) table.read("aim", f.aim, F::aims);
+        table.read("begin", f.begin, begins);
         table.read_number("size", f.size, 0x1p-100, 0x1p+100);
         table.read_number("distance", f.distance, 0, 0x1p+100);
         table.read_number("aside", f.aside, 0, 0x1p+20);
@@ -71,14 +97,26 @@ struct AimedDistribution {
     /// Draws the rays: shared inputs, each number rounded once to binary32.
     [[nodiscard]] std::vector<RayGroup> draw() const {
         return draw_views(*this, [](Random& random, const AimedDistribution& f) {
-            const Primitive<double> primitive =
-                transformed(F::drawn(random, offset_of(f), f.size), [](double x) { return stored(x); });
+            const auto drawn = [&](const Vec<double>& middle) {
+                return transformed(F::drawn(random, middle, f.size), [](double x) { return stored(x); });
+            };
+            const Primitive<double> primitive = drawn(offset_of(f));
             RayGroup group;
             group.primitives.push_back(primitive);
+            if (f.begin == Begin::on_other)
+                group.primitives.push_back(drawn(offset_of(f) + (f.distance * f.size) * draw_direction(random)));
             for (int i = 0; i < f.rays; ++i) {
                 const Vec<double> any = draw_direction(random), away = (f.aside * f.size) * draw_direction(random);
                 const AimedPlace target = F::aimed_at(random, primitive, f.aim);
-                const Vec<double> at = target.point + away, d = target.along.value_or(any);
+                const Vec<double> at = target.point + away;
+                if (f.begin == Begin::on_other) {
+                    const Vec<double> from = stored(draw_on_surface(random, group.primitives[1]));
+                    const double apart = length(at - from);
+                    const Vec<double> d = apart > 0 ? (at - from) / apart : any;
+                    group.rays.push({from, stored(direction_length(f) * d)});
+                    continue;
+                }
+                const Vec<double> d = target.along.value_or(any);
                 group.rays.push({stored(at - (f.distance * f.size) * d), stored(direction_length(f) * d)});
             }
             return group;

@@ -1,6 +1,9 @@
 #include "scene/sweep/search_file.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "scene/sweep/distributions.hpp"
 
 namespace lostbits::scene::sweep {
 
@@ -65,6 +68,7 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
     table.read("at_edge", at_edge);
     if (at_edge && !row_of(shape).edges)
         table.reject("at_edge", "needs a box, because rays are aimed at its edges; leave it out");
+    if (table.has("aim")) read_aim(table);
     table.read("metric", metric);
     table.read("seed", seed, 0, 1LL << 53);
     table.read("starts", starts, 1, 4096);
@@ -81,6 +85,18 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
                      "cannot be combined with nearest, which is about wrong decisions; leave one out");
     table.reject_unknown_keys();
     file.reject_unknown_keys();
+}
+
+void SearchFile::read_aim(TableReader& table) {
+    const auto aims = std::ranges::find(distributions(), shape, &DistributionRow::shape)->aims;
+    const std::string of = std::string(row_of(shape).plural);
+    if (aims.empty()) table.reject("aim", "names a place, and " + of + " have none; leave it out");
+    aim = table.one_of("aim", aims);
+    if (at_edge || exponents)
+        table.reject("aim", "places the ray by itself, as at_edge and exponents do; leave one of them out");
+    if (table.has("distance")) distance = read_range(table, "distance");
+    if (!(distance.low > 0 && distance.high <= 0x1p60))
+        table.fail_at("distance", "must lie above 0 and up to 2^60, in halves of the size of the primitive");
 }
 
 bool SearchFile::holds(const Ray<double>& ray, const Primitive<double>& primitive) const {

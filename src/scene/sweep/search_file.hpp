@@ -56,12 +56,19 @@ public:
     /// Boxes only: one plane by which the ray enters and one by which it leaves are drawn where the ray passes at the
     /// same t, and the others at the ends of their ranges: an edge.
     bool at_edge = false;
+    /// Place of the primitive at which rays are aimed, by the `aims` of the shape's ray distribution: a rim, an apex, a
+    /// line of the side. If absent, rays are aimed at any of its points.
+    std::optional<int> aim;
+    SearchedRange distance{0x1p-10, 0x1p20};  ///< from the eye to that place, in halves of its size
     /// Spheres only: the worst ray is the wrong decision nearest to the sphere, in radii. The search does not end with
     /// the first.
     bool nearest = false;
 
     /// True if a ray and a primitive are in the ranges (the derived ranges to double precision) and are proper.
     [[nodiscard]] bool holds(const Ray<double>& ray, const Primitive<double>& primitive) const;
+
+private:
+    void read_aim(toml::TableReader& table);
 };
 
 /// A sweep file with an `[edge_search]` table.

@@ -174,7 +174,7 @@ TEST_CASE("primitives of any kinds that are hit at one t own the hit together") 
     // A primitive that is not there is refused, in its place.
     request.primitives.pop_back();
     CHECK_THROWS_WITH(judge::run_judge(*open(), request, {}),
-                      Catch::Contains("record 11") && Catch::Contains("object is 10; there are 10 primitives, numbered "
+                      Catch::Contains("record 10") && Catch::Contains("object is 10; there are 10 primitives, numbered "
                                                                       "from 0 to 9"));
 }
 

@@ -7,6 +7,7 @@
 #include "measure/rows.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "number/rounded.hpp"
+#include "scratch.hpp"
 
 namespace test_worst {
 
@@ -207,6 +208,23 @@ TEST_CASE("the nearest false miss of the schoolbook form respects the error boun
         const Alone alone(what, found[r]->ray, found[r]->primitive);
         CHECK((!alone.hit && alone.truth.is_hit()));
     }
+}
+
+TEST_CASE("a search that aims at a rim starts as near to it as it is told, among rays from everywhere") {
+    const Scratch scratch;
+    const auto with = [&](const std::string& distance) {
+        return SearchFile(scratch.write(
+            "a.toml",
+            "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[search]\norigin = [-1e7, 1e7]\n"
+            "direction = [-1, 1]\nbase = [-2, 2]\ntop = [-2, 2]\nradius = [0.5, 2]\nhits_only = true\nstarts = 8\n"
+            "generations = 1\naim = \"rim\"\ndistance = " +
+                distance + "\n"));
+    };
+    const TestedForm by = row("cylinder.framed", "f64");
+    const auto near = worst_of(with("[1, 2]"), by), far = worst_of(with("[32768, 65536]"), by);
+    REQUIRE((near && far));
+    CHECK(length(near->ray.origin) < 64);
+    CHECK(length(far->ray.origin) > 0x1p10);
 }
 
 }  // namespace test_worst

@@ -128,6 +128,29 @@ TEST_CASE("a file that is not a mesh is refused with its line or offset", "[mesh
     CHECK(has(error_of_file("a.ply", other_order), "is the byte order the one that the format line says?"));
 }
 
+TEST_CASE("a PLY may have lists that are not corners, in text and in bytes", "[mesh]") {
+    const auto header = [](const std::string& kind) {
+        return "ply\nformat " + kind +
+               " 1.0\nelement vertex 3\nproperty list uchar uchar tags\nproperty uchar x\nproperty uchar y\n"
+               "property uchar z\nelement strip 1\nproperty list uchar uchar w\nelement face 1\n"
+               "property list uchar uchar uv\nproperty list uchar uchar vertex_indices\nend_header\n";
+    };
+    const Scratch folder;
+    const Mesh text =
+        read_mesh_file(folder.write("a.ply", header("ascii") + "0 0 0 1\n2 7 8 2 0 0\n1 9 0 3 0\n0\n1 5 3 2 0 1\n"));
+    REQUIRE(text.faces.size() == 1);
+    CHECK(text.vertices == std::vector<Vec<double>>{{0, 0, 1}, {2, 0, 0}, {0, 3, 0}});
+    CHECK(text.faces[0] == scene::triangle::Face{2, 0, 1});
+    const char numbers[] = {0, 0, 0, 1, 2, 7, 8, 2, 0, 0, 1, 9, 0, 3, 0, 0, 1, 5, 3, 2, 0, 1};
+    const Mesh bytes =
+        read_mesh_file(folder.write("b.ply", header("binary_big_endian") + std::string(numbers, sizeof numbers)));
+    CHECK(are_same(bytes, text));
+    CHECK(error_of_file("a.ply", replaced(header("ascii"), "uchar x", "list uchar uchar x")) ==
+          "a.ply:5:27: x of a vertex is a list; it must be one number");
+    CHECK(error_of_file("a.ply", replaced(header("ascii"), "list uchar uchar vertex", "uchar vertex")) ==
+          "a.ply:12:16: vertex_indices of a face is one number; it must be a list");
+}
+
 TEST_CASE("text that would hide a line or a face is refused", "[mesh]") {
     const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n", face = three + "f 1 2 3\n";
     CHECK(error_of_file("a.obj", face + std::string("\0f 1 3 2\n", 10)) == "a.obj:5:1: has a byte 0; is it text?");

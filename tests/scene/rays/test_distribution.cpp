@@ -8,6 +8,7 @@
 #include "catch.hpp"
 #include "number/real.hpp"
 #include "scene/scene_text.hpp"
+#include "scene/sweep/distributions.hpp"
 
 namespace test_distribution {
 
@@ -153,6 +154,31 @@ TEST_CASE("wrong keys of a ray distribution are refused with their line") {
     CHECK(distribution_error("tilt = -0.5").starts_with("f.toml:1:8: tilt must lie between"));
     CHECK(distribution_error("silhouette_gap = 1.25").starts_with("f.toml:1:18: silhouette_gap must lie between"));
     CHECK(distribution_error("silhouette_gap = -1").starts_with("f.toml:1:18: silhouette_gap must lie between"));
+}
+
+TEST_CASE("rays of every shape may begin on the surface of another primitive") {
+    const Scratch folder;
+    std::size_t shapes = 0;
+    for (const sweep::DistributionRow& row : sweep::distributions()) {
+        if (row.shape == Shape::sphere || row.shape == Shape::box) continue;  // they have tables of their own
+        INFO(row.table);
+        const Node root = read_toml(folder.write("f.toml", "begin = \"other\"\ndistance = 8\nviews = 16\nrays = 4\n"));
+        std::size_t rays = 0;
+        for (const RayGroup& group : row.read(TableReader(root))(0)) {
+            REQUIRE(group.primitives.size() == 2);
+            for (std::size_t i = 0; i < group.rays.size(); ++i, ++rays) {
+                const Vec<double> o = group.rays[i].origin, d = group.rays[i].direction;
+                CHECK(std::fabs(visit(group.primitives[1], [&o](const auto& shape) { return shape.distance(o); })) <
+                      1e-5);
+                // It passes a point of the first primitive, whose middle is at the origin, up to its size.
+                CHECK(length(cross(o, d)) < 4 * length(d));
+                CHECK(dot(o, d) < 0);
+            }
+        }
+        CHECK(rays == 64);
+        ++shapes;
+    }
+    CHECK(shapes == 9);
 }
 
 }  // namespace test_distribution

@@ -78,6 +78,32 @@ TEST_CASE("a search can draw free significands, draw rays at edges, and minimise
                   std::string("search.") + key + " cannot be combined"));
 }
 
+TEST_CASE("a search can aim at the places of its shape") {
+    const std::string of_cylinder = sweep_head + R"([search]
+origin = [-1e7, 1e7]
+direction = [-1, 1]
+base = [-2, 2]
+top = [-2, 2]
+radius = [0.5, 2]
+aim = "rim"
+)";
+    const SearchFile rim = loaded_search(of_cylinder);
+    REQUIRE(rim.aim);
+    CHECK((rim.distance.low == 0x1p-10 && rim.distance.high == 0x1p20));
+    const SearchFile axis = loaded_search(replaced(of_cylinder, "\"rim\"", "\"axis\"\ndistance = [1, 2]"));
+    REQUIRE(axis.aim);
+    CHECK(*axis.aim != *rim.aim);
+    CHECK((axis.distance.low == 1 && axis.distance.high == 2));
+    const auto wrong = [&](const std::string& from, const std::string& to) {
+        return error_as<SearchFile>("s.toml", replaced(of_cylinder, from, to));
+    };
+    CHECK(has(wrong("\"rim\"", "\"rime\""), "did you mean \"rim\""));
+    CHECK(has(wrong("\"rim\"", "\"rim\"\ndistance = [0, 1]"), "s.toml:11:12: search.distance must lie above 0"));
+    CHECK(has(wrong("aim = \"rim\"", "distance = [1, 2]"), "distance"));
+    CHECK(has(wrong("\"rim\"", "\"rim\"\nexponents = [0, 1]"), "places the ray by itself"));
+    CHECK(has(broken("impact_radii = [0, 0.5]", "aim = \"rim\""), "spheres have none"));
+}
+
 TEST_CASE("a search accepts rays within all its ranges, derived ones included") {
     const SearchFile s = loaded_search(good_search);
     const auto holds = [&](const Vec<double>& o, const Vec<double>& d, double r) {

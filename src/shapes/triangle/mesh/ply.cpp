@@ -33,6 +33,7 @@ struct PlyProperty {
     std::optional<PlyType> count = {};  ///< for a list: the type of its length
 
     [[nodiscard]] bool is_corners() const { return name == "vertex_indices" || name == "vertex_index"; }
+    [[nodiscard]] bool is_coordinate() const { return name == "x" || name == "y" || name == "z"; }
 };
 struct PlyElement {
     std::string name;
@@ -103,6 +104,10 @@ private:
         if (element.is_face() && property.is_corners() &&
             std::ranges::any_of(element.properties, &PlyProperty::is_corners))
             lines_.fail("a second list of the corners of a face");
+        if (element.is_vertex() && property.is_coordinate() && property.count)
+            lines_.fail(property.name + " of a vertex is a list; it must be one number");
+        if (element.is_face() && property.is_corners() && !property.count)
+            lines_.fail(property.name + " of a face is one number; it must be a list");
         element.properties.push_back(property);
     }
     [[nodiscard]] PlyType type_named(std::string_view name) const {
@@ -187,6 +192,11 @@ public:
             fail(fmt::format("the length of {} is {}; it must be a whole number up to a million", list.name, x));
         return static_cast<std::size_t>(x);
     }
+    /// Goes past a number or a list.
+    void skip(const PlyProperty& property) {
+        const std::size_t count = property.count ? length(property) : 1;
+        for (std::size_t k = 0; k < count; ++k) static_cast<void>(next(property, property.type));
+    }
     /// Reads the index of a vertex.
     std::uint32_t corner(const PlyProperty& property, std::size_t vertices) {
         const double x = next(property, property.type);
@@ -244,10 +254,8 @@ private:
 void read_vertex(PlyNumbers& numbers, const PlyElement& element, Mesh& mesh) {
     Vec<double> p(0, 0, 0);
     for (const PlyProperty& property : element.properties) {
-        if (property.count) numbers.fail("vertex has a list, which is not supported");
-        const bool wanted = property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z';
-        if (wanted) p[property.name[0] - 'x'] = numbers.coordinate(property);
-        else static_cast<void>(numbers.next(property, property.type));
+        if (property.is_coordinate()) p[property.name[0] - 'x'] = numbers.coordinate(property);
+        else numbers.skip(property);
     }
     mesh.vertices.push_back(p);
 }
@@ -257,12 +265,12 @@ void read_lists(PlyNumbers& numbers, const PlyElement& element, std::size_t vert
                 std::vector<std::uint32_t>& corners) {
     corners.clear();
     for (const PlyProperty& property : element.properties) {
-        const bool wanted = element.is_face() && property.is_corners();
-        const std::size_t count = property.count ? numbers.length(property) : 1;
-        for (std::size_t k = 0; k < count; ++k) {
-            if (wanted) corners.push_back(numbers.corner(property, vertices));
-            else static_cast<void>(numbers.next(property, property.type));
+        if (!element.is_face() || !property.is_corners()) {
+            numbers.skip(property);
+            continue;
         }
+        const std::size_t count = numbers.length(property);
+        for (std::size_t k = 0; k < count; ++k) corners.push_back(numbers.corner(property, vertices));
     }
 }
 
