@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -15,11 +16,14 @@
 #include "intersect/function/function.hpp"
 #include "intersect/function/signature.hpp"
 #include "intersect/process/child.hpp"
+#include "intersect/spirv/llvm_text.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::function {
 
 namespace fs = std::filesystem;
+
+inline constexpr std::array shader_endings{".glsl", ".hlsl", ".spv", ".frag", ".vert", ".comp"};
 
 inline std::string text_of(const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
@@ -44,6 +48,11 @@ inline bool is_in_path(const std::string& program) {
     return false;
 }
 
+inline bool is_shader(const fs::path& file) {
+    const std::string ending = file.extension().string();
+    return std::ranges::find(shader_endings, ending) != shader_endings.end();
+}
+
 /// Compiles the user's file in a folder of its own.
 class Compiler {
 public:
@@ -57,13 +66,15 @@ public:
                                                                    : "the Debian package clang");
     }
 
-    /// Returns the text of a file of LLVM IR. llvm-dis reads bitcode.
-    std::string ir_of_file() {
-        if (file_.extension() == ".ll") return text_of(file_);
-        require_in_path("llvm-dis", "the Debian package llvm");
-        const fs::path made = folder_.path / "function.ll";
-        run({"llvm-dis"}, file_, made);
-        return text_of(made);
+    /// Returns the LLVM IR of a file of LLVM IR or of a shader, and the text that its places name. llvm-dis reads
+    /// bitcode.
+    struct FileText {
+        std::string ir, source;
+    };
+    FileText ir_of_file() {
+        if (is_shader(file_)) return ir_of_shader();
+        const std::string text = file_.extension() == ".ll" ? text_of(file_) : ir_of_bitcode();
+        return {text, text};
     }
 
     /// Compiles a file that ends in `text`, and returns its LLVM IR.
@@ -103,6 +114,65 @@ public:
     [[nodiscard]] const fs::path& folder() const { return folder_.path; }
 
 private:
+    std::string ir_of_bitcode() {
+        require_in_path("llvm-dis", "the Debian package llvm");
+        const fs::path made = folder_.path / "function.ll";
+        run({"llvm-dis"}, file_, made);
+        return text_of(made);
+    }
+
+    FileText ir_of_shader() {
+        FileText made;
+        spirv::ShaderLines lines;
+        require_in_path("spirv-dis", "the Debian package spirv-tools");
+        const bool is_binary = file_.extension() == ".spv";
+        if (is_binary) run({"spirv-val"}, file_, {});
+        const fs::path code = is_binary ? file_ : spirv_of_shader(made.source, lines);
+        const fs::path text = folder_.path / "function.spvasm";
+        run({"spirv-dis", "--no-color", "--no-header", "--no-indent"}, code, text);
+        const std::string assembly = text_of(text);
+        if (is_binary) made.source = assembly;
+        const fs::path named = file_.parent_path() / spirv::source_name(assembly);
+        if (std::error_code none; is_binary && fs::is_regular_file(named, none)) {
+            lines.file = named.string();
+            made.source = text_of(named);
+            std::istringstream in(made.source);
+            for (std::string line; std::getline(in, line);) lines.lines.push_back(line);
+        }
+        made.ir = spirv::llvm_text_of(assembly, file_.string(), lines, has_opaque_pointers());
+        return made;
+    }
+
+    fs::path spirv_of_shader(std::string& source, spirv::ShaderLines& lines) {
+        using device::Language;
+        const Language language = file_.extension() == ".hlsl" ? Language::hlsl : Language::glsl;
+        source = text_of(file_);
+        lines.file = file_.string();
+        const std::string program = is_in_path("glslang") ? "glslang" : "glslangValidator";
+        require_in_path(program, "the Debian package glslang-tools");
+        process::ProgramArguments words{
+            program, "-V", "-g", "-Od", "--keep-uncalled", "-e", device::entry_of(language), "-S", "comp"};
+        if (language == Language::hlsl) words.emplace_back("-D");
+        const fs::path own = folder_.path / file_.filename(), made = folder_.path / "function.spv";
+        try {
+            write_text(own, spirv::split_program(source, language, lines));
+            run(words, own, made);
+        } catch (const InputError&) {
+            write_text(own, spirv::whole_program(source, language));
+            run(words, own, made);  // its messages have the lines of the user's file
+            throw;
+        }
+        return made;
+    }
+
+    /// True if clang writes pointers without their targets.
+    bool has_opaque_pointers() {
+        const fs::path source = folder_.path / "pointer.c", made = folder_.path / "pointer.ll";
+        write_text(source, "void f(float* p) { *p = 0; }\n");
+        run({program_, "-S", "-emit-llvm"}, source, made);
+        return text_of(made).find("ptr ") != std::string::npos;
+    }
+
     fs::path write(const std::string& text) {
         const std::string ending = language_ == SourceLanguage::c      ? ".c"
                                    : language_ == SourceLanguage::llvm ? ".ll"
@@ -127,17 +197,18 @@ private:
     void run(process::ProgramArguments words, const fs::path& source, const fs::path& made,
              const process::ProgramArguments& last = {}) {
         if (std::ranges::find(words, "--crate-type=cdylib") != words.end()) std::erase(words, "--crate-type=lib");
-        words.insert(words.end(), {"-o", made.string(), source.string()});
+        if (!made.empty()) words.insert(words.end(), {"-o", made.string()});
+        words.push_back(source.string());
         words.insert(words.end(), last.begin(), last.end());
         const std::string who = file_.string() + ": " + words[0];
         process::Child child(words, {.who = who, .duty = "", .seconds = terms_.seconds, .stop = terms_.stop});
         const process::Child::Ended ended = child.read_to_end();
-        if (ended.status == 0 && fs::exists(made)) return;
+        if (ended.status == 0 && (made.empty() || fs::exists(made))) return;
         std::string said = ended.output.substr(0, 3000);
         for (std::size_t at = 0; (at = said.find(folder_.path.string() + "/", at)) != std::string::npos;)
             said.erase(at, folder_.path.string().size() + 1);
         throw InputError(who + " does not compile it:\n" + said +
-                         (language_ == SourceLanguage::llvm
+                         (language_ == SourceLanguage::llvm && !is_shader(file_)
                               ? "\nLLVM IR can be read by the same major version of LLVM or a newer one; put its " +
                                     words[0] + " first in PATH"
                               : ""));

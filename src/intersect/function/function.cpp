@@ -31,7 +31,7 @@ struct Named {
 Named split(const std::string& named) {
     const auto fail = [&named](const std::string& what) {
         throw InputError("--function " + named + ": " + what +
-                         "; write FILE.c:NAME (also .cpp, .cc, .cxx, .rs, .ll, .bc)");
+                         "; write FILE.c:NAME (also .cpp, .cc, .cxx, .rs, .glsl, .hlsl, .spv, .ll, .bc)");
     };
     std::error_code none;
     for (std::size_t end = named.find(':'); end != std::string::npos; end = named.find(':', end + 1)) {
@@ -60,9 +60,10 @@ SourceLanguage language_of(const fs::path& file, const std::string& named) {
     for (const char* const cpp : {".cpp", ".cc", ".cxx", ".C", ".hpp", ".h", ".cppm", ".hh"})
         if (ending == cpp) return SourceLanguage::cpp;
     if (ending == ".rs") return SourceLanguage::rust;
-    if (ending == ".ll" || ending == ".bc") return SourceLanguage::llvm;
+    if (ending == ".ll" || ending == ".bc" || is_shader(file)) return SourceLanguage::llvm;
     throw InputError("--function " + named +
-                     ": is not a file of C (.c), C++ (.cpp, .cc, .cxx, .h, .hpp), Rust (.rs) or LLVM IR (.ll, .bc)");
+                     ": is not a file of C (.c), C++ (.cpp, .cc, .cxx, .h, .hpp), Rust (.rs), GLSL (.glsl, .frag, "
+                     ".vert, .comp), HLSL (.hlsl), SPIR-V (.spv) or LLVM IR (.ll, .bc)");
 }
 
 /// Writes a file that makes the compiler keep the function, so that its types can be read. An empty name keeps none.
@@ -87,18 +88,19 @@ std::string probed_ir(Compiler& compiler, SourceLanguage language, const Named& 
     throw InputError(no_function(whole, parts.file.string(), parts.function, language));
 }
 
-bool says_miss(const MissValue& s, double t) {
+bool says_miss(const MissValue& s, double t, double far) {
     switch (s.kind) {
         case MissValue::Kind::negative: return t < 0;
         case MissValue::Kind::infinite: return std::isinf(t);
         case MissValue::Kind::nan: return std::isnan(t);
         case MissValue::Kind::zero: return t <= 0;
         case MissValue::Kind::above: return t >= s.bound;
+        case MissValue::Kind::crossed: return t > far || far < 0;
         default: return false;
     }
 }
 
-Mask miss_mask(const MissValue& s, Nodes& nodes, NodeId t) {
+Mask miss_mask(const MissValue& s, Nodes& nodes, NodeId t, NodeId far) {
     const auto against = [&](TapeOp op, double x) { return nodes.compare(op, t, nodes.constant(x, false)); };
     constexpr double infinity = std::numeric_limits<double>::infinity();
     switch (s.kind) {
@@ -108,14 +110,18 @@ Mask miss_mask(const MissValue& s, Nodes& nodes, NodeId t) {
         case MissValue::Kind::nan: return nodes.is_nan(t);
         case MissValue::Kind::zero: return against(TapeOp::less_equal, 0);
         case MissValue::Kind::above: return against(TapeOp::greater_equal, s.bound);
+        case MissValue::Kind::crossed:
+            return nodes.either(nodes.compare(TapeOp::greater, t, far),
+                                nodes.compare(TapeOp::less, far, nodes.constant(0, false)));
         default: return no;
     }
 }
 
 /// Value that the function returns for a miss, guessed from the constants that its t may be.
-MissValue guessed_sentinel(const Nodes& nodes, NodeId t) {
+MissValue guessed_sentinel(const Nodes& nodes, NodeId t, NodeId far) {
     bool others = false;
     const std::vector<double> constants = nodes.constants_of(t, others);
+    if (constants.empty() && far != no_node) return {MissValue::Kind::crossed, 0};
     const auto any = [&](const auto& is) { return std::ranges::any_of(constants, is); };
     if (any([](double x) { return std::isnan(x); })) return {MissValue::Kind::nan, 0};
     if (any([](double x) { return std::isinf(x) && x > 0; })) return {MissValue::Kind::infinite, 0};
@@ -136,6 +142,7 @@ std::string sentinel_words(const MissValue& s) {
             text << "hit where t < " << s.bound;
             return text.str();
         }
+        case MissValue::Kind::crossed: return "hit where t <= far and far is not negative";
         default: return "";
     }
 }
@@ -156,7 +163,7 @@ void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& sentinel, 
         std::array<S, 2> out{};
         int hit = 0;
         entry(in.data(), out.data(), &hit);
-        batch.hit[i] = hit != 0 && !says_miss(sentinel, out[0]) ? 1 : 0;
+        batch.hit[i] = hit != 0 && !says_miss(sentinel, out[0], out[1]) ? 1 : 0;
         near_far[2 * i] = out[0], near_far[2 * i + 1] = out[1];
     }
 }
@@ -269,11 +276,12 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     auto made = std::make_unique<UserFunction>();
     made->path = parts.file.string();
     Compiler compiler(parts.file, language, terms);
-    made->source = language == SourceLanguage::llvm ? compiler.ir_of_file() : text_of(parts.file);
+    const bool is_ir = language == SourceLanguage::llvm;
+    const Compiler::FileText file = is_ir ? compiler.ir_of_file() : Compiler::FileText{{}, text_of(parts.file)};
+    made->source = file.source;
     const std::string who = made->path + ":" + parts.function;
 
-    const bool is_ir = language == SourceLanguage::llvm;
-    Module probe(is_ir ? made->source : probed_ir(compiler, language, parts, made->source));
+    Module probe(is_ir ? file.ir : probed_ir(compiler, language, parts, made->source));
     UserSignature signature = signature_of(probe, made->path, parts.function, language);
     guess(signature,
           parts.words.empty() ? stated_in(made->source, made->path, signature.line)
@@ -289,7 +297,8 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     const std::size_t numbers = row_of(signature.contract.shape).numbers;
     const Walk::Answer answer = walk.run("lostbits_entry", static_cast<int>(6 + numbers + 1));
     if (signature.t && answer.t == no_node) throw InputError(who + ": never writes t");
-    if (signature.sentinel.kind == MissValue::Kind::unknown) signature.sentinel = guessed_sentinel(nodes, answer.t);
+    if (signature.sentinel.kind == MissValue::Kind::unknown)
+        signature.sentinel = guessed_sentinel(nodes, answer.t, answer.far);
     if (const std::string words = sentinel_words(signature.sentinel); !words.empty())
         made->shown = who + ": " + signature.shown + "; " + words;
     else made->shown = who + ": " + signature.shown;
@@ -300,7 +309,10 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     if (contract.title.empty()) contract.title = parts.function + " of " + parts.file.filename().string();
     external::require_sense(contract, who);
     Mask hit = answer.hit;
-    if (answer.t != no_node) hit = nodes.both(hit, nodes.opposite(miss_mask(signature.sentinel, nodes, answer.t)));
+    if (signature.sentinel.kind == MissValue::Kind::crossed && answer.far == no_node)
+        throw InputError(who + ": miss is crossed, but it answers no far t");
+    if (answer.t != no_node)
+        hit = nodes.both(hit, nodes.opposite(miss_mask(signature.sentinel, nodes, answer.t, answer.far)));
     const Outputs out = outputs_of(nodes, contract, answer, hit);
     // The answer itself may have no variable, so it is named here.
     if (out.t != no_node && contract.roots != Roots::none) nodes.name(out.t, "t", 100);
