@@ -71,11 +71,12 @@ public:
         argument_ = index;
         out_ = points && !a.type.is_const && !a.is_this && is_answer(a);
         const std::string name = a.is_this ? "this" : a.name;
-        // A pointer to a number means one number if its name says so, and three otherwise.
+        // A pointer to a number means one number if its name says so, and three otherwise; a reference means one.
         if (points && a.target().kind == Kind::number) {
-            const bool one = out_ || is_one_of(small(a.name), {"radius", "r", "tmin", "tmax", "t"});
+            const bool one =
+                a.type.name == "&" || out_ || is_one_of(small(a.name), {"radius", "r", "tmin", "tmax", "t"});
             put(0, a.target().size, !one, name, small(a.name));
-            all.back().points_to_numbers = true;
+            all.back().points_to_numbers = a.type.name != "&";
             return;
         }
         flatten(a.target(), 0, name, small(a.name));

@@ -41,7 +41,7 @@ std::string Translator::parameters_of(std::size_t first, std::size_t end, const 
         const SpirvType& own = type_of(i.at(0), i);
         std::string its = note_of(own);
         if (own.kind == Kind::pointer && !is_written_first(k + 1, end, i.result))
-            its = note("!DIDerivedType(tag: DW_TAG_pointer_type, baseType: " +
+            its = note("!DIDerivedType(tag: DW_TAG_reference_type, baseType: " +
                        note("!DIDerivedType(tag: DW_TAG_const_type, baseType: " + note_of(*own.parts[0]) + ")") +
                        ", size: 64)");
         values_[i.result] = {&own, "%s." + i.result, {}};

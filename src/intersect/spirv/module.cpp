@@ -298,7 +298,7 @@ std::string Translator::note_of(const SpirvType& type) {
                     ", elements: " + note("!{" + note("!DISubrange(count: " + std::to_string(type.count) + ")") + "}") +
                     ")");
     else if (type.kind == Kind::pointer)
-        made = note("!DIDerivedType(tag: DW_TAG_pointer_type, baseType: " + note_of(*type.parts[0]) + ", size: 64)");
+        made = note("!DIDerivedType(tag: DW_TAG_reference_type, baseType: " + note_of(*type.parts[0]) + ", size: 64)");
     else
         made = note("!DIBasicType(name: \"" + (type.kind == Kind::boolean ? "bool" : type.text) + "\"" + size +
                     ", encoding: " +
