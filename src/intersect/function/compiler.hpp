@@ -1,6 +1,7 @@
 // The compilers of users' functions: clang and rustc, run without a shell in a folder of their own.
 #pragma once
 
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -207,6 +208,7 @@ private:
         std::string said = ended.output.substr(0, 3000);
         for (std::size_t at = 0; (at = said.find(folder_.path.string() + "/", at)) != std::string::npos;)
             said.erase(at, folder_.path.string().size() + 1);
+        if (WIFSIGNALED(ended.status)) said += "\nit crashed (signal " + std::to_string(WTERMSIG(ended.status)) + ")";
         throw InputError(who + " does not compile it:\n" + said +
                          (language_ == SourceLanguage::llvm && !is_shader(file_)
                               ? "\nLLVM IR can be read by the same major version of LLVM or a newer one; put its " +

@@ -179,6 +179,13 @@ Shape guessed_shape(const UserSignature& s, const Stated& stated, const std::vec
                      "of the file, such as // lostbits: sphere(o, d, c, r)");
 }
 
+/// The last number of a vector of four.
+Part fourth_of(Part vector) {
+    vector.slot.at += 3 * vector.slot.size;
+    vector.is_vector = vector.has_fourth = false, vector.path += ".w", vector.role = "";
+    return vector;
+}
+
 /// Gives each part a role: o, d, 1/d, tmin, tmax, or k<number of the key>.
 void give_roles(std::vector<Part>& parts, Shape shape) {
     const auto keys = row_of(shape).keys;
@@ -242,16 +249,18 @@ void give_roles(std::vector<Part>& parts, Shape shape) {
         const auto before = std::ranges::find(parts, "k" + std::to_string(k - 1), &Part::role);
         if (has("k" + std::to_string(k)) || keys[k].count() != 1 || before == parts.end() || !before->has_fourth)
             continue;
-        Part fourth = *before;
-        fourth.slot.at += 3 * fourth.slot.size;
-        fourth.is_vector = false, fourth.path += ".w", fourth.role = "k" + std::to_string(k);
-        parts.push_back(fourth);
+        Part fourth = fourth_of(*before);
+        fourth.role = "k" + std::to_string(k);
+        parts.push_back(std::move(fourth));
     }
 }
 
 /// Roles as a comment states them, in the order of the arguments.
 void take_roles(std::vector<Part>& parts, Shape shape, const Stated& stated) {
     const auto keys = row_of(shape).keys;
+    for (std::size_t k = 0; k < parts.size(); ++k)
+        if (parts[k].has_fourth && stated.roles.size() > parts.size())
+            parts.insert(parts.begin() + static_cast<std::ptrdiff_t>(k) + 1, fourth_of(parts[k]));
     std::vector<Part*> open;
     for (Part& p : parts) open.push_back(&p);
     if (stated.roles.size() > open.size())

@@ -241,7 +241,6 @@ void Translator::declare(const SpirvInstruction& i) {
     if (i.op.starts_with("OpType") && i.op != "OpTypeForwardPointer") declare_type(i);
     else if (i.op.starts_with("OpConstant") || i.op.starts_with("OpSpecConstant") || i.op == "OpUndef")
         declare_constant(i);
-    else if (i.op == "OpVariable") declare_variable(i);
 }
 
 // Debug information
@@ -329,17 +328,22 @@ std::string Translator::module() {
     unit_ = note("distinct !DICompileUnit(language: DW_LANG_C99, file: " + file_ +
                  ", producer: \"spirv\", isOptimized: false, runtimeVersion: 0, emissionKind: FullDebug)");
     const std::string version = note("!{i32 2, !\"Debug Info Version\", i32 3}");
+    std::size_t functions = 0, variables = 0;
     for (std::size_t k = 0; k < all_.size(); ++k) {
         const SpirvInstruction& i = all_[k];
         if (i.op != "OpFunction") {
             declare(i);
             continue;
         }
+        // The constants that variables hold may be declared after the variables.
+        for (; variables < k && functions == 0; ++variables)
+            if (all_[variables].op == "OpVariable") declare_variable(all_[variables]);
+        ++functions;
         std::size_t end = k;
         while (end < all_.size() && all_[end].op != "OpFunctionEnd") ++end;
         if (end == all_.size()) i.fail("a function has no end");
         const std::string name = name_of(i.result);
-        const bool is_main = !lines_.tokens.empty() && (name == "main" || name == "lb_main");
+        const bool is_main = !lines_.tokens.empty() && (name == "main" || name == "lb_main" || name == "lb_m");
         if (!is_main) function(k, end);
         k = end;
     }
