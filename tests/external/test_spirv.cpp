@@ -99,7 +99,7 @@ TEST_CASE("spirv: the culprit is a line and a column of the user's file", "[exte
                         "   |                           ~~~~~~~~~~^~~~~~~~~~~~~~~~~\n") != std::string::npos);
     }
     const std::string odd = explained(folder + "features.glsl:odd", "odd");
-    CHECK(odd.find("features.glsl:35:79") != std::string::npos);
+    CHECK(odd.find("features.glsl:36:87") != std::string::npos);
     // A file of SPIR-V names lines of its source, and else those of its assembly.
     const Scratch made;
     const std::string with = explained(compiled(made, sphere, "-g") + ":ball", "ball");
@@ -125,11 +125,11 @@ TEST_CASE("spirv: maps of the culprit, contraction and mend take functions of sh
 
 TEST_CASE("spirv: what cannot be followed is refused with its place", "[external]") {
     const std::string file = folder + "features.glsl:";
-    CHECK(refusal(file + "wave").find("features.glsl:42:5: it calls sin, which is not followed") != std::string::npos);
-    CHECK(refusal(file + "timed").find("features.glsl:43:70: it reads time, which nothing in the file sets to one") !=
+    CHECK(refusal(file + "wave").find("features.glsl:44:5: it calls sin, which is not followed") != std::string::npos);
+    CHECK(refusal(file + "timed").find("features.glsl:45:70: it reads time, which nothing in the file sets to one") !=
           std::string::npos);
-    CHECK(refusal(file + "endless").find("features.glsl:47:53: a loop has no bound") != std::string::npos);
-    CHECK(refusal(file + "rounded").find("features.glsl:50:53: it calls floor, which is not") != std::string::npos);
+    CHECK(refusal(file + "endless").find("features.glsl:49:53: a loop has no bound") != std::string::npos);
+    CHECK(refusal(file + "rounded").find("features.glsl:52:53: it calls floor, which is not") != std::string::npos);
     CHECK(refusal(file + "nothing")
               .ends_with("it defines \"endless\", \"kind\", \"odd\", \"rounded\", \"timed\", "
                          "\"turn\", \"wave\""));

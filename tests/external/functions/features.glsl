@@ -21,21 +21,23 @@ float kind(int k, float x) {
     return abs(x) + sign(x);
 }
 
+// lostbits: direction=unit
 float odd(vec3 ro, vec3 rd, vec4 ball) {
-    Ray ray = Ray(ro - ball.xyz, rd);
+    precise Ray ray = Ray(ro - ball.xyz, rd);
     turn(ray.o, mat3(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0));
     turn(ray.d, mat3(0, 1, 0, 0, 0, 1, 1, 0, 0));
-    float sum = 0.0;
+    precise float sum = 0.0;
     for (int i = 0; i < 3; ++i) sum += weights[i] * ray.o[i];
     bvec3 near = lessThan(abs(ray.o), vec3(0.5));
-    float extra = kind(any(near) ? all(near) ? 2 : 1 : 0, sum) + kind(3, shift) + LONG(sum);
+    precise float extra = kind(any(near) ? all(near) ? 2 : 1 : 0, sum) + kind(3, shift) + LONG(sum);
     extra = mix(extra, clamp(sum, -1.0, 1.0), step(0.0, sum)) + length(ray.o.xz) + distance(ro.xy, rd.yx);
     extra += dot(reflect(ray.o, ray.d), vec3(1.0)) + smoothstep(0.0, 1.0, sum) + (transpose(mat2(1, 2, 3, 4)) * rd.zy).y;
     ray.d.zx = ray.d.zx;
-    float a = dot(ray.d, ray.d), b = dot(ray.o, ray.d), c = dot(ray.o, ray.o) - SQUARE(ball.w);
-    float disc = SQUARE(b) - a * c;
+    precise float a = dot(ray.d, ray.d), b = dot(ray.o, ray.d), c = dot(ray.o, ray.o) - SQUARE(ball.w);
+    precise float disc = SQUARE(b) - a * c;
     if (disc < 0.0) return -1.0;
-    return (-b - sqrt(disc)) / a + 0.001 * max(extra, -extra);
+    precise float answer = (-b - sqrt(disc)) / a + 0.001 * max(extra, -extra);
+    return answer;
 }
 
 float wave(vec3 ro, vec3 rd, vec4 ball) { return dot(ro, rd) +
