@@ -309,12 +309,12 @@ Stated stated_by(const std::string& text, const std::string& where) {
     // A word ends at a comma, or at a blank before the next `key=`, as in comments for --shader.
     const auto end_of_word = [](std::string_view t) {
         bool quoted = false;
-        for (std::size_t k = 1; k < t.size(); ++k) {
-            if (t[k - 1] == '"') quoted = !quoted;
+        for (std::size_t k = 0; k < t.size(); ++k) {
+            if (t[k] == '"') quoted = !quoted;
             const std::size_t next = t.find_first_not_of(" \t", k), end = t.find_first_of(" \t,=", next);
             const bool key =
                 next != std::string_view::npos && next > k && end < t.size() && t[end] == '=' && end > next;
-            if (!quoted && (t[k] == ',' || (key && t[k - 1] != '='))) return k;
+            if (!quoted && (t[k] == ',' || (key && k > 0 && t[k - 1] != '='))) return k;
         }
         return t.size();
     };
