@@ -68,7 +68,8 @@ void add_external_options(const shell::Command& program, selection::ExternalOpti
                 "shader.NAME stands beside the others. FILE.glsl:FUNCTION names one of several. May be repeated");
     program.add(
         "--function", external.functions,
-        "A function of C, C++, Rust or LLVM IR as it stands, compiled by clang or rustc: FILE.c:NAME. Its "
+        "A function of C, C++, Rust, GLSL, HLSL, SPIR-V or LLVM IR as it stands, through clang, rustc or "
+        "glslang: FILE.c:NAME. Its "
         "form function.NAME stands beside the others, in every format and with its operations. May be repeated");
     program.add_list("--device", external.devices,
                      "What runs --shader: opengl, vulkan, or all that there are (default: the first that there is)");

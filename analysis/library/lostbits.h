@@ -160,10 +160,10 @@ typedef struct lostbits_run {
     void* own;
 } lostbits_run;
 
-/* Makes a form from a function in a file of C, C++, Rust or LLVM IR as it stands, as `--function` does: `FILE.c:NAME`
- * (docs/your-function.md). It has its operations, so lostbits_form_write refuses it. Runs a compiler, which `run->stop`
- * ends; `run` may be NULL. `result` has one table `function` with one row: the form's `name`, its `shape`, and
- * `signature`, what its arguments are taken for. */
+/* Makes a form from a function in a file of C, C++, Rust, GLSL, HLSL, SPIR-V or LLVM IR as it stands, as `--function`
+ * does: `FILE.c:NAME` (docs/your-function.md). It has its operations, so lostbits_form_write refuses it. Runs a
+ * compiler, which `run->stop` ends; `run` may be NULL. `result` has one table `function` with one row: the form's
+ * `name`, its `shape`, and `signature`, what its arguments are taken for. */
 LOSTBITS_API int lostbits_form_function(const char* named, lostbits_form** form, const lostbits_run* run,
                                         lostbits_result** result, lostbits_error* error);
 

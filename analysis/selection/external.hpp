@@ -20,7 +20,7 @@ struct ExternalOptions {
     std::vector<std::string> plugins;         ///< libraries, see `find_plugin`, each with an optional NAME= before it
     std::vector<std::string> pipes;           ///< commands for the shell
     std::vector<std::string> shaders;         ///< files of GLSL, see `read_shader`
-    std::vector<std::string> functions;       ///< of C, C++, Rust and LLVM IR, see `load_function`
+    std::vector<std::string> functions;       ///< of C, C++, Rust, shaders and LLVM IR, see `load_function`
     std::vector<std::string> devices;         ///< for the shaders: `device_kinds` or `all`; empty: the first available
     bool isolate = false;                     ///< every library runs in its own process, even one with formulas
     bool in_process = false;                  ///< no library runs in its own process

@@ -219,7 +219,7 @@ class Intersector:
 
 
 class Function(Intersector):
-    """A function in a file of C, C++, Rust or LLVM IR as it stands: the form `function.NAME`.
+    """A function in a file of C, C++, Rust, GLSL, HLSL, SPIR-V or LLVM IR as it stands: the form `function.NAME`.
 
     `.signature` says what its arguments are taken for. `words` overrides it, as in `"sphere(o, d, c, r), miss = -1"`
     (docs/your-function.md). Raises InputError for a file that does not compile and for what cannot be followed.

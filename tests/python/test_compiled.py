@@ -1,4 +1,4 @@
-"""Functions in files of C: forms like those of numpy, in every call."""
+"""Functions in files of C and GLSL: forms like those of numpy, in every call."""
 
 import os
 import unittest
@@ -28,6 +28,10 @@ class Compiled(unittest.TestCase):
         e = lb.explain(self.form, OBLIQUE, pixel=(128, 128))
         self.assertIn("sphere.c:34:55", str(e))
         self.assertIn("~^~", str(e))
+
+    def test_functions_of_shaders_are_followed_too(self):
+        form = lb.function(os.path.join(os.path.dirname(FILE), "../../../examples/shaders/sphere.glsl"), "sphere")
+        self.assertIn("sphere.glsl:8:37", str(lb.explain(form, OBLIQUE, pixel=(128, 40))))
 
     def test_it_says_what_its_arguments_are(self):
         self.assertIn("centre = centre, radius = radius; t = the result; hit where t is not negative",

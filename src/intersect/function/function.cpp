@@ -1,49 +1,26 @@
 #include "intersect/function/function.hpp"
 
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdlib>
 #include <deque>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <random>
 #include <sstream>
 
-#include "intersect/device/temporary_folder.hpp"
 #include "intersect/external/guard.hpp"
 #include "intersect/external/pipe_header.hpp"
 #include "intersect/external/plugin.hpp"
+#include "intersect/function/compiler.hpp"
 #include "intersect/function/signature.hpp"
 #include "intersect/function/walk.hpp"
-#include "intersect/process/child.hpp"
 #include "number/error.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::intersect::function {
 
-namespace fs = std::filesystem;
-
 namespace {
-
-std::string text_of(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    if (!in || fs::is_directory(path)) throw InputError(path.string() + ": cannot be read");
-    if (text.str().size() > 50'000'000) throw InputError(path.string() + ": is longer than 50 MB");
-    return text.str();
-}
-
-void write_text(const fs::path& path, const std::string& text) {
-    std::ofstream out(path, std::ios::binary);
-    out << text;
-    if (!out.flush()) throw EnvironmentError(path.string() + ": cannot be written; set TMPDIR to a folder with space");
-}
 
 /// Parts of `FILE:NAME` or `FILE:NAME:WORDS`.
 struct Named {
@@ -54,7 +31,7 @@ struct Named {
 Named split(const std::string& named) {
     const auto fail = [&named](const std::string& what) {
         throw InputError("--function " + named + ": " + what +
-                         "; write FILE.c:NAME (also .cpp, .cc, .cxx, .rs, .ll, .bc)");
+                         "; write FILE.c:NAME (also .cpp, .cc, .cxx, .rs, .glsl, .hlsl, .spv, .ll, .bc)");
     };
     std::error_code none;
     for (std::size_t end = named.find(':'); end != std::string::npos; end = named.find(':', end + 1)) {
@@ -83,131 +60,11 @@ SourceLanguage language_of(const fs::path& file, const std::string& named) {
     for (const char* const cpp : {".cpp", ".cc", ".cxx", ".C", ".hpp", ".h", ".cppm", ".hh"})
         if (ending == cpp) return SourceLanguage::cpp;
     if (ending == ".rs") return SourceLanguage::rust;
-    if (ending == ".ll" || ending == ".bc") return SourceLanguage::llvm;
+    if (ending == ".ll" || ending == ".bc" || is_shader(file)) return SourceLanguage::llvm;
     throw InputError("--function " + named +
-                     ": is not a file of C (.c), C++ (.cpp, .cc, .cxx, .h, .hpp), Rust (.rs) or LLVM IR (.ll, .bc)");
+                     ": is not a file of C (.c), C++ (.cpp, .cc, .cxx, .h, .hpp), Rust (.rs), GLSL (.glsl, .frag, "
+                     ".vert, .comp), HLSL (.hlsl), SPIR-V (.spv) or LLVM IR (.ll, .bc)");
 }
-
-bool is_in_path(const std::string& program) {
-    const char* const path = std::getenv("PATH");
-    std::istringstream folders(path == nullptr ? "/usr/bin:/bin" : path);
-    for (std::string folder; std::getline(folders, folder, ':');)
-        if (access((fs::path(folder) / program).c_str(), X_OK) == 0) return true;
-    return false;
-}
-
-/// Compiles the user's file in a folder of its own.
-class Compiler {
-public:
-    Compiler(const fs::path& file, SourceLanguage language, const CompileTerms& terms)
-        : file_(fs::absolute(file).lexically_normal()),
-          language_(language),
-          terms_(terms),
-          folder_("lostbits-function") {
-        program_ = language == SourceLanguage::cpp ? "clang++" : language == SourceLanguage::rust ? "rustc" : "clang";
-        require_in_path(program_, language == SourceLanguage::rust ? "rustup, or the Debian package rustc"
-                                                                   : "the Debian package clang");
-    }
-
-    /// Returns the text of a file of LLVM IR. llvm-dis reads bitcode.
-    std::string ir_of_file() {
-        if (file_.extension() == ".ll") return text_of(file_);
-        require_in_path("llvm-dis", "the Debian package llvm");
-        const fs::path made = folder_.path / "function.ll";
-        run({"llvm-dis"}, file_, made);
-        return text_of(made);
-    }
-
-    /// Compiles a file that ends in `text`, and returns its LLVM IR.
-    std::string ir(const std::string& text, bool optimised) {
-        const fs::path source = write(text), made = folder_.path / "function.ll";
-        process::ProgramArguments words{program_};
-        if (language_ == SourceLanguage::rust) {
-            add_rust(words);
-            words.insert(words.end(), {"--emit=llvm-ir", "-Cdebuginfo=2", optimised ? "-Copt-level=1" : "-Copt-level=0",
-                                       "-Cno-vectorize-loops", "-Cno-vectorize-slp"});
-        } else {
-            add_c(words);
-            words.insert(words.end(), {"-O0", "-g", "-fno-discard-value-names", "-S", "-emit-llvm"});
-        }
-        run(words, source, made);
-        return text_of(made);
-    }
-
-    external::Library library(const std::string& text) {
-        const fs::path source = write(text), made = folder_.path / "function.so";
-        process::ProgramArguments words{program_};
-        if (language_ == SourceLanguage::rust) {
-            add_rust(words);
-            words.insert(words.end(), {"--crate-type=cdylib", "-Copt-level=3"});
-        } else if (language_ == SourceLanguage::llvm) {
-            words.insert(words.end(), {"-O2", "-shared", "-fPIC", "-ffp-contract=off", "-w", "-xir"});
-        } else {
-            add_c(words);
-            words.insert(words.end(), {"-O2", "-shared", "-fPIC"});
-        }
-        if (language_ == SourceLanguage::rust) run(words, source, made);
-        else run(words, source, made, {"-xnone", "-lm"});
-        return external::load_library(made);
-    }
-
-    [[nodiscard]] const fs::path& file() const { return file_; }
-    [[nodiscard]] const fs::path& folder() const { return folder_.path; }
-
-private:
-    fs::path write(const std::string& text) {
-        const std::string ending = language_ == SourceLanguage::c      ? ".c"
-                                   : language_ == SourceLanguage::llvm ? ".ll"
-                                                                       : ".cpp";
-        fs::path source =
-            folder_.path / (language_ == SourceLanguage::rust ? file_.filename().string() : "lostbits_entry" + ending);
-        write_text(source, text);
-        return source;
-    }
-    void add_c(process::ProgramArguments& words) const {
-        words.insert(words.end(), {"-ffp-contract=off", "-fno-fast-math", "-fno-math-errno", "-fno-strict-aliasing",
-                                   "-w", "-I" + file_.parent_path().string()});
-        if (language_ == SourceLanguage::cpp) words.insert(words.end(), {"-std=gnu++20", "-xc++"});
-    }
-    void add_rust(process::ProgramArguments& words) const {
-        words.insert(
-            words.end(),
-            {"--edition=2021", "-Awarnings", "-Cpanic=abort", "-Ccodegen-units=1", "--crate-name=lostbits_function",
-             "--remap-path-prefix=" + folder_.path.string() + "=" + file_.parent_path().string()});
-        if (std::ranges::find(words, "--crate-type=cdylib") == words.end()) words.push_back("--crate-type=lib");
-    }
-    void run(process::ProgramArguments words, const fs::path& source, const fs::path& made,
-             const process::ProgramArguments& last = {}) {
-        if (std::ranges::find(words, "--crate-type=cdylib") != words.end()) std::erase(words, "--crate-type=lib");
-        words.insert(words.end(), {"-o", made.string(), source.string()});
-        words.insert(words.end(), last.begin(), last.end());
-        const std::string who = file_.string() + ": " + words[0];
-        process::Child child(words, {.who = who, .duty = "", .seconds = terms_.seconds, .stop = terms_.stop});
-        const process::Child::Ended ended = child.read_to_end();
-        if (ended.status == 0 && fs::exists(made)) return;
-        std::string said = ended.output.substr(0, 3000);
-        for (std::size_t at = 0; (at = said.find(folder_.path.string() + "/", at)) != std::string::npos;)
-            said.erase(at, folder_.path.string().size() + 1);
-        throw InputError(who + " does not compile it:\n" + said +
-                         (language_ == SourceLanguage::llvm
-                              ? "\nLLVM IR can be read by the same major version of LLVM or a newer one; put its " +
-                                    words[0] + " first in PATH"
-                              : ""));
-    }
-    void require_in_path(const std::string& program, const std::string& package) const {
-        if (!is_in_path(program))
-            throw EnvironmentError(file_.string() + ": " + program +
-                                   " is not in PATH, and reads such files; install "
-                                   "it (" +
-                                   package + ")");
-    }
-
-    fs::path file_;
-    SourceLanguage language_;
-    CompileTerms terms_;
-    std::string program_;
-    device::TemporaryFolder folder_;
-};
 
 /// Writes a file that makes the compiler keep the function, so that its types can be read. An empty name keeps none.
 std::string probe_of(SourceLanguage language, const fs::path& file, const std::string& name) {
@@ -231,18 +88,19 @@ std::string probed_ir(Compiler& compiler, SourceLanguage language, const Named& 
     throw InputError(no_function(whole, parts.file.string(), parts.function, language));
 }
 
-bool says_miss(const MissValue& s, double t) {
+bool says_miss(const MissValue& s, double t, double far) {
     switch (s.kind) {
         case MissValue::Kind::negative: return t < 0;
         case MissValue::Kind::infinite: return std::isinf(t);
         case MissValue::Kind::nan: return std::isnan(t);
         case MissValue::Kind::zero: return t <= 0;
         case MissValue::Kind::above: return t >= s.bound;
+        case MissValue::Kind::crossed: return t > far || far < 0;
         default: return false;
     }
 }
 
-Mask miss_mask(const MissValue& s, Nodes& nodes, NodeId t) {
+Mask miss_mask(const MissValue& s, Nodes& nodes, NodeId t, NodeId far) {
     const auto against = [&](TapeOp op, double x) { return nodes.compare(op, t, nodes.constant(x, false)); };
     constexpr double infinity = std::numeric_limits<double>::infinity();
     switch (s.kind) {
@@ -252,14 +110,18 @@ Mask miss_mask(const MissValue& s, Nodes& nodes, NodeId t) {
         case MissValue::Kind::nan: return nodes.is_nan(t);
         case MissValue::Kind::zero: return against(TapeOp::less_equal, 0);
         case MissValue::Kind::above: return against(TapeOp::greater_equal, s.bound);
+        case MissValue::Kind::crossed:
+            return nodes.either(nodes.compare(TapeOp::greater, t, far),
+                                nodes.compare(TapeOp::less, far, nodes.constant(0, false)));
         default: return no;
     }
 }
 
 /// Value that the function returns for a miss, guessed from the constants that its t may be.
-MissValue guessed_sentinel(const Nodes& nodes, NodeId t) {
+MissValue guessed_sentinel(const Nodes& nodes, NodeId t, NodeId far) {
     bool others = false;
     const std::vector<double> constants = nodes.constants_of(t, others);
+    if (constants.empty() && far != no_node) return {MissValue::Kind::crossed, 0};
     const auto any = [&](const auto& is) { return std::ranges::any_of(constants, is); };
     if (any([](double x) { return std::isnan(x); })) return {MissValue::Kind::nan, 0};
     if (any([](double x) { return std::isinf(x) && x > 0; })) return {MissValue::Kind::infinite, 0};
@@ -280,6 +142,7 @@ std::string sentinel_words(const MissValue& s) {
             text << "hit where t < " << s.bound;
             return text.str();
         }
+        case MissValue::Kind::crossed: return "hit where t <= far and far is not negative";
         default: return "";
     }
 }
@@ -300,7 +163,7 @@ void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& sentinel, 
         std::array<S, 2> out{};
         int hit = 0;
         entry(in.data(), out.data(), &hit);
-        batch.hit[i] = hit != 0 && !says_miss(sentinel, out[0]) ? 1 : 0;
+        batch.hit[i] = hit != 0 && !says_miss(sentinel, out[0], out[1]) ? 1 : 0;
         near_far[2 * i] = out[0], near_far[2 * i + 1] = out[1];
     }
 }
@@ -413,11 +276,12 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     auto made = std::make_unique<UserFunction>();
     made->path = parts.file.string();
     Compiler compiler(parts.file, language, terms);
-    made->source = language == SourceLanguage::llvm ? compiler.ir_of_file() : text_of(parts.file);
+    const bool is_ir = language == SourceLanguage::llvm;
+    const Compiler::FileText file = is_ir ? compiler.ir_of_file() : Compiler::FileText{{}, text_of(parts.file)};
+    made->source = file.source;
     const std::string who = made->path + ":" + parts.function;
 
-    const bool is_ir = language == SourceLanguage::llvm;
-    Module probe(is_ir ? made->source : probed_ir(compiler, language, parts, made->source));
+    Module probe(is_ir ? file.ir : probed_ir(compiler, language, parts, made->source));
     UserSignature signature = signature_of(probe, made->path, parts.function, language);
     guess(signature,
           parts.words.empty() ? stated_in(made->source, made->path, signature.line)
@@ -433,7 +297,8 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     const std::size_t numbers = row_of(signature.contract.shape).numbers;
     const Walk::Answer answer = walk.run("lostbits_entry", static_cast<int>(6 + numbers + 1));
     if (signature.t && answer.t == no_node) throw InputError(who + ": never writes t");
-    if (signature.sentinel.kind == MissValue::Kind::unknown) signature.sentinel = guessed_sentinel(nodes, answer.t);
+    if (signature.sentinel.kind == MissValue::Kind::unknown)
+        signature.sentinel = guessed_sentinel(nodes, answer.t, answer.far);
     if (const std::string words = sentinel_words(signature.sentinel); !words.empty())
         made->shown = who + ": " + signature.shown + "; " + words;
     else made->shown = who + ": " + signature.shown;
@@ -444,7 +309,10 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     if (contract.title.empty()) contract.title = parts.function + " of " + parts.file.filename().string();
     external::require_sense(contract, who);
     Mask hit = answer.hit;
-    if (answer.t != no_node) hit = nodes.both(hit, nodes.opposite(miss_mask(signature.sentinel, nodes, answer.t)));
+    if (signature.sentinel.kind == MissValue::Kind::crossed && answer.far == no_node)
+        throw InputError(who + ": miss is crossed, but it answers no far t");
+    if (answer.t != no_node)
+        hit = nodes.both(hit, nodes.opposite(miss_mask(signature.sentinel, nodes, answer.t, answer.far)));
     const Outputs out = outputs_of(nodes, contract, answer, hit);
     // The answer itself may have no variable, so it is named here.
     if (out.t != no_node && contract.roots != Roots::none) nodes.name(out.t, "t", 100);

@@ -1,5 +1,5 @@
-// Functions of users in C, C++, Rust and LLVM IR as intersectors: compiled for their answers, and read from the
-// compiler's LLVM IR for everything that looks at operations.
+// Functions of users in C, C++, Rust, GLSL, HLSL, SPIR-V and LLVM IR as intersectors: compiled for their answers, and
+// read as LLVM IR for everything that looks at operations.
 #pragma once
 
 #include <memory>
@@ -27,7 +27,7 @@ struct UserFunction {
     UserFunction& operator=(const UserFunction&) = delete;
 
     std::string path;    ///< path of its file
-    std::string source;  ///< text of the file; for bitcode, its LLVM IR
+    std::string source;  ///< text of the file; for bitcode its LLVM IR, for SPIR-V its assembly
     std::string shown;   ///< the signature as it was guessed, in one line
     std::unique_ptr<external::ForeignRow> answers;
     std::unique_ptr<table::WrittenForm> written;

@@ -27,6 +27,7 @@ struct Part {
     std::string around = {};  ///< names of the argument and its type, in small letters
     bool is_out = false;
     bool points_to_numbers = false;  ///< argument of type float*, which may be one number or three
+    bool has_fourth = false;         ///< a vector of four numbers, whose last one may be a radius
     std::string role = {};
 };
 
@@ -70,11 +71,12 @@ public:
         argument_ = index;
         out_ = points && !a.type.is_const && !a.is_this && is_answer(a);
         const std::string name = a.is_this ? "this" : a.name;
-        // A pointer to a number means one number if its name says so, and three otherwise.
+        // A pointer to a number means one number if its name says so, and three otherwise; a reference means one.
         if (points && a.target().kind == Kind::number) {
-            const bool one = out_ || is_one_of(small(a.name), {"radius", "r", "tmin", "tmax", "t"});
+            const bool one =
+                a.type.name == "&" || out_ || is_one_of(small(a.name), {"radius", "r", "tmin", "tmax", "t"});
             put(0, a.target().size, !one, name, small(a.name));
-            all.back().points_to_numbers = true;
+            all.back().points_to_numbers = a.type.name != "&";
             return;
         }
         flatten(a.target(), 0, name, small(a.name));
@@ -111,7 +113,11 @@ private:
             // Three numbers with names of their own are not a vector.
             const bool named = t.kind == Kind::structure && t.parts.size() >= 3 && t.parts[0].kind == Kind::number &&
                                is_one_of(small(t.parts[0].member), {"t", "tmin", "tnear", "near", "dist", "radius"});
-            if (!named) return put(at, size, true, path, last);
+            if (!named) {
+                put(at, size, true, path, last);
+                all.back().has_fourth = count == 4;
+                return;
+            }
         }
         if (count == 4) {
             put(at, size, true, path + "." + t.parts[0].member, "centre");
@@ -159,16 +165,25 @@ Shape guessed_shape(const UserSignature& s, const Stated& stated, const std::vec
     for (const Argument& a : s.arguments)
         if (const auto named = shape_named(small(a.target().name) + " " + small(a.name))) return *named;
     std::size_t vectors = 0, numbers = 0;
+    bool has_fourth = false;
     for (const Part& p : parts) {
+        has_fourth = has_fourth || p.has_fourth;
         if (p.is_out || p.slot.is_whole || is_tmin(p) || is_tmax(p) || is_inverse(p.last)) continue;
         ++(p.is_vector ? vectors : numbers);
     }
-    if (vectors == 3 && numbers == 1) return Shape::sphere;
+    if (vectors == 3 && (numbers == 1 || (numbers == 0 && has_fourth))) return Shape::sphere;
     if (vectors == 4 && numbers == 0) return Shape::box;
     if (vectors == 5 && numbers == 0) return Shape::triangle;
     throw InputError(who +
                      ": its name and its arguments do not say which primitive it intersects; say it in a comment "
                      "of the file, such as // lostbits: sphere(o, d, c, r)");
+}
+
+/// The last number of a vector of four.
+Part fourth_of(Part vector) {
+    vector.slot.at += 3 * vector.slot.size;
+    vector.is_vector = vector.has_fourth = false, vector.path += ".w", vector.role = "";
+    return vector;
 }
 
 /// Gives each part a role: o, d, 1/d, tmin, tmax, or k<number of the key>.
@@ -229,11 +244,23 @@ void give_roles(std::vector<Part>& parts, Shape shape) {
                 break;
             }
     }
+    // `vec4 sphere` of shaders: the centre, and the radius as the fourth number.
+    for (std::size_t k = 1; k < keys.size(); ++k) {
+        const auto before = std::ranges::find(parts, "k" + std::to_string(k - 1), &Part::role);
+        if (has("k" + std::to_string(k)) || keys[k].count() != 1 || before == parts.end() || !before->has_fourth)
+            continue;
+        Part fourth = fourth_of(*before);
+        fourth.role = "k" + std::to_string(k);
+        parts.push_back(std::move(fourth));
+    }
 }
 
 /// Roles as a comment states them, in the order of the arguments.
 void take_roles(std::vector<Part>& parts, Shape shape, const Stated& stated) {
     const auto keys = row_of(shape).keys;
+    for (std::size_t k = 0; k < parts.size(); ++k)
+        if (parts[k].has_fourth && stated.roles.size() > parts.size())
+            parts.insert(parts.begin() + static_cast<std::ptrdiff_t>(k) + 1, fourth_of(parts[k]));
     std::vector<Part*> open;
     for (Part& p : parts) open.push_back(&p);
     if (stated.roles.size() > open.size())
@@ -301,49 +328,6 @@ std::string key_name(Shape shape, const std::string& role) {
 
 }  // namespace
 
-Stated stated_by(const std::string& text, const std::string& where) {
-    Stated s;
-    s.where = where;
-    std::string_view rest = text;
-    const auto trimmed = [](std::string_view t) {
-        while (!t.empty() && std::isspace(static_cast<unsigned char>(t.front())) != 0) t.remove_prefix(1);
-        while (!t.empty() && std::isspace(static_cast<unsigned char>(t.back())) != 0) t.remove_suffix(1);
-        return std::string(t);
-    };
-    if (const std::size_t end = rest.find("*/"); end != std::string_view::npos) rest = rest.substr(0, end);
-    rest = rest.substr(std::min(rest.find_first_not_of(" \t"), rest.size()));
-    const std::size_t name_end = std::min(rest.find_first_of("(,= \t-"), rest.size());
-    if (const std::size_t after = std::min(rest.find_first_not_of(" \t", name_end), rest.size());
-        after >= rest.size() || rest[after] != '=') {
-        s.shape = small(rest.substr(0, name_end));
-        rest = rest.substr(after);
-        if (rest.starts_with('(')) {
-            const std::size_t close = std::min(rest.find(')'), rest.size());
-            std::string_view list = rest.substr(1, close - 1);
-            s.has_roles = true;
-            while (!trimmed(list).empty()) {
-                const std::size_t comma = std::min(list.find(','), list.size());
-                s.roles.push_back(trimmed(list.substr(0, comma)));
-                list = list.substr(std::min(comma + 1, list.size()));
-            }
-            rest = rest.substr(std::min(close + 1, rest.size()));
-        }
-    }
-    while (!trimmed(rest).empty()) {
-        const std::size_t comma = std::min(rest.find(','), rest.size());
-        const std::string word = trimmed(rest.substr(0, comma));
-        rest = rest.substr(std::min(comma + 1, rest.size()));
-        const std::size_t equals = word.find('=');
-        if (equals != std::string::npos)
-            s.words.emplace_back(trimmed(std::string_view(word).substr(0, equals)),
-                                 trimmed(std::string_view(word).substr(equals + 1)));
-        else if (!word.empty() && !word.starts_with("->"))
-            throw InputError(where + ": " + external::shown_text(word) +
-                             " is not understood; write, for example, sphere(o, d, c, r), miss = -1, roots = near");
-    }
-    return s;
-}
-
 void guess(UserSignature& s, const Stated& stated, const std::string& who) {
     Parts parts;
     for (std::size_t k = 0; k < s.arguments.size(); ++k) parts.add(s.arguments[k], static_cast<int>(k));
@@ -406,7 +390,9 @@ void guess(UserSignature& s, const Stated& stated, const std::string& who) {
     } else if (value->kind == Kind::whole) {
         s.hit = Slot{-1, 0, value->size, true};
     } else if (value->kind == Kind::structure) {
-        for (const SourceType& p : value->parts) {
+        // Three numbers x, y, z are t and coordinates inside of a triangle.
+        const bool is_vector = value->parts.size() > 2 && small(value->parts[1].member) == "y";
+        for (const SourceType& p : std::span(value->parts).first(is_vector ? 1 : value->parts.size())) {
             if (p.kind != Kind::number && p.kind != Kind::whole) continue;
             const std::string last = small(p.member.starts_with("__") ? p.member.substr(2) : p.member);
             returned.push_back({.slot = {-1, p.at, p.size, p.kind == Kind::whole}, .path = p.member, .last = last});
@@ -428,17 +414,20 @@ void guess(UserSignature& s, const Stated& stated, const std::string& who) {
     c.roots = s.t && s.far ? Roots::both : s.t ? Roots::first_only : Roots::none;
     if (row_of(shape).takes_tmax && !has("tmax") && c.roots != Roots::none) c.flags |= LB_NO_END;
     for (const auto& [key, text] : stated.words) {
+        if (key == "name" || key == "format" || key == "function") continue;  // of comments for --shader
         if (key == "miss") {
             if (text == "inf" || text == "infinite") s.sentinel.kind = MissValue::Kind::infinite;
             else if (text == "nan") s.sentinel.kind = MissValue::Kind::nan;
             else if (text == "negative" || text.starts_with('-')) s.sentinel.kind = MissValue::Kind::negative;
             else if (text == "0" || text == "zero") s.sentinel.kind = MissValue::Kind::zero;
             else if (text == "none") s.sentinel.kind = MissValue::Kind::none;
+            else if (text == "crossed") s.sentinel.kind = MissValue::Kind::crossed;
             else {
                 s.sentinel.kind = MissValue::Kind::above;
                 if (std::from_chars(text.data(), text.data() + text.size(), s.sentinel.bound).ec != std::errc())
-                    throw InputError(stated.where + ": miss is " + external::shown_text(text) +
-                                     "; it must be -1, 0, inf, nan, none, or the number from which on t means a miss");
+                    throw InputError(
+                        stated.where + ": miss is " + external::shown_text(text) +
+                        "; it must be -1, 0, inf, nan, crossed, none, or the number from which on t means a miss");
             }
         } else if (!external::set_word(c, key, text, stated.where)) {
             throw InputError(stated.where + ": unknown word " + external::shown_text(key) +

@@ -53,7 +53,16 @@ struct InputSlot {
 
 /// The value of t that means a miss.
 struct MissValue {
-    enum class Kind { unknown, none, negative, infinite, nan, zero, above };
+    enum class Kind {
+        unknown,
+        none,
+        negative,
+        infinite,
+        nan,
+        zero,
+        above,
+        crossed
+    };  ///< crossed: near > far, or far < 0
     Kind kind = Kind::unknown;
     double bound = 0;
 };
@@ -86,7 +95,7 @@ struct Stated {
 };
 Stated stated_by(const std::string& text, const std::string& where);
 /// Reads the words after `lostbits:` in a comment directly above the function defined at that line. Without such a
-/// comment, the last comment that stands above no other function is used.
+/// comment, those that stand above no other function are used together.
 Stated stated_in(const std::string& source, const std::string& path, int definition);
 
 /// True if a source contains the last part of a name, such as `hit` of `Sphere::hit<float>`, as a word.

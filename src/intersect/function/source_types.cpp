@@ -278,6 +278,62 @@ UserSignature signature_of(Module& module, const std::string& path, const std::s
     return s;
 }
 
+Stated stated_by(const std::string& text, const std::string& where) {
+    Stated s;
+    s.where = where;
+    std::string_view rest = text;
+    const auto trimmed = [](std::string_view t) {
+        while (!t.empty() && std::isspace(static_cast<unsigned char>(t.front())) != 0) t.remove_prefix(1);
+        while (!t.empty() && std::isspace(static_cast<unsigned char>(t.back())) != 0) t.remove_suffix(1);
+        return std::string(t);
+    };
+    if (const std::size_t end = rest.find("*/"); end != std::string_view::npos) rest = rest.substr(0, end);
+    rest = rest.substr(std::min(rest.find_first_not_of(" \t"), rest.size()));
+    const std::size_t name_end = std::min(rest.find_first_of("(,= \t-"), rest.size());
+    if (const std::size_t after = std::min(rest.find_first_not_of(" \t", name_end), rest.size());
+        after >= rest.size() || rest[after] != '=') {
+        s.shape = small(rest.substr(0, name_end));
+        rest = rest.substr(after);
+        if (rest.starts_with('(')) {
+            const std::size_t close = std::min(rest.find(')'), rest.size());
+            std::string_view list = rest.substr(1, close - 1);
+            s.has_roles = true;
+            while (!trimmed(list).empty()) {
+                const std::size_t comma = std::min(list.find(','), list.size());
+                s.roles.push_back(trimmed(list.substr(0, comma)));
+                list = list.substr(std::min(comma + 1, list.size()));
+            }
+            rest = rest.substr(std::min(close + 1, rest.size()));
+        }
+    }
+    // A word ends at a comma, or at a blank before the next `key=`, as in comments for --shader.
+    const auto end_of_word = [](std::string_view t) {
+        bool quoted = false;
+        for (std::size_t k = 0; k < t.size(); ++k) {
+            if (t[k] == '"') quoted = !quoted;
+            const std::size_t next = t.find_first_not_of(" \t", k), end = t.find_first_of(" \t,=", next);
+            const bool key =
+                next != std::string_view::npos && next > k && end < t.size() && t[end] == '=' && end > next;
+            if (!quoted && (t[k] == ',' || (key && k > 0 && t[k - 1] != '='))) return k;
+        }
+        return t.size();
+    };
+    while (!trimmed(rest).empty()) {
+        const std::size_t comma = end_of_word(rest);
+        std::string word = trimmed(rest.substr(0, comma));
+        std::erase(word, '"');
+        rest = rest.substr(std::min(comma + 1, rest.size()));
+        const std::size_t equals = word.find('=');
+        if (equals != std::string::npos)
+            s.words.emplace_back(trimmed(std::string_view(word).substr(0, equals)),
+                                 trimmed(std::string_view(word).substr(equals + 1)));
+        else if (!word.empty() && !word.starts_with("->"))
+            throw InputError(where + ": " + external::shown_text(word) +
+                             " is not understood; write, for example, sphere(o, d, c, r), miss = -1, roots = near");
+    }
+    return s;
+}
+
 Stated stated_in(const std::string& source, const std::string& path, int definition) {
     std::optional<Stated> own, other;
     constexpr std::string_view mark = "lostbits:";
@@ -306,8 +362,11 @@ Stated stated_in(const std::string& source, const std::string& path, int definit
                                             lines.begin() + static_cast<std::ptrdiff_t>(k),
                                             [](const std::string& text) { return text.starts_with('}'); });
         const bool is_function = below < lines.size() && lines[below].find('(') != std::string::npos;
-        if (is_inside || (is_above && is_function)) own = stated();
-        else if (!is_function) other = stated();
+        std::optional<Stated>& which = is_inside || (is_above && is_function) ? own : other;
+        if (&which == &other && is_function) continue;
+        Stated more = stated();
+        if (which && more.shape.empty()) which->words.insert(which->words.end(), more.words.begin(), more.words.end());
+        else which = std::move(more);
     }
     return own ? *own : other.value_or(Stated());
 }

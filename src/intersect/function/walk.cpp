@@ -385,8 +385,9 @@ void Walk::branch(Frame& frame, State& state, Mask when, const std::string& targ
     if (when == no) return;
     State there = state;
     if (when != yes) {
+        const Mask other = there.path.empty() ? no : nodes_.opposite(when);
         for (const Mask m : there.path) {
-            if (m == nodes_.opposite(when)) return;
+            if (m == other) return;
             if (m == when) when = yes;
         }
         if (when != yes) there.path.push_back(when);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "intersect/function/walk_parts.hpp"
+#include "intersect/spirv/llvm_text.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::function {
@@ -164,6 +165,7 @@ std::optional<Value> Walk::called(Frame& frame, State& state, Cursor& at) {
         arguments.push_back(value(state, *types.back(), given));
         if (!given.take(",")) break;
     }
+    if (name.starts_with(spirv::refusal)) fail(name.substr(std::string_view(spirv::refusal).size()));
     if (auto known = known_call(state, name, *type, arguments, types)) return known;
     if (const IrFunction* const f = module_.function(name)) {
         auto over = call(*f, std::move(arguments), std::move(state), here);

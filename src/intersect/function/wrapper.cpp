@@ -132,10 +132,168 @@ std::string rust_wrapper(const UserSignature& s, const std::string& text_of_file
     return text + (s.hit_is_optional ? "    } }\n" : "") + "} }\n";
 }
 
+// LLVM IR: each parameter gets the bytes of the argument that it is a part of, by the debug information.
+
+std::string number_text(std::size_t size) { return size == 4 ? "float" : "double"; }
+
+/// Writes instructions. Arguments and the result stand in arrays of bytes, %lb.b0, %lb.b1, ...
+class IrWriter {
+public:
+    std::string text;
+    const bool is_opaque;  ///< pointers have no type
+
+    explicit IrWriter(const Module& module)
+        : is_opaque(module.text().find("(ptr ") != std::string::npos ||
+                    module.text().find(" ptr ") != std::string::npos) {}
+
+    [[nodiscard]] std::string pointer(const std::string& type) const { return is_opaque ? "ptr" : type + "*"; }
+    /// A new name for the result of an instruction.
+    std::string made(const std::string& instruction) {
+        std::string name = "%lb." + std::to_string(count_++);
+        text += "  " + name + " = " + instruction + "\n";
+        return name;
+    }
+    void new_bytes(std::size_t size) {
+        const std::string type = "[" + std::to_string(std::max<std::size_t>(size, 64)) + " x i8]";
+        const std::string name = "%lb.b" + std::to_string(bytes_.size());
+        bytes_.push_back(type);
+        text += "  " + name + " = alloca " + type + ", align 64\n  store " + type + " zeroinitializer, " +
+                pointer(type) + " " + name + "\n";
+    }
+    /// Address of a byte of an array, as a pointer of that type.
+    std::string address(std::size_t array, std::size_t at, const std::string& pointer_type) {
+        const std::string& type = bytes_[array];
+        const std::string byte = made("getelementptr " + type + ", " + pointer(type) + " %lb.b" +
+                                      std::to_string(array) + ", i64 0, i64 " + std::to_string(at));
+        return is_opaque ? byte : made("bitcast i8* " + byte + " to " + pointer_type);
+    }
+    std::string load(std::size_t array, std::size_t at, const std::string& type) {
+        return made("load " + type + ", " + pointer(type) + " " + address(array, at, type + "*") + ", align 1");
+    }
+    void store(const std::string& value, std::size_t array, std::size_t at, const std::string& type) {
+        text += "  store " + type + " " + value + ", " + pointer(type) + " " + address(array, at, type + "*") +
+                ", align 1\n";
+    }
+    /// Number `k` of an array of numbers.
+    std::string item(const std::string& array, const std::string& number, std::size_t k) {
+        return made("getelementptr " + number + ", " + pointer(number) + " " + array + ", i64 " + std::to_string(k));
+    }
+    std::string converted(const std::string& value, std::size_t from, std::size_t to) {
+        if (from == to) return value;
+        return made(std::string(from < to ? "fpext " : "fptrunc ") + number_text(from) + " " + value + " to " +
+                    number_text(to));
+    }
+
+private:
+    std::vector<std::string> bytes_;
+    int count_ = 0;
+};
+
+/// The parameters of the call, and where its result is written: the array after those of the arguments.
+std::string parameters_of(const UserSignature& s, const IrFunction& f, IrWriter& w, const std::string& who) {
+    std::string list;
+    std::size_t next = 0;
+    const auto give = [&](const IrParameter& p, const std::string& value) {
+        list += (list.empty() ? "" : ", ") + std::string(p.text) + " " + value;
+        ++next;
+    };
+    const auto mismatch = [&] {
+        throw InputError(who +
+                         ": its parameters in the LLVM IR are not those of its debug information; the optimiser "
+                         "may have changed them: compile it with -O0 -g");
+    };
+    if (!f.parameters.empty() && f.parameters[0].text.find("sret") != std::string_view::npos)
+        give(f.parameters[0], w.address(s.arguments.size(), 0, std::string(f.parameters[0].type_text)));
+    for (std::size_t k = 0; k < s.arguments.size(); ++k) {
+        const std::size_t size = s.arguments[k].type.size;
+        for (std::size_t at = 0; at < size;) {
+            if (next >= f.parameters.size()) mismatch();
+            const IrParameter& p = f.parameters[next];
+            const std::string type(p.type_text);
+            if (p.type->kind == Type::Kind::pointer) {
+                give(p, w.address(k, 0, type));
+                break;
+            }
+            at = (at + p.type->align - 1) / p.type->align * p.type->align;
+            if (p.type->size == 0 || at + p.type->size > std::max<std::size_t>(size, 64)) mismatch();
+            const bool is_bit = p.type->kind == Type::Kind::integer && p.type->bits == 1;
+            const std::string value = w.load(k, at, is_bit ? "i8" : type);
+            give(p, is_bit ? w.made("trunc i8 " + value + " to i1") : value);
+            at += p.type->size;
+        }
+    }
+    if (next != f.parameters.size()) mismatch();
+    return list;
+}
+
+void write_inputs(const UserSignature& s, IrWriter& w) {
+    const std::size_t size = static_cast<std::size_t>(s.bits) / 8;
+    const std::string number = number_text(size);
+    for (const InputSlot& in : s.inputs) {
+        std::string value = "0.000000e+00";
+        if (const std::size_t open = in.source.find("in["); open != std::string::npos) {
+            const std::string from = w.item("%in", number, std::stoul(in.source.substr(open + 3)));
+            value = w.made("load " + number + ", " + w.pointer(number) + " " + from);
+            if (in.source.starts_with("1 / ")) value = w.made("fdiv " + number + " 1.000000e+00, " + value);
+            value = w.converted(value, size, in.slot.size);
+        }
+        w.store(value, static_cast<std::size_t>(in.slot.argument), in.slot.at, number_text(in.slot.size));
+    }
+}
+
 }  // namespace
 
 std::string wrapper_of(const UserSignature& s, const std::string& path) {
     return s.language == SourceLanguage::rust ? rust_wrapper(s, path) : c_wrapper(s, path);
+}
+
+std::string ir_wrapper_of(const UserSignature& s, Module& module, const std::string& who) {
+    const IrFunction& f = *module.function(s.symbol);
+    IrWriter w(module);
+    for (const Argument& a : s.arguments) w.new_bytes(a.target().size);
+    w.new_bytes(s.returned.size);
+    write_inputs(s, w);
+    const std::string call = "call " + std::string(f.convention) + " " + std::string(f.returned_text) + " @\"" +
+                             f.name + "\"(" + parameters_of(s, f, w, who) + ")";
+    const std::size_t result = s.arguments.size();
+    Cursor returned(f.returned_text);
+    const Type* const type = module.type(returned);
+    if (type->kind == Type::Kind::nothing) w.text += "  " + call + "\n";
+    else if (const std::string value = w.made(call); type->kind == Type::Kind::integer && type->bits == 1)
+        w.store(w.made("zext i1 " + value + " to i8"), result, 0, "i8");
+    else w.store(value, result, 0, std::string(f.returned_text));
+
+    // The answers. The value of an optional stands behind its flag, or before it.
+    const SourceType* const value = s.hit_is_optional ? &s.returned.parts[0] : nullptr;
+    if (value != nullptr && s.returned.flag_size == 0)
+        throw InputError(who + ": the layout of its optional result is unknown");
+    const auto array_of = [&](const Slot& slot) {
+        return slot.argument < 0 ? result : static_cast<std::size_t>(slot.argument);
+    };
+    const auto offset_of = [&](const Slot& slot) { return slot.at + (slot.argument < 0 && value ? value->at : 0); };
+    std::string hit = "true";
+    const auto decide = [&](std::size_t array, std::size_t at, std::size_t size) {
+        const std::string whole = "i" + std::to_string(8 * size);
+        const std::string one = w.made("icmp ne " + whole + " " + w.load(array, at, whole) + ", 0");
+        hit = hit == "true" ? one : w.made("select i1 " + hit + ", i1 " + one + ", i1 false");
+    };
+    if (value != nullptr) decide(result, s.returned.flag_at, s.returned.flag_size);
+    if (s.hit) decide(array_of(*s.hit), offset_of(*s.hit), s.hit->size);
+    w.text += "  store i32 " + w.made("zext i1 " + hit + " to i32") + ", " + w.pointer("i32") + " %hit\n";
+    const std::size_t size = static_cast<std::size_t>(s.bits) / 8;
+    const std::string number = number_text(size);
+    std::size_t k = 0;
+    for (const std::optional<Slot>& slot : {s.t, s.far}) {
+        if (slot) {
+            const std::string t = w.load(array_of(*slot), offset_of(*slot), number_text(slot->size));
+            const std::string to = w.item("%out", number, k);
+            w.text += "  store " + number + " " + w.converted(t, slot->size, size) + ", " + w.pointer(number) + " " +
+                      to + "\n";
+        }
+        ++k;
+    }
+    return module.text() + "\ndefine void @lostbits_entry(" + w.pointer(number) + " %in, " + w.pointer(number) +
+           " %out, " + w.pointer("i32") + " %hit) {\n" + w.text + "  ret void\n}\n";
 }
 
 }  // namespace lostbits::intersect::function

@@ -33,14 +33,14 @@ constexpr std::array<Stand, 10> site_names{{{"iResolution", "vec3(640.0, 360.0, 
 /// An offset in a text, and what is inserted before that byte.
 using Insertion = std::pair<std::size_t, std::string>;
 
-/// Turns `uniform vec2 size;`, whose first token is `at`, into a variable that holds 0: Vulkan has uniforms only in
-/// blocks. Blocks and samplers stay.
+/// Turns `uniform vec2 size;`, whose first token is `at`, into a variable, which holds 0 if it `has_value`:
+/// Vulkan has uniforms only in blocks. Blocks and samplers stay.
 void set_to_zero(std::string& text, std::vector<Insertion>& insertions, const std::vector<Token>& tokens,
-                 std::size_t at) {
+                 std::size_t at, bool has_value) {
     static const std::set<std::string_view> zeros{"float", "int", "uint", "bool", "vec2", "vec3", "vec4", "double"};
     if (at + 3 >= tokens.size() || !zeros.contains(tokens[at + 1].text) || tokens[at + 3].text != ";") return;
     blank(text, tokens[at]);
-    insertions.emplace_back(tokens[at + 3].offset, " = " + std::string(tokens[at + 1].text) + "(0)");
+    if (has_value) insertions.emplace_back(tokens[at + 3].offset, " = " + std::string(tokens[at + 1].text) + "(0)");
 }
 
 /// Makes all insertions in one pass, so that the text is copied once.
@@ -54,8 +54,9 @@ std::string with(const std::string& text, const std::vector<Insertion>& insertio
     return result + text.substr(copied);
 }
 
-/// Rewrites the user's text so that a compute program can contain it. Every line and column stays where it was.
-std::string fitted(const std::string& original) {
+/// Rewrites the user's text so that a compute program can contain it. Every line and column stays where it was. Without
+/// `zeros`, uniforms get no value.
+std::string fitted(const std::string& original, bool zeros = true) {
     std::string text = original;
     const std::vector<Token> tokens = tokens_of(original);
     int depth = 0;
@@ -77,7 +78,7 @@ std::string fitted(const std::string& original) {
         if (t.text == "}" || t.text == ")") --depth;
         if (t.text.starts_with("gl_Frag")) text.replace(t.offset, 2, "lb");
         if (t.text == "main") text.replace(t.offset, 4, "lb_m");
-        if (depth == 0 && t.text == "uniform") set_to_zero(text, insertions, tokens, i);
+        if (depth == 0 && t.text == "uniform") set_to_zero(text, insertions, tokens, i, zeros);
         // `layout(location = 0) out vec4 color;` of the file becomes a variable.
         static const std::set<std::string_view> stages{"in", "out", "varying", "attribute", "flat", "smooth", "layout"};
         if (depth == 0 && !t.in_directive && stages.contains(t.text)) {
@@ -273,6 +274,11 @@ std::string rewritten(const std::string& text, bool to_doubles) {
         copied = token.offset + token.text.size();
     }
     return result + text.substr(copied);
+}
+
+std::pair<std::string, std::string> without_kernel(const std::string& text) {
+    const std::string own = fitted(text, false);
+    return {"#version 450\n" + site_words(own), own};
 }
 
 std::string program_text(const ShaderSource& shader, int bits, int version) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include "intersect/shader/source.hpp"
 
@@ -27,6 +28,10 @@ inline constexpr int our_first_line = 1'000'001;
 /// keeps its lines. What only other stages have (`gl_FragCoord`, `in` and `out` of the file, `main`) is renamed or
 /// blanked without moving a column. Uniforms become variables that hold 0, the value of a uniform that nobody sets.
 std::string program_text(const ShaderSource& shader, int bits, int version);
+
+/// The text of a GLSL file as a part of a program of our own, and what stands before it. Lines and columns stay, and
+/// uniforms become variables without a value.
+std::pair<std::string, std::string> without_kernel(const std::string& text);
 
 /// Rewrites a file in float to compute in double, or the other way round, token by token: types (`vec3`, `dvec3`) and
 /// numbers with a point or an exponent (`0.1`, `0.1LF`). Functions that do not exist for doubles (`sin`, `pow`) stay,

@@ -1,0 +1,286 @@
+// Arithmetic: the instructions of SPIR-V, and those of GLSL.std.450 as their specification writes them.
+#include <limits>
+#include <map>
+
+#include "intersect/spirv/translator.hpp"
+
+namespace lostbits::intersect::spirv {
+namespace {
+
+/// Instructions of SPIR-V, and those of LLVM IR that do the same.
+using Counterparts = std::map<std::string_view, std::string_view>;
+
+const Counterparts binaries{{"OpFAdd", "fadd"},
+                            {"OpFSub", "fsub"},
+                            {"OpFMul", "fmul"},
+                            {"OpFDiv", "fdiv"},
+                            {"OpIAdd", "add"},
+                            {"OpISub", "sub"},
+                            {"OpIMul", "mul"},
+                            {"OpSDiv", "sdiv"},
+                            {"OpUDiv", "udiv"},
+                            {"OpSRem", "srem"},
+                            {"OpUMod", "urem"},
+                            {"OpShiftLeftLogical", "shl"},
+                            {"OpShiftRightLogical", "lshr"},
+                            {"OpShiftRightArithmetic", "ashr"},
+                            {"OpBitwiseAnd", "and"},
+                            {"OpBitwiseOr", "or"},
+                            {"OpBitwiseXor", "xor"},
+                            {"OpLogicalAnd", "and"},
+                            {"OpLogicalOr", "or"}};
+
+const Counterparts comparisons{{"OpFOrdEqual", "fcmp oeq"},
+                               {"OpFUnordEqual", "fcmp ueq"},
+                               {"OpFOrdNotEqual", "fcmp one"},
+                               {"OpFUnordNotEqual", "fcmp une"},
+                               {"OpFOrdLessThan", "fcmp olt"},
+                               {"OpFUnordLessThan", "fcmp ult"},
+                               {"OpFOrdGreaterThan", "fcmp ogt"},
+                               {"OpFUnordGreaterThan", "fcmp ugt"},
+                               {"OpFOrdLessThanEqual", "fcmp ole"},
+                               {"OpFUnordLessThanEqual", "fcmp ule"},
+                               {"OpFOrdGreaterThanEqual", "fcmp oge"},
+                               {"OpFUnordGreaterThanEqual", "fcmp uge"},
+                               {"OpIEqual", "icmp eq"},
+                               {"OpINotEqual", "icmp ne"},
+                               {"OpLogicalEqual", "icmp eq"},
+                               {"OpLogicalNotEqual", "icmp ne"},
+                               {"OpSLessThan", "icmp slt"},
+                               {"OpULessThan", "icmp ult"},
+                               {"OpSGreaterThan", "icmp sgt"},
+                               {"OpUGreaterThan", "icmp ugt"},
+                               {"OpSLessThanEqual", "icmp sle"},
+                               {"OpULessThanEqual", "icmp ule"},
+                               {"OpSGreaterThanEqual", "icmp sge"},
+                               {"OpUGreaterThanEqual", "icmp uge"}};
+
+const Counterparts conversions{{"OpConvertFToS", "fptosi"},
+                               {"OpConvertFToU", "fptoui"},
+                               {"OpConvertSToF", "sitofp"},
+                               {"OpConvertUToF", "uitofp"},
+                               {"OpBitcast", "bitcast"}};
+
+std::string counterpart(const Counterparts& all, std::string_view op) {
+    const auto found = all.find(op);
+    return found == all.end() ? "" : std::string(found->second);
+}
+
+}  // namespace
+
+TypedText Translator::binary(const std::string& op, const TypedText& a, const TypedText& b) {
+    return made(*a.type, op + " " + a.typed() + ", " + b.text);
+}
+
+TypedText Translator::compare(const std::string& op, const TypedText& a, const TypedText& b) {
+    const SpirvType& one = simple_type(Kind::boolean, 1);
+    return made(a.type->kind == Kind::vector ? vector_of(one, a.type->count) : one,
+                op + " " + a.typed() + ", " + b.text);
+}
+
+TypedText Translator::select(const TypedText& when, const TypedText& a, const TypedText& b) {
+    return made(*a.type, "select " + when.typed() + ", " + a.typed() + ", " + b.typed());
+}
+
+/// `llvm.NAME` of values of one type.
+TypedText Translator::intrinsic(const std::string& name, const Values& x) {
+    const SpirvType& type = *x[0].type;
+    std::string given, taken;
+    for (const TypedText& v : x) {
+        given += (given.empty() ? "" : ", ") + v.typed();
+        taken += (taken.empty() ? "" : ", ") + type.text;
+    }
+    const std::string lanes = type.kind == Kind::vector ? "v" + std::to_string(type.count) : "";
+    const std::string full = "@llvm." + name + "." + lanes + "f" + std::to_string(x[0].lane().bits);
+    declarations_.insert("declare " + type.text + " " + full + "(" + taken + ")");
+    return made(type, "call " + type.text + " " + full + "(" + given + ")");
+}
+
+TypedText Translator::splat(double x, const SpirvType& type) {
+    const TypedText lane{type.kind == Kind::vector ? type.parts[0] : &type, {}, {}};
+    const std::string one = literal(x, *lane.type);
+    if (type.kind != Kind::vector) return {&type, one, {}};
+    std::string all;
+    for (std::size_t k = 0; k < type.count; ++k) all += (k == 0 ? "" : ", ") + lane.type->text + " " + one;
+    return {&type, "<" + all + ">", {}};
+}
+
+TypedText Translator::scaled(const TypedText& vector, const TypedText& scalar) {
+    return binary("fmul", vector, joined(*vector.type, Values(vector.type->count, scalar)));
+}
+
+/// x₁y₁ + x₂y₂ + ..., from the left.
+TypedText Translator::dot(const TypedText& a, const TypedText& b) {
+    const TypedText products = binary("fmul", a, b);
+    if (a.type->kind != Kind::vector) return products;
+    TypedText sum = part(products, 0);
+    for (std::size_t k = 1; k < a.type->count; ++k) sum = binary("fadd", sum, part(products, k));
+    return sum;
+}
+
+TypedText Translator::length(const TypedText& a) {
+    return a.type->kind == Kind::vector ? intrinsic("sqrt", {dot(a, a)}) : intrinsic("fabs", {a});
+}
+
+/// The sum of the columns times the lanes of the vector, from the left.
+TypedText Translator::times(const TypedText& matrix, const TypedText& vector) {
+    TypedText sum = scaled(part(matrix, 0), part(vector, 0));
+    for (std::size_t k = 1; k < matrix.type->count; ++k)
+        sum = binary("fadd", sum, scaled(part(matrix, k), part(vector, k)));
+    return sum;
+}
+
+bool Translator::matrix(const SpirvInstruction& i) {
+    if (i.op.find("Times") == std::string::npos && i.op != "OpTranspose") return false;
+    const SpirvType& type = type_of(i.at(0), i);
+    const TypedText a = value(i.at(1), i);
+    const auto b = [&] { return value(i.at(2), i); };
+    Values columns;
+    if (i.op == "OpVectorTimesScalar") values_[i.result] = scaled(a, b());
+    else if (i.op == "OpMatrixTimesVector") values_[i.result] = times(a, b());
+    else {
+        if (i.op == "OpMatrixTimesScalar")
+            for (std::size_t k = 0; k < type.count; ++k) columns.push_back(scaled(part(a, k), b()));
+        else if (i.op == "OpVectorTimesMatrix")
+            for (std::size_t k = 0; k < type.count; ++k) columns.push_back(dot(a, part(b(), k)));
+        else if (i.op == "OpMatrixTimesMatrix")
+            for (std::size_t k = 0; k < type.count; ++k) columns.push_back(times(a, part(b(), k)));
+        else if (i.op == "OpTranspose" && type.part(0) != nullptr) {
+            for (std::size_t k = 0; k < type.count; ++k) {
+                Values lanes;
+                for (std::size_t row = 0; row < a.type->count; ++row) lanes.push_back(part(part(a, row), k));
+                columns.push_back(joined(*type.parts[0], lanes));
+            }
+        } else return false;
+        values_[i.result] = joined(type, columns);
+    }
+    return true;
+}
+
+bool Translator::arithmetic(const SpirvInstruction& i) {
+    if (i.result.empty()) return false;
+    const SpirvType& type = type_of(i.at(0), i);
+    const auto x = [&](std::size_t k) { return value(i.at(k), i); };
+    TypedText& result = values_[i.result];
+    if (const std::string op = counterpart(binaries, i.op); !op.empty()) result = binary(op, x(1), x(2));
+    else if (const std::string with = counterpart(comparisons, i.op); !with.empty()) result = compare(with, x(1), x(2));
+    else if (const std::string to = counterpart(conversions, i.op); !to.empty())
+        result = made(type, to + " " + x(1).typed() + " to " + type.text);
+    else if (i.op == "OpFConvert" || i.op == "OpSConvert" || i.op == "OpUConvert") {
+        const TypedText from = x(1);
+        const bool widens = TypedText{&type}.lane().bits > from.lane().bits;
+        const std::string how = i.op == "OpFConvert"   ? (widens ? "fpext" : "fptrunc")
+                                : !widens              ? "trunc"
+                                : i.op == "OpSConvert" ? "sext"
+                                                       : "zext";
+        result = made(type, how + " " + from.typed() + " to " + type.text);
+    } else if (i.op == "OpFNegate") result = made(type, "fneg " + x(1).typed());
+    else if (i.op == "OpSNegate") result = binary("sub", {&type, "zeroinitializer", {}}, x(1));
+    else if (i.op == "OpLogicalNot") result = compare("icmp eq", x(1), {&type, "zeroinitializer", {}});
+    else if (i.op == "OpSelect") result = select(x(1), x(2), x(3));
+    else if (i.op == "OpDot") result = dot(x(1), x(2));
+    else if (i.op == "OpIsNan") result = compare("fcmp uno", x(1), x(1));
+    else if (i.op == "OpIsInf")
+        result =
+            compare("fcmp oeq", intrinsic("fabs", {x(1)}), splat(std::numeric_limits<double>::infinity(), *x(1).type));
+    else if (i.op == "OpAny" || i.op == "OpAll") {
+        const TypedText all = x(1);
+        result = part(all, 0);
+        for (std::size_t k = 1; k < all.type->count; ++k)
+            result = binary(i.op == "OpAny" ? "or" : "and", result, part(all, k));
+    } else if (i.op == "OpExtInst" && strings_[i.at(1)] == "GLSL.std.450") {
+        Values all;
+        for (std::size_t k = 3; k < i.operands.size(); ++k) all.push_back(x(k));
+        result = extended(i, i.at(2), type, all);
+    } else {
+        values_.erase(i.result);
+        return false;
+    }
+    return true;
+}
+
+/// An instruction of GLSL.std.450: the operations of its formula in the specification, from the left to the right.
+TypedText Translator::extended(const SpirvInstruction& i, const std::string& name, const SpirvType& type,
+                               const Values& x) {
+    // Each name with the number of its operands.
+    static const std::map<std::string_view, std::size_t> formulas{
+        {"InverseSqrt", 1}, {"FMin", 2},      {"FMax", 2},        {"FClamp", 3}, {"NClamp", 3}, {"FSign", 1},
+        {"FMix", 3},        {"Step", 2},      {"SmoothStep", 3},  {"SAbs", 1},   {"SMin", 2},   {"SMax", 2},
+        {"UMin", 2},        {"UMax", 2},      {"SClamp", 3},      {"UClamp", 3}, {"Length", 1}, {"Distance", 2},
+        {"Cross", 2},       {"Normalize", 1}, {"FaceForward", 3}, {"Reflect", 2}};
+    static const Counterparts intrinsics{{"Sqrt", "sqrt"},   {"FAbs", "fabs"},   {"Fma", "fma"},
+                                         {"NMin", "minnum"}, {"NMax", "maxnum"}, {"Pow", "pow"}};
+    if (const std::string known = counterpart(intrinsics, name); !known.empty() && !x.empty())
+        return intrinsic(known, x);
+    const auto formula = formulas.find(name);
+    if (formula == formulas.end()) {
+        const bool typed = name.size() > 1 && (name[0] == 'F' || name[0] == 'S') && name[1] >= 'A' && name[1] <= 'Z';
+        std::string word = typed ? name.substr(1) : name;
+        if (!word.empty()) word[0] = static_cast<char>(word[0] | 0x20);
+        return refuse(type, "it calls " + word + ", which is not followed");
+    }
+    if (x.size() < formula->second) i.fail("an operand is missing");
+    const auto choose = [&](const std::string& op, const TypedText& a, const TypedText& b) {
+        return select(compare(op, a, b), a, b);
+    };
+    const auto least = [&](const TypedText& a, const TypedText& b) { return choose("fcmp olt", b, a); };
+    const auto most = [&](const TypedText& a, const TypedText& b) { return select(compare("fcmp olt", a, b), b, a); };
+    const auto constant = [&](double c) { return splat(c, type); };
+    const auto clamped = [&](const TypedText& a, const TypedText& lo, const TypedText& hi) {
+        return least(most(a, lo), hi);
+    };
+    if (name == "InverseSqrt") return binary("fdiv", constant(1), intrinsic("sqrt", x));
+    if (name == "FMin") return least(x[0], x[1]);
+    if (name == "FMax") return most(x[0], x[1]);
+    if (name == "FClamp") return clamped(x[0], x[1], x[2]);
+    if (name == "NClamp") return intrinsic("minnum", {intrinsic("maxnum", {x[0], x[1]}), x[2]});
+    if (name == "FSign") {
+        const TypedText below = select(compare("fcmp olt", x[0], constant(0)), constant(-1), constant(0));
+        return select(compare("fcmp ogt", x[0], constant(0)), constant(1), below);
+    }
+    if (name == "FMix")
+        return binary("fadd", binary("fmul", x[0], binary("fsub", constant(1), x[2])), binary("fmul", x[1], x[2]));
+    if (name == "Step") return select(compare("fcmp olt", x[1], x[0]), constant(0), constant(1));
+    if (name == "SmoothStep") {
+        const TypedText t =
+            clamped(binary("fdiv", binary("fsub", x[2], x[0]), binary("fsub", x[1], x[0])), constant(0), constant(1));
+        return binary("fmul", binary("fmul", t, t), binary("fsub", constant(3), binary("fmul", constant(2), t)));
+    }
+    const std::string sign(1, static_cast<char>(name[0] | 0x20));  // s or u
+    if (name == "SAbs") {
+        const TypedText zero{&type, "zeroinitializer", {}};
+        return choose("icmp sgt", x[0], binary("sub", zero, x[0]));
+    }
+    if (name.ends_with("Min")) return choose("icmp " + sign + "lt", x[0], x[1]);
+    if (name.ends_with("Max")) return choose("icmp " + sign + "gt", x[0], x[1]);
+    if (name.ends_with("Clamp")) return choose("icmp " + sign + "lt", choose("icmp " + sign + "gt", x[0], x[1]), x[2]);
+    return geometric(name, x);
+}
+
+TypedText Translator::geometric(const std::string& name, const Values& x) {
+    if (name == "Length") return length(x[0]);
+    if (name == "Distance") return length(binary("fsub", x[0], x[1]));
+    if (name == "Normalize") {
+        const TypedText own = length(x[0]);
+        const bool is_vector = x[0].type->kind == Kind::vector;
+        return binary("fdiv", x[0], is_vector ? joined(*x[0].type, Values(x[0].type->count, own)) : own);
+    }
+    if (name == "FaceForward")
+        return select(compare("fcmp olt", dot(x[2], x[1]), splat(0, x[0].lane())), x[0],
+                      made(*x[0].type, "fneg " + x[0].typed()));
+    if (name == "Reflect") {
+        const TypedText twice = binary("fmul", splat(2, x[0].lane()), dot(x[1], x[0]));
+        return binary("fsub", x[0],
+                      x[0].type->kind == Kind::vector ? scaled(x[1], twice) : binary("fmul", x[1], twice));
+    }
+    // Cross: x₁y₂ − y₁x₂, x₂y₀ − y₂x₀, x₀y₁ − y₀x₁
+    Values lanes;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
+        lanes.push_back(
+            binary("fsub", binary("fmul", part(x[0], a), part(x[1], b)), binary("fmul", part(x[1], a), part(x[0], b))));
+    }
+    return joined(*x[0].type, lanes);
+}
+
+}  // namespace lostbits::intersect::spirv

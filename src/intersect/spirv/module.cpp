@@ -1,0 +1,374 @@
+// Types, constants and variables of a module, and its debug information.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "intersect/spirv/llvm_text.hpp"
+#include "intersect/spirv/translator.hpp"
+#include "number/error.hpp"
+
+namespace lostbits::intersect::spirv {
+namespace {
+
+constexpr std::size_t most_bytes = 1 << 20;  // of a type or of a constant's text
+
+std::size_t number_in(const SpirvInstruction& i, std::size_t k) {
+    const std::string& digits = i.at(k);
+    std::size_t n = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
+    if (error != std::errc() || end != digits.data() + digits.size()) i.fail("a number is missing");
+    return n;
+}
+
+/// Reads "0.5", "-0x1p-130" and, for infinity and NaN, "0x1p+128" and "0x1.8p+128".
+double number_of(std::string_view text, int bits) {
+    const bool is_negative = text.starts_with('-');
+    if (is_negative) text.remove_prefix(1);
+    const bool is_hex = text.starts_with("0x");
+    if (is_hex) text.remove_prefix(2);
+    double x = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x,
+                                              is_hex ? std::chars_format::hex : std::chars_format::general);
+    const bool is_above = bits == 32 ? x >= 0x1p128 : text.ends_with("p+1024");
+    if (is_above && text.starts_with("1p")) x = std::numeric_limits<double>::infinity();
+    else if (is_above) x = std::numeric_limits<double>::quiet_NaN();
+    static_cast<void>(end), static_cast<void>(error);
+    return is_negative ? -x : x;
+}
+
+}  // namespace
+
+const SpirvType* SpirvType::part(std::size_t k) const {
+    if (kind == Kind::structure) return k < parts.size() ? parts[k] : nullptr;
+    const bool has_items = kind == Kind::vector || kind == Kind::matrix || kind == Kind::sequence;
+    return has_items && k < count ? parts[0] : nullptr;
+}
+
+Translator::Translator(const std::vector<SpirvInstruction>& all, std::string path, const ShaderLines& lines,
+                       bool is_opaque)
+    : all_(all), path_(std::move(path)), lines_(lines), places_(lines), is_opaque_(is_opaque) {}
+
+std::string Translator::name_of(const std::string& id) const {
+    const auto found = names_.find(id);
+    if (found == names_.end()) return "";
+    std::string name = found->second.substr(0, found->second.find('('));
+    return name.starts_with('@') ? name.substr(1) : name;  // glslang writes "@f(vf3;" in HLSL
+}
+
+/// Collects names, functions, and what is written to each variable.
+void Translator::collect_names() {
+    std::map<std::string, std::string> base;  // by address of a part: its variable
+    std::string entry;
+    bool in_entry = false;
+    const auto root = [&](const std::string& id) { return base.contains(id) ? base[id] : id; };
+    const auto add = [&](const std::string& id, const std::string& value) {
+        Written& w = written_[root(id)];
+        ++w.count, w.value = value;
+    };
+    for (const SpirvInstruction& i : all_) {
+        if (i.op == "OpName") names_[i.at(0)] = i.at(1);
+        if (i.op == "OpMemberName") member_names_[{i.at(0), number_in(i, 1)}] = i.at(2);
+        if (i.op == "OpExtInstImport" || i.op == "OpString") strings_[i.result] = i.at(0);
+        if (i.op == "OpFunction") functions_[i.result] = &i;
+        if (i.op == "OpEntryPoint") names_.try_emplace(i.at(1), i.at(2)), entry = i.at(1);
+        if (i.op == "OpFunction") in_entry = i.result == entry;
+        if (i.op == "OpAccessChain" || i.op == "OpInBoundsAccessChain") base[i.result] = root(i.at(1));
+        if (i.op == "OpStore") add(i.at(0), in_entry && !base.contains(i.at(0)) ? i.at(1) : "");
+        for (std::size_t k = 2; i.op == "OpFunctionCall" && k < i.operands.size(); ++k) add(i.at(k), "");
+    }
+}
+
+const SpirvType& Translator::type_of(const std::string& id, const SpirvInstruction& i) const {
+    const auto found = types_.find(id);
+    if (found == types_.end()) i.fail("the type %" + id + " is unknown");
+    return found->second;
+}
+
+const SpirvType& Translator::simple_type(Kind kind, int bits) {
+    const std::string text = "i" + std::to_string(bits), id = "." + text;
+    const auto bytes = static_cast<std::size_t>(std::max(bits / 8, 1));
+    return types_.try_emplace(id, SpirvType{kind, id, text, bytes, bytes, bits}).first->second;
+}
+
+const SpirvType& Translator::vector_of(const SpirvType& lane, std::size_t count) {
+    const std::string id = lane.id + "." + std::to_string(count);
+    std::size_t size = 1;
+    while (size < lane.size * count) size *= 2;
+    const std::string text = "<" + std::to_string(count) + " x " + lane.text + ">";
+    return types_.try_emplace(id, SpirvType{Kind::vector, id, text, size, size, 0, false, {&lane}, count})
+        .first->second;
+}
+
+const SpirvType& Translator::pointer_to(const SpirvType& target) {
+    const std::string id = target.id + ".p";
+    return types_.try_emplace(id, SpirvType{Kind::pointer, id, pointer(target), 8, 8, 0, false, {&target}, 1})
+        .first->second;
+}
+
+void Translator::add_type(const SpirvInstruction& i, SpirvType type) {
+    if (type.size > most_bytes || type.count > most_bytes) i.fail("a type is too large");
+    type.id = i.result;
+    types_[i.result] = std::move(type);
+}
+
+void Translator::declare_type(const SpirvInstruction& i) {
+    const auto part = [&](std::size_t k) { return &type_of(i.at(k), i); };
+    const auto bits = [&] { return static_cast<int>(std::min<std::size_t>(number_in(i, 0), 64)); };
+    if (i.op == "OpTypeVoid") return add_type(i, {.kind = Kind::nothing, .id = {}, .text = "void"});
+    if (i.op == "OpTypeBool")
+        return add_type(i, {.kind = Kind::boolean, .id = {}, .text = "i1", .size = 1, .align = 1, .bits = 1});
+    if (i.op == "OpTypeInt" || i.op == "OpTypeFloat") {
+        const bool is_whole = i.op == "OpTypeInt";
+        const int n = bits();
+        const std::string text = is_whole ? "i" + std::to_string(n) : n == 32 ? "float" : n == 64 ? "double" : "half";
+        const auto bytes = static_cast<std::size_t>(std::max(n / 8, 1));
+        return add_type(i,
+                        {is_whole ? Kind::whole : Kind::number, {}, text, bytes, bytes, n, is_whole && i.at(1) == "1"});
+    }
+    if (i.op == "OpTypeVector") {
+        const std::size_t count = number_in(i, 1);
+        if (count < 2 || count > 16) i.fail("a vector has a length that is not followed");
+        return add_type(i, vector_of(*part(0), count));
+    }
+    if (i.op == "OpTypeMatrix" || i.op == "OpTypeArray") {
+        const bool is_matrix = i.op == "OpTypeMatrix";
+        const SpirvType& item = *part(0);
+        const double known = is_matrix ? static_cast<double>(number_in(i, 1)) : wholes_[i.at(1)];
+        if (!(known >= 1 && known * static_cast<double>(item.size) <= most_bytes)) i.fail("a type is too large");
+        const auto count = static_cast<std::size_t>(known);
+        return add_type(i, {is_matrix ? Kind::matrix : Kind::sequence,
+                            {},
+                            "[" + std::to_string(count) + " x " + item.text + "]",
+                            item.size * count,
+                            item.align,
+                            0,
+                            false,
+                            {&item},
+                            count});
+    }
+    if (i.op == "OpTypeStruct") {
+        SpirvType made{.kind = Kind::structure, .id = {}, .text = "%T." + i.result};
+        std::string parts;
+        for (std::size_t k = 0; k < i.operands.size(); ++k) {
+            made.parts.push_back(part(k));
+            parts += (k == 0 ? "" : ", ") + part(k)->text;
+            made.size = (made.size + part(k)->align - 1) / part(k)->align * part(k)->align + part(k)->size;
+            made.align = std::max(made.align, part(k)->align);
+            if (made.size > most_bytes) i.fail("a type is too large");
+        }
+        made.size = (made.size + made.align - 1) / made.align * made.align;
+        head_.push_back(made.text + " = type { " + parts + " }");
+        return add_type(i, std::move(made));
+    }
+    if (i.op == "OpTypePointer" && types_.contains(i.at(1))) return add_type(i, pointer_to(*part(1)));
+    if (i.op == "OpTypeFunction") {
+        SpirvType made{.kind = Kind::function, .id = {}, .text = {}};
+        for (std::size_t k = 0; k < i.operands.size(); ++k) made.parts.push_back(part(k));
+        return add_type(i, std::move(made));
+    }
+    add_type(i, {.kind = Kind::other, .id = {}, .text = "i8", .size = 1, .align = 1});  // an image, a sampler
+}
+
+std::string Translator::literal(double x, const SpirvType& type) const {
+    if (type.bits == 32) x = static_cast<double>(static_cast<float>(x));
+    std::array<char, 20> digits{};
+    const auto bits = std::isnan(x) ? 0x7ff8000000000000U : std::bit_cast<std::uint64_t>(x);
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), bits, 16).ptr;
+    const std::string hex(digits.data(), end);
+    return "0x" + std::string(16 - std::min<std::size_t>(hex.size(), 16), '0') + hex;
+}
+
+void Translator::declare_constant(const SpirvInstruction& i) {
+    const SpirvType& type = type_of(i.at(0), i);
+    TypedText& made = values_[i.result] = {&type};
+    if (i.op.ends_with("ConstantTrue")) made.text = "true";
+    else if (i.op.ends_with("ConstantFalse")) made.text = "false";
+    else if (i.op == "OpUndef") made.text = "undef";
+    else if (i.op == "OpConstantNull") made.text = "zeroinitializer";
+    else if (i.op.ends_with("ConstantComposite")) {
+        const bool is_vector = type.kind == Kind::vector;
+        for (std::size_t k = 1; k < i.operands.size(); ++k)
+            made.text += (k == 1 ? "" : ", ") + value(i.at(k), i).typed();
+        const char open = is_vector ? '<' : type.kind == Kind::structure ? '{' : '[';
+        const char close = is_vector ? '>' : type.kind == Kind::structure ? '}' : ']';
+        made.text = open + made.text + close;
+        if (made.text.size() > most_bytes) i.fail("a constant is too large");
+    } else if (type.kind == Kind::number) {
+        made.text = literal(number_of(i.at(1), type.bits), type);
+    } else if (type.kind == Kind::whole && i.op != "OpSpecConstantOp") {
+        const std::string& digits = i.at(1);
+        std::int64_t x = 0;
+        if (std::from_chars(digits.data(), digits.data() + digits.size(), x).ptr != digits.data() + digits.size())
+            i.fail("a number is missing");
+        wholes_[i.result] = static_cast<double>(x);
+        made.text = std::to_string(x);
+    } else {
+        made.text = "undef";
+        made.refused = "it uses a constant that is computed when the shader is loaded, which is not followed";
+    }
+    if (made.text == "zeroinitializer" && type.kind == Kind::pointer) made.text = "null";
+    if (made.text == "zeroinitializer" && type.kind == Kind::number) made.text = literal(0, type);
+    if (made.text == "zeroinitializer" && (type.kind == Kind::whole || type.kind == Kind::boolean)) made.text = "0";
+}
+
+/// A variable outside of functions. Its value is known if only one constant is ever written there: at its declaration,
+/// or by the main function, where glslang initialises variables.
+void Translator::declare_variable(const SpirvInstruction& i) {
+    const SpirvType& type = type_of(i.at(0), i);
+    if (type.kind != Kind::pointer) i.fail("a variable has no address");
+    const Written& written = written_[i.result];
+    const std::string initial = i.operands.size() > 2 ? i.at(2) : written.value;
+    const auto constant = values_.find(initial);
+    const bool is_known = i.at(1) == "Private" && written.count == (i.operands.size() > 2 ? 0 : 1) &&
+                          constant != values_.end() && constant->second.type->text == type.parts[0]->text;
+    const std::string own = "@" + quoted_name("v." + i.result), name = name_of(i.result);
+    values_[i.result] = {&type, own, {}};
+    if (is_known) head_.push_back(own + " = internal constant " + constant->second.typed());
+    else
+        values_[i.result].refused = "it reads " + (name.empty() ? "a variable outside of functions" : name) +
+                                    ", which nothing in the file sets to one value";
+}
+
+void Translator::declare(const SpirvInstruction& i) {
+    const auto number = [&](std::size_t k) {
+        return static_cast<int>(std::min<std::size_t>(number_in(i, k), 1 << 30));
+    };
+    if (i.op == "OpLine") places_.visit(number(1), number(2));
+    if (i.op.starts_with("OpType") && i.op != "OpTypeForwardPointer") declare_type(i);
+    else if (i.op.starts_with("OpConstant") || i.op.starts_with("OpSpecConstant") || i.op == "OpUndef")
+        declare_constant(i);
+}
+
+// Debug information
+
+std::string Translator::note(const std::string& text) {
+    notes_.push_back(text);
+    return "!" + std::to_string(notes_.size() - 1);
+}
+
+std::string Translator::note_of_vector(const SpirvType& type) {
+    std::string members;
+    const SpirvType& lane = *type.parts[0];
+    for (std::size_t k = 0; k < type.count; ++k) {
+        const std::string name = k < 4 ? std::string(1, "xyzw"[k]) : "s" + std::to_string(k);
+        members +=
+            (k == 0 ? "" : ", ") +
+            note("!DIDerivedType(tag: DW_TAG_member, name: \"" + name + "\", baseType: " + note_of(lane) +
+                 ", size: " + std::to_string(8 * lane.size) + ", offset: " + std::to_string(8 * lane.size * k) + ")");
+    }
+    const std::string prefix = lane.kind == Kind::boolean ? "b"
+                               : lane.kind == Kind::whole ? "i"
+                               : lane.bits == 64          ? "d"
+                                                          : "";
+    return note("!DICompositeType(tag: DW_TAG_structure_type, name: \"" + prefix + "vec" + std::to_string(type.count) +
+                "\", size: " + std::to_string(8 * type.size) + ", elements: " + note("!{" + members + "}") + ")");
+}
+
+std::string Translator::note_of_structure(const SpirvType& type) {
+    std::string members;
+    std::size_t at = 0;
+    for (std::size_t k = 0; k < type.parts.size(); ++k) {
+        const SpirvType& p = *type.parts[k];
+        at = (at + p.align - 1) / p.align * p.align;
+        members += (k == 0 ? "" : ", ") +
+                   note("!DIDerivedType(tag: DW_TAG_member, name: " + quoted_name(member_names_[{type.id, k}]) +
+                        ", baseType: " + note_of(p) + ", size: " + std::to_string(8 * p.size) +
+                        ", offset: " + std::to_string(8 * at) + ")");
+        at += p.size;
+    }
+    return note("!DICompositeType(tag: DW_TAG_structure_type, name: " + quoted_name(name_of(type.id)) +
+                ", size: " + std::to_string(8 * type.size) + ", elements: " + note("!{" + members + "}") + ")");
+}
+
+std::string Translator::note_of(const SpirvType& type) {
+    if (type.kind == Kind::nothing) return "null";
+    std::string& known = notes_of_types_[type.id];
+    if (!known.empty()) return known;
+    const std::string size = ", size: " + std::to_string(8 * type.size);
+    std::string made;
+    if (type.kind == Kind::vector) made = note_of_vector(type);
+    else if (type.kind == Kind::structure) made = note_of_structure(type);
+    else if (type.kind == Kind::matrix || type.kind == Kind::sequence)
+        made = note("!DICompositeType(tag: DW_TAG_array_type, baseType: " + note_of(*type.parts[0]) + size +
+                    ", elements: " + note("!{" + note("!DISubrange(count: " + std::to_string(type.count) + ")") + "}") +
+                    ")");
+    else if (type.kind == Kind::pointer)
+        made = note("!DIDerivedType(tag: DW_TAG_reference_type, baseType: " + note_of(*type.parts[0]) + ", size: 64)");
+    else
+        made = note("!DIBasicType(name: \"" + (type.kind == Kind::boolean ? "bool" : type.text) + "\"" + size +
+                    ", encoding: " +
+                    (type.kind == Kind::number    ? "DW_ATE_float"
+                     : type.kind == Kind::boolean ? "DW_ATE_boolean"
+                     : type.is_signed             ? "DW_ATE_signed"
+                                                  : "DW_ATE_unsigned") +
+                    ")");
+    return notes_of_types_[type.id] = made;
+}
+
+/// `, !dbg !12`: the place of an instruction.
+std::string Translator::place_now(const SpirvInstruction& i) {
+    std::string name;
+    if (i.op == "OpExtInst") name = i.at(2);
+    TokenPlace p = places_.place_of(i.op, name);
+    if (lines_.file.empty()) p.line = i.line, p.column = i.column;
+    const std::string text = "!DILocation(line: " + std::to_string(std::max(p.line, 0)) +
+                             ", column: " + std::to_string(std::clamp(p.column, 0, 65535)) + ", scope: " + scope_ + ")";
+    const auto [known, is_new] = known_places_.try_emplace(text, static_cast<int>(notes_.size()));
+    if (is_new) note(text);
+    return ", !dbg !" + std::to_string(known->second);
+}
+
+std::string Translator::module() {
+    collect_names();
+    file_ = note("!DIFile(filename: " + quoted_name(lines_.file.empty() ? path_ : lines_.file) + ", directory: \"\")");
+    unit_ = note("distinct !DICompileUnit(language: DW_LANG_C99, file: " + file_ +
+                 ", producer: \"spirv\", isOptimized: false, runtimeVersion: 0, emissionKind: FullDebug)");
+    const std::string version = note("!{i32 2, !\"Debug Info Version\", i32 3}");
+    std::size_t functions = 0, variables = 0;
+    for (std::size_t k = 0; k < all_.size(); ++k) {
+        const SpirvInstruction& i = all_[k];
+        if (i.op != "OpFunction") {
+            declare(i);
+            continue;
+        }
+        // The constants that variables hold may be declared after the variables.
+        for (; variables < k && functions == 0; ++variables)
+            if (all_[variables].op == "OpVariable") declare_variable(all_[variables]);
+        ++functions;
+        std::size_t end = k;
+        while (end < all_.size() && all_[end].op != "OpFunctionEnd") ++end;
+        if (end == all_.size()) i.fail("a function has no end");
+        const std::string name = name_of(i.result);
+        const bool is_main = !lines_.tokens.empty() && (name == "main" || name == "lb_main" || name == "lb_m");
+        if (!is_main) function(k, end);
+        k = end;
+    }
+    if (functions_.empty()) throw InputError("the SPIR-V cannot be read: it defines no function");
+    std::string text;
+    for (const std::vector<std::string>* part : {&head_, &body_})
+        for (const std::string& one : *part) text += one + "\n";
+    for (const std::string& one : declarations_) text += one + "\n";
+    text += "!llvm.dbg.cu = !{" + unit_ + "}\n!llvm.module.flags = !{" + version + "}\n";
+    for (std::size_t k = 0; k < notes_.size(); ++k) text += "!" + std::to_string(k) + " = " + notes_[k] + "\n";
+    return text;
+}
+
+std::string source_name(const std::string& assembly) {
+    const std::vector<SpirvInstruction> all = instructions_of(assembly);
+    const auto line = std::ranges::find(all, "OpLine", &SpirvInstruction::op);
+    if (line == all.end()) return "";
+    const auto file = std::ranges::find(all, line->at(0), &SpirvInstruction::result);
+    return file == all.end() || file->op != "OpString" ? "" : file->at(0);
+}
+
+std::string llvm_text_of(const std::string& assembly, const std::string& path, const ShaderLines& lines,
+                         bool is_opaque) {
+    const std::vector<SpirvInstruction> all = instructions_of(assembly);
+    return Translator(all, path, lines, is_opaque).module();
+}
+
+}  // namespace lostbits::intersect::spirv
