@@ -1,8 +1,8 @@
-# lostbits_join_sources(TARGET ROOMS): joins the sources of TARGET in folders whose path matches ROOMS, in the order of
-# their paths, into units of about 600 kB. Code that they share, mostly templates of the standard library, is then
-# compiled once per unit. Without this, a clean build of the program took 650 s of processor time. A folder is a
-# namespace, so local names in two of its files must differ. The preset `dev` compiles each source by itself, and finds
-# sources that rely on the includes of another.
+# lostbits_join_sources(TARGET ROOMS [LEAST]): joins the sources of TARGET in folders whose path matches ROOMS, in the
+# order of their paths, into units of about 600 kB, and into LEAST units at least. Code that they share, mostly
+# templates of the standard library, is then compiled once per unit. Without this, a clean build of the program took
+# 650 s of processor time. A folder is a namespace, so local names in two of its files must differ. The preset `dev`
+# compiles each source by itself, and finds sources that rely on the includes of another.
 function(lostbits_join_sources target rooms)
     if(NOT LOSTBITS_JOIN_SOURCES)
         return()
@@ -23,6 +23,9 @@ function(lostbits_join_sources target rooms)
         endif()
     endforeach()
     math(EXPR units "(${all} + ${LOSTBITS_JOIN_BYTES} - 1) / ${LOSTBITS_JOIN_BYTES}")
+    if(ARGC GREATER 2 AND units LESS ARGV2)
+        set(units ${ARGV2})
+    endif()
     set(before 0)
     foreach(source IN LISTS joined)
         math(EXPR unit "${before} * ${units} / ${all}")
