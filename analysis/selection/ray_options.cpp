@@ -171,7 +171,7 @@ SelectedRay worst_of_sweep(const RayOptions& words, TestedForm row, const std::f
          {std::tuple{&words.pixel, "--pixel", "names one ray, but --worst searches all of them"},
           {&words.ray, "--ray", "names one ray, but --worst searches all of them"},
           {&words.variant, "--variant", "is for a scene, but a sweep names its own"}}) {
-        if (!given->empty()) throw InputError(fmt::format("{} {}: {}; leave it out", option, *given, why));
+        if (!given->empty()) throw InputError(fmt::format("{} {} {}; leave it out", option, *given, why));
     }
     const SweepChangeOptions changes{words.size, words.steps, words.set};
     if (kind == SweepKind::cases || kind == SweepKind::axes) check_changes(changes, kind, words.subject);

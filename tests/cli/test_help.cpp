@@ -242,7 +242,7 @@ TEST_CASE("a file of another kind is refused with its kind and the command that 
             const auto r = run(typed, scratch.path());
             CHECK(r.code == 2);
             CHECK(r.out.empty());
-            CHECK(has(r.err, file + ": " + kind.first));
+            CHECK(has(r.err, file + " " + kind.first));
             CHECK(has(r.err, "try `" + kind.second));
             for (const char* edit : {"schema", "valid TOML", "write "}) CHECK_FALSE(has(r.err, edit));
             CHECK(lines_of(r.err).size() == 1);

@@ -204,9 +204,9 @@ bool Band::needs_special_truth(std::size_t i, Convention convention) const {
     if (convention.endless && ranged) return true;
     if (convention.at_origin == AtOrigin::exit && truths_.on_surface[i] != 0) return true;
     // A ray that meets nothing from either side meets nothing from one side. If the first hit is from a side that
-    // counts, it stays the first.
+    // counts, it stays the first, unless another property passes it over.
     if (convention.facing != Facing::both && truths_.decision[i] != Truth::Decision::miss &&
-        !shows_side(i, convention.facing))
+        (truths_.may_differ(i, convention) || !shows_side(i, convention.facing)))
         return true;
     if (convention.inside == Inside::usual) return false;
     if (ranged) return true;  // the ray may begin elsewhere than at its origin

@@ -42,7 +42,8 @@ fs::path find_module() {
         throw EnvironmentError(path.string() + ": cannot load the image module: " + why +
                                "; the module and its libraries take 500 MB of address space: raise `ulimit -v`");
     throw EnvironmentError(path.string() + ": cannot load the image module: " + (why != nullptr ? why : "unknown") +
-                           "; install OpenImageIO and Cairo (Debian: libopenimageio2.4, libcairo2)");
+                           "; install OpenImageIO and Cairo (Debian: libopenimageio2.4, libcairo2) and rebuild the "
+                           "target `lostbits_image`");
 }
 
 [[noreturn]] void is_other_module(const fs::path& path, const char* why) {
