@@ -144,6 +144,61 @@ TEST_CASE("functions: the culprit is a line of the user's file", "[external]") {
         made.path());
 }
 
+TEST_CASE("functions: constants in double keep their values in both formats", "[external]") {
+    const Scratch made;
+    const std::string file = made.write("wide.c", R"(
+float wide(const float o[3], const float d[3], const float c[3], float r) { return 0.1 * o[2] + 3.7 * r; }
+)");
+    const auto f = intersect::function::load_function(file + ":wide:sphere(o, d, c, r)", {});
+    const std::vector<Primitive<double>> sphere{Primitive<double>(Sphere<double>{{0, 0, 0}, 1})};
+    const std::vector<double> zero{0}, five{5}, down{-1};
+    std::array<std::vector<double>, 3> t{std::vector<double>(1), std::vector<double>(1), std::vector<double>(1)};
+    std::vector<std::uint8_t> hit(1);
+    f->row.native64({zero, zero, five, zero, zero, down}, intersect::Target<double>(std::span(sphere)),
+                    {t[0], t[1], t[2], hit});
+    CHECK(hit[0] == 1);
+    CHECK(t[0][0] == 0.1 * 5.0 + 3.7 * 1.0);
+}
+
+TEST_CASE("functions: each member of a struct has its own meaning and place", "[external]") {
+    const Scratch made;
+    const std::string body = R"({
+    float x = o[0] - s.c[0], y = o[1] - s.c[1], z = o[2] - s.c[2];
+    float b = x * d[0] + y * d[1] + z * d[2], disc = b * b - (x * x + y * y + z * z - s.r * s.r);
+    return disc < 0 ? -1 : -b - sqrtf(disc);
+})";
+    for (const char* const members : {"float r; float c[3];", "float c[3]; float r;", "float c[3]; int id; float r;"}) {
+        CAPTURE(members);
+        const std::string file =
+            made.write("struct.c", std::string("#include <math.h>\nstruct sphere { ") + members +
+                                       " };\nfloat hit(const float o[3], const float d[3], struct sphere s) " + body);
+        const auto f = intersect::function::load_function(file + ":hit", {});
+        CHECK(f->shown.find("centre = s.c") != std::string::npos);
+        CHECK(f->shown.find("radius = s.r") != std::string::npos);
+        const Outcome map =
+            must("map near-benign --size 16x16 -f f32 -i function.hit -o out --force --function " + file + ":hit",
+                 made.path());
+        CHECK(map.out.find("function.hit                 f32                 0         0          0      0") !=
+              std::string::npos);
+    }
+}
+
+TEST_CASE("functions: the underline fits lines with letters of several bytes", "[external]") {
+    const Scratch made;
+    const std::string file = made.write("letters.c", R"(#include <math.h>
+float hit(const float o[3], const float d[3], const float c[3], float r) {
+    float x = o[0] - c[0], y = o[1] - c[1], z = o[2] - c[2], b = x * d[0] + y * d[1] + z * d[2];
+    /* ∑éé */ float disc = b * b - (x * x + y * y + z * z - r * r);
+    return disc < 0 ? -1 : -b - sqrtf(disc);
+}
+)");
+    const Outcome said =
+        must("explain rtg-fig-7-3-4100-oblique --pixel 128,128 -f f32 -i function.hit --function " + file + ":hit");
+    CHECK(said.out.find(" 4 |     /* ∑éé */ float disc = b * b - (x * x + y * y + z * z - r * r);\n"
+                        "   |                                     ~~~~~~~~~~~~~~~~~~~~~~^~~~~~~\n") !=
+          std::string::npos);
+}
+
 TEST_CASE("functions: plugin check, choose, diff and claims take them", "[external]") {
     const Scratch made;
     const std::string schoolbook = " --function " + folder + "sphere.c:schoolbook ";

@@ -45,7 +45,7 @@ inline bool is_end(std::string_view name) {
 
 /// True if a name is common for the key of a shape.
 inline bool fits_key(std::string_view name, const Key& key, std::size_t k, Shape shape) {
-    if (name == key.name || std::ranges::find(key.aliases, name) != key.aliases.end()) return true;
+    if (name == small(key.name) || std::ranges::find(key.aliases, name) != key.aliases.end()) return true;
     if (key.name == "centre")
         return is_one_of(name, {"c", "center", "centre", "pos", "position", "sc", "cen", "ctr", "p", "origin", "ce",
                                 "spherecenter", "spherecentre", "sphere", "location"});

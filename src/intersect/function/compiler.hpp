@@ -153,6 +153,8 @@ private:
         require_in_path(program, "the Debian package glslang-tools");
         process::ProgramArguments words{
             program, "-V", "-g", "-Od", "--keep-uncalled", "-e", device::entry_of(language), "-S", "comp"};
+        // Textures and uniforms of the file may have no places, since nothing is bound to them here.
+        words.insert(words.end(), {"--auto-map-bindings", "--auto-map-locations"});
         if (language == Language::hlsl) words.emplace_back("-D");
         const fs::path own = folder_.path / file_.filename(), made = folder_.path / "function.spv";
         try {

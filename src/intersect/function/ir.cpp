@@ -418,7 +418,6 @@ Module::Module(std::string text) : text_(std::move(text)) {
         inside->blocks.back().lines.push_back(line);
     });
     if (inside != nullptr) throw InputError("the LLVM IR cannot be read: it ends inside " + inside->name);
-    if (functions.empty()) throw InputError("the LLVM IR cannot be read: it defines no function");
 }
 
 std::string field(std::string_view metadata, std::string_view name) {

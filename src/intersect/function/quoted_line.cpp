@@ -57,7 +57,7 @@ const UserFunction* behind(const Info& form, const Format& format, NodeId node, 
 }
 
 std::string words_of(const SourcePlace& p) {
-    return p.file + ":" + std::to_string(p.line) + ":" + std::to_string(p.column);
+    return p.file + ":" + std::to_string(p.line) + (p.column > 0 ? ":" + std::to_string(p.column) : "");
 }
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; }
@@ -125,13 +125,18 @@ std::string quoted_line(const Info& form, const Format& format, NodeId node) {
     std::istream& lines = p.file == f->path ? static_cast<std::istream&>(own) : other;
     std::string line;
     for (int k = 0; k < p.line; ++k) line.clear(), std::getline(lines, line);
-    if (line.empty() || p.column < 1 || static_cast<std::size_t>(p.column) > line.size()) return text;
+    if (line.empty() || static_cast<std::size_t>(p.column) > line.size()) return text;
+    const std::string number = std::to_string(p.line);
+    text += " " + number + " | " + line + "\n";
+    if (p.column < 1) return text;  // only the line is known
     const auto at = static_cast<std::size_t>(p.column - 1);
     const auto [begin, end] = extent(line, at);
     std::string marks;
-    for (std::size_t k = 0; k <= end; ++k) marks += k == at ? '^' : k >= begin ? '~' : line[k] == '\t' ? '\t' : ' ';
-    const std::string number = std::to_string(p.line);
-    return text + " " + number + " | " + line + "\n " + std::string(number.size(), ' ') + " | " + marks + "\n";
+    for (std::size_t k = 0; k <= end; ++k) {
+        if ((static_cast<unsigned char>(line[k]) & 0xC0U) == 0x80U) continue;  // inside of a character in UTF-8
+        marks += k == at ? '^' : k >= begin ? '~' : line[k] == '\t' ? '\t' : ' ';
+    }
+    return text + " " + std::string(number.size(), ' ') + " | " + marks + "\n";
 }
 
 }  // namespace lostbits::intersect::function

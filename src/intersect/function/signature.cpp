@@ -61,6 +61,16 @@ int floats_in(const SourceType& t, std::size_t& size, std::string& last) {
     return all;
 }
 
+/// True if the numbers of a type follow one another and have no names that say more than x, y, z: an array, a struct of
+/// numbers alone, or a struct around one of these. In `{vec3 centre; float radius}` each member has a meaning of its
+/// own, and there may be padding between them.
+bool is_row_of_numbers(const SourceType& t) {
+    if (t.kind == Kind::sequence) return t.parts[0].kind == Kind::number;
+    if (t.kind != Kind::structure) return false;
+    if (t.parts.size() == 1) return is_row_of_numbers(t.parts[0]) || t.parts[0].kind == Kind::number;
+    return std::ranges::all_of(t.parts, [](const SourceType& p) { return p.kind == Kind::number; });
+}
+
 class Parts {
 public:
     std::vector<Part> all;
@@ -109,7 +119,8 @@ private:
         const int count = floats_in(t, size, last_name);
         if (t.kind == Kind::number) return put(at, t.size, false, path, last);
         if (t.kind == Kind::whole) return put(at, t.size, false, path, last, true);
-        if (count == 3 || (count == 4 && !is_radius(last_name))) {
+        const bool in_a_row = is_row_of_numbers(t);
+        if (in_a_row && (count == 3 || (count == 4 && !is_radius(last_name)))) {
             // Three numbers with names of their own are not a vector.
             const bool named = t.kind == Kind::structure && t.parts.size() >= 3 && t.parts[0].kind == Kind::number &&
                                is_one_of(small(t.parts[0].member), {"t", "tmin", "tnear", "near", "dist", "radius"});
@@ -119,7 +130,7 @@ private:
                 return;
             }
         }
-        if (count == 4) {
+        if (in_a_row && count == 4) {
             put(at, size, true, path + "." + t.parts[0].member, "centre");
             return put(at + 3 * size, size, false, path + "." + last_name, "radius");
         }

@@ -206,7 +206,7 @@ std::string no_function(const std::string& ir, const std::string& path, const st
             names.insert(text.empty() ? symbol : qualified(module, text, language));
         }
     }
-    std::string all;
+    std::string all = names.empty() ? "; it defines none" : "";
     std::size_t listed = 0;
     for (const std::string& each : names) {
         if (listed++ < most_listed) all += (all.empty() ? "; it defines " : ", ") + external::shown_text(each);

@@ -139,7 +139,8 @@ TokenPlace PlaceFinder::place_of(std::string_view op, std::string_view extended)
             return found;
         const std::string& line = lines_.lines[static_cast<std::size_t>(found.line) - 1];
         std::size_t at = sign == 0 ? std::string::npos : line.find(sign);
-        if (at == std::string::npos) at = line.find_first_not_of(" \t");
+        // With more than one such operator on the line, no one knows which of them it is.
+        if (at != std::string::npos && line.find(sign, at + 1) != std::string::npos) at = std::string::npos;
         found.column = at == std::string::npos ? 0 : static_cast<int>(at) + 1;
         return found;
     }

@@ -53,8 +53,9 @@ public:
 
     /// Makes the constants once for all runs, for numbers that do not record their operations.
     void make_constants() {
+        constexpr bool is_widest = std::same_as<T, typename Wider<T>::type>;  // then wide constants are T's, too
         for (const WrittenOperation& w : formula_.operations)
-            constants_.push_back(w.op == TapeOp::constant && !w.wide ? constant<T>(w.value) : T(0));
+            constants_.push_back(w.op == TapeOp::constant && (is_widest || !w.wide) ? constant<T>(w.value) : T(0));
     }
 
     /// The answer to one ray. May be called again for the next one.
