@@ -160,6 +160,15 @@ float wide(const float o[3], const float d[3], const float c[3], float r) { retu
     CHECK(t[0][0] == 0.1 * 5.0 + 3.7 * 1.0);
 }
 
+TEST_CASE("functions: rounding in a narrow format is not taken for a broken contract", "[external]") {
+    const Scratch made;
+    const Outcome said = must("map near-benign --size 16x16 -f bf16 -f fp16 -i function.schoolbook -o out --function " +
+                                  folder + "sphere.c:schoolbook",
+                              made.path());
+    CHECK(said.out.find("function.schoolbook          bf16") != std::string::npos);
+    CHECK(said.err.find("wrong on") == std::string::npos);
+}
+
 TEST_CASE("functions: each member of a struct has its own meaning and place", "[external]") {
     const Scratch made;
     const std::string body = R"({
