@@ -60,7 +60,7 @@ evaluate::FormSummary summary_of_pixel(const Claim& claim, const scene::file::Sc
     const evaluate::BandOfRows shared(line, {row}, metrics);
     evaluate::FormSummary of_line(metrics), of_pixel(metrics);
     const auto place = static_cast<std::uint32_t>(x);
-    const evaluate::BandPart part{std::span(&place, 1), &of_pixel};
+    const evaluate::RaySubset part{std::span(&place, 1), &of_pixel};
     evaluate::measure_row({row, metrics}, shared.of(row), of_line, std::span(&part, 1));
     return of_pixel;
 }

@@ -47,7 +47,7 @@ public:
           measured_(columns_of_thread.measured),
           own_ulps_(columns_of_thread.own_ulps) {}
 
-    void measure(FormSummary& summary, std::span<const BandPart> parts) {
+    void measure(FormSummary& summary, std::span<const RaySubset> parts) {
         find_outcomes({*result_.answers, *result_.inputs, *result_.band, row_.convention()}, truth_, tells_t(),
                       {result_.outcomes, measured_}, summary);
         measure_columns();
@@ -57,7 +57,7 @@ public:
         const RowSums sums(request_, result_, truth_, ulps_);
         sums.keep_worst(summary, largest_);
         sums.keep_faults(summary);
-        for (const BandPart& part : parts) sums.add(part);
+        for (const RaySubset& part : parts) sums.add(part);
     }
 
 private:
@@ -285,7 +285,7 @@ private:
 }  // namespace
 
 void measure_row(const RowRequest& request, const RowInputs& on, FormSummary& summary,
-                 std::span<const BandPart> parts) {
+                 std::span<const RaySubset> parts) {
     const TestedForm& row = request.row;
     const answer::Answers asked = request.answers ? answer::Answers{} : answer::evaluate(*row.form, on.inputs);
     const answer::Answers& answers = request.answers ? *request.answers : asked;

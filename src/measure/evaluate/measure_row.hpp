@@ -39,13 +39,13 @@ private:
 };
 
 /// Rays of a band that also get a summary of their own. Their indices ascend.
-struct BandPart {
+struct RaySubset {
     std::span<const std::uint32_t> rays;
     FormSummary* summary;
 };
 
 /// Does the same as `measure_row` of evaluate.hpp, which computes the columns for one row only.
 void measure_row(const RowRequest& request, const RowInputs& on, FormSummary& summary,
-                 std::span<const BandPart> parts = {});
+                 std::span<const RaySubset> parts = {});
 
 }  // namespace lostbits::measure::evaluate

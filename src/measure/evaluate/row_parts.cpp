@@ -100,7 +100,7 @@ void RowSums::keep_faults(FormSummary& summary) const {
     }
 }
 
-void RowSums::add(const BandPart& part) const {
+void RowSums::add(const RaySubset& part) const {
     FormSummary& summary = *part.summary;
     std::optional<std::size_t> farthest;
     double largest = summary.worst.size;

@@ -74,7 +74,7 @@ public:
     /// Keeps the first ray of each wrong decision.
     void keep_faults(FormSummary& summary) const;
     /// Adds some rays to a summary of their own.
-    void add(const BandPart& part) const;
+    void add(const RaySubset& part) const;
 
 private:
     /// Ray i with all its inputs, for a summary.

@@ -227,7 +227,7 @@ private:
             const TestedForm& row = request_.rows[r];
             evaluate::Show show;
             if (show_) show = [&, r](const evaluate::BandResult& result) { show_(r, chunk, result); };
-            std::vector<evaluate::BandPart> parts;
+            std::vector<evaluate::RaySubset> parts;
             for (const auto& [value, rays] : values) parts.push_back({rays, &result_.groups.at(value).summaries[r]});
             evaluate::measure_row({.row = row,
                                    .metrics = request_.metrics,
