@@ -57,7 +57,7 @@ evaluate::FormSummary summary_of_pixel(const Claim& claim, const scene::file::Sc
     const scene::file::Scene made = generator ? with_rays(scene, *generator) : scene;
     culling::Culler culler(made);
     truth::Band line(made, y, y + 1, limit, &culler);
-    const evaluate::BandOfRows shared(line, {row}, metrics);
+    const evaluate::SharedBandTruth shared(line, {row}, metrics);
     evaluate::FormSummary of_line(metrics), of_pixel(metrics);
     const auto place = static_cast<std::uint32_t>(x);
     const evaluate::RaySubset part{std::span(&place, 1), &of_pixel};

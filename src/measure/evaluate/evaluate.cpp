@@ -18,7 +18,8 @@ using metric::Metric;
 using truth::Band;
 using truth::BandNeeds;
 
-BandOfRows::BandOfRows(Band& band, const std::vector<TestedForm>& rows, const std::vector<const Metric*>& metrics)
+SharedBandTruth::SharedBandTruth(Band& band, const std::vector<TestedForm>& rows,
+                                 const std::vector<const Metric*>& metrics)
     : band_(band), columns_(band) {
     const unsigned asked = needs_of(metrics);
     if (asked & metric::needs_condition) band.find_condition();
@@ -174,7 +175,7 @@ std::optional<Joined> join(const std::vector<scene::rays::RayGroup>& groups) {
 /// Measures rows on one band, into the summaries with the same indices.
 void measure_band(Band& band, int group, const std::vector<TestedForm>& rows, const std::vector<const Metric*>& metrics,
                   const std::vector<FormSummary*>& summaries) {
-    const BandOfRows shared(band, rows, metrics);
+    const SharedBandTruth shared(band, rows, metrics);
     for (std::size_t r = 0; r < rows.size(); ++r)
         measure_row({rows[r], metrics, {}, group}, shared.of(rows[r]), *summaries[r]);
 }
@@ -244,7 +245,7 @@ void map_rows(const scene::file::Scene& scene, const RowsOfGenerator& some, cons
               const std::vector<Show>& shows, std::vector<FormSummary>& summaries) {
     Bands(scene, request.share).each(request.limit, [&](Band& band) {
         if (request.stages) *request.stages += band.stages();
-        const BandOfRows shared(band, some.rows, request.metrics);
+        const SharedBandTruth shared(band, some.rows, request.metrics);
         intersect::process::in_parallel(std::size_t{0}, some.rows.size(), [&](std::size_t k) {
             const TestedForm& row = some.rows[k];
             const std::size_t r = some.places[k];

@@ -24,11 +24,11 @@ struct RowInputs {
 
 /// Truth of a band that several rows share: the inputs in each of their formats, and the true answers in each unit and
 /// by each convention that they use. The band must outlive this object.
-class BandOfRows {
+class SharedBandTruth {
 public:
     /// Also computes κ of the band's hits if a metric needs it.
-    BandOfRows(truth::Band& band, const std::vector<TestedForm>& rows,
-               const std::vector<const metric::Metric*>& metrics);
+    SharedBandTruth(truth::Band& band, const std::vector<TestedForm>& rows,
+                    const std::vector<const metric::Metric*>& metrics);
 
     [[nodiscard]] RowInputs of(const TestedForm& row) const { return {band_, inputs_.at(row.format.name), columns_}; }
 

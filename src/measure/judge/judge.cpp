@@ -41,7 +41,7 @@ struct Piece {
     Chunk chunk = {};
     std::unique_ptr<culling::Culler> culler = {};  ///< for a mesh
     std::unique_ptr<Band> band = {};
-    std::optional<evaluate::BandOfRows> shared = {};
+    std::optional<evaluate::SharedBandTruth> shared = {};
     answer::Answers answers = {};
 };
 

@@ -109,7 +109,7 @@ public:
 
 private:
     const TestedForm& row_;
-    evaluate::BandOfRows shared_;
+    evaluate::SharedBandTruth shared_;
 };
 
 Judge::Judge(const MendRequest& request, const Scene* scene) : request_(request), scene_(scene) {

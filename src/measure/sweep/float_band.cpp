@@ -44,7 +44,7 @@ private:
     scene::rays::RayGroup group_;
     std::optional<culling::Culler> culler_;
     truth::Band band_;
-    evaluate::BandOfRows shared_;
+    evaluate::SharedBandTruth shared_;
 };
 
 }  // namespace

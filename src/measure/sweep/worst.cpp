@@ -264,7 +264,7 @@ private:
         rays.set_as_list();
         evaluations_ += places.size();
         truth::Band band(std::move(rays), {places.front().primitive(file_.shape)}, request_.limit);
-        const evaluate::BandOfRows shared(band, {row_}, request_.metrics);
+        const evaluate::SharedBandTruth shared(band, {row_}, request_.metrics);
         evaluate::FormSummary summary(request_.metrics);
         Judge judge(metric_, row_.form->info->direction, file_);
         evaluate::measure_row({row_, request_.metrics, [&judge](const auto& result) { judge.look_at(result); }},
