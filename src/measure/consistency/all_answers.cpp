@@ -73,7 +73,7 @@ std::vector<std::uint8_t> meets_before_end(const FormKernels& asked, const RayBl
     return meets;
 }
 
-std::vector<std::uint8_t> meets_before_end(const RowOnBand& on, const RayBlock& all) {
+std::vector<std::uint8_t> meets_before_end(const FormOnBand& on, const RayBlock& all) {
     std::vector<std::uint8_t> meets(all.size());
     on.by_primitive(all, [&](const Primitive<double>& primitive, const RayBlock& rays, const auto& places) {
         const std::vector<std::uint8_t> one = meets_before_end(on.form, rays, primitive);
@@ -82,7 +82,7 @@ std::vector<std::uint8_t> meets_before_end(const RowOnBand& on, const RayBlock& 
     return meets;
 }
 
-void check_packs(const RowOnBand& on, PixelCheckResults& out) {
+void check_packs(const FormOnBand& on, PixelCheckResults& out) {
     const intersect::Info& info = *on.row.form->info;
     std::vector<FormKernels> widths;
     const bool software = on.row.format.engine == Format::Engine::rounded;  // software formats have no registers

@@ -21,7 +21,7 @@ std::shared_ptr<const culling::PrimitiveIndex> tree_of(const truth::Band& band, 
 
 }  // namespace
 
-RowOnBand::RowOnBand(const Scene& of, const evaluate::TestedForm& asked, const truth::Band& on)
+FormOnBand::FormOnBand(const Scene& of, const evaluate::TestedForm& asked, const truth::Band& on)
     : scene(of),
       row(asked),
       band(on),
@@ -30,7 +30,7 @@ RowOnBand::RowOnBand(const Scene& of, const evaluate::TestedForm& asked, const t
       closest(answer::evaluate(*asked.form, inputs)),
       tree_(tree_of(on, asked.format.parameters, inputs.primitives)) {}
 
-scene::rays::RayGroup RowOnBand::shown(const Ray<double>& ray, double tmax) const {
+scene::rays::RayGroup FormOnBand::shown(const Ray<double>& ray, double tmax) const {
     scene::rays::RayGroup group = scene::rays::group_of(ray);
     const bool few = inputs.primitives.size() <= truth::Band::most_given;
     std::vector<Primitive<double>> primitives;
@@ -41,7 +41,7 @@ scene::rays::RayGroup RowOnBand::shown(const Ray<double>& ray, double tmax) cons
     return group;
 }
 
-RowOnBand::NearRay RowOnBand::near(std::span<const Ray<double>> rays) const {
+FormOnBand::NearRay FormOnBand::near(std::span<const Ray<double>> rays) const {
     NearRay near;
     if (tree_) {
         std::vector<std::uint32_t> found;
@@ -59,7 +59,7 @@ RowOnBand::NearRay RowOnBand::near(std::span<const Ray<double>> rays) const {
     return near;
 }
 
-RowOnBand::RaysOfPrimitives::RaysOfPrimitives(const RowOnBand& on, const scene::rays::RayBlock& all)
+FormOnBand::RaysOfPrimitives::RaysOfPrimitives(const FormOnBand& on, const scene::rays::RayBlock& all)
     : on_(on), all_(all) {
     if (!on.tree_) {
         places_.resize(all.size());
@@ -81,7 +81,7 @@ RowOnBand::RaysOfPrimitives::RaysOfPrimitives(const RowOnBand& on, const scene::
     }
 }
 
-scene::rays::RayBlock RowOnBand::RaysOfPrimitives::some(std::span<const std::size_t> places) const {
+scene::rays::RayBlock FormOnBand::RaysOfPrimitives::some(std::span<const std::size_t> places) const {
     scene::rays::RayBlock rays;
     for (const std::size_t i : places) {
         rays.push(all_[i]);

@@ -114,8 +114,8 @@ AllAnswers answers_of(const FormKernels& asked, const scene::rays::RayBlock& ray
 bool tells_t(const intersect::Info& info);
 
 /// A form in a format over the pixels of a band: the input of every check.
-struct RowOnBand {
-    RowOnBand(const scene::file::Scene& of, const evaluate::TestedForm& asked, const truth::Band& on);
+struct FormOnBand {
+    FormOnBand(const scene::file::Scene& of, const evaluate::TestedForm& asked, const truth::Band& on);
 
     const scene::file::Scene& scene;
     const evaluate::TestedForm& row;
@@ -151,7 +151,7 @@ private:
     /// The rays that each primitive may be met by.
     class RaysOfPrimitives {
     public:
-        RaysOfPrimitives(const RowOnBand& on, const scene::rays::RayBlock& all);
+        RaysOfPrimitives(const FormOnBand& on, const scene::rays::RayBlock& all);
         [[nodiscard]] std::size_t size() const { return on_.tree_ ? runs_.size() : on_.inputs.primitives.size(); }
         template <class Act>
         void call(std::size_t k, const Act& act) const {
@@ -164,7 +164,7 @@ private:
     private:
         [[nodiscard]] scene::rays::RayBlock some(std::span<const std::size_t> places) const;
 
-        const RowOnBand& on_;
+        const FormOnBand& on_;
         const scene::rays::RayBlock& all_;
         std::vector<std::size_t> places_;                        ///< of rays; without a tree those of all
         std::vector<std::uint32_t> primitives_;                  ///< for each of them
@@ -180,7 +180,7 @@ private:
 /// does not count: the form itself has rejected it.
 std::vector<std::uint8_t> meets_before_end(const FormKernels& asked, const scene::rays::RayBlock& rays,
                                            const Primitive<double>& primitive);
-std::vector<std::uint8_t> meets_before_end(const RowOnBand& on, const scene::rays::RayBlock& rays);
+std::vector<std::uint8_t> meets_before_end(const FormOnBand& on, const scene::rays::RayBlock& rays);
 
 struct Check {
     std::string_view name;    ///< `reverse`
@@ -189,7 +189,7 @@ struct Check {
     std::string_view second;  ///< the other question
     /// True if the check applies to a form on a scene.
     bool (*applies)(const scene::file::Scene&, const intersect::table::Intersector&);
-    void (*measure)(const RowOnBand&, PixelCheckResults&);
+    void (*measure)(const FormOnBand&, PixelCheckResults&);
     bool numbers = false;  ///< compares numbers, and fills `apart` and `excess`
 };
 
@@ -198,14 +198,14 @@ std::span<const Check> checks();
 std::vector<const Check*> all_checks();
 
 // Functions of the table.
-void check_beyond(const RowOnBand& on, PixelCheckResults& out);
-void check_end(const RowOnBand& on, PixelCheckResults& out);
-void check_before(const RowOnBand& on, PixelCheckResults& out);
-void check_segment(const RowOnBand& on, PixelCheckResults& out);
-void check_short(const RowOnBand& on, PixelCheckResults& out);
-void check_light(const RowOnBand& on, PixelCheckResults& out);
-void check_packs(const RowOnBand& on, PixelCheckResults& out);
-void check_reverse(const RowOnBand& on, PixelCheckResults& out);
-void check_placed(const RowOnBand& on, PixelCheckResults& out);
+void check_beyond(const FormOnBand& on, PixelCheckResults& out);
+void check_end(const FormOnBand& on, PixelCheckResults& out);
+void check_before(const FormOnBand& on, PixelCheckResults& out);
+void check_segment(const FormOnBand& on, PixelCheckResults& out);
+void check_short(const FormOnBand& on, PixelCheckResults& out);
+void check_light(const FormOnBand& on, PixelCheckResults& out);
+void check_packs(const FormOnBand& on, PixelCheckResults& out);
+void check_reverse(const FormOnBand& on, PixelCheckResults& out);
+void check_placed(const FormOnBand& on, PixelCheckResults& out);
 
 }  // namespace lostbits::measure::consistency

@@ -75,12 +75,12 @@ struct BallOnRay {
 
 /// The primitive at the pixel. If there is none, the one ahead that the ray passes nearest to; of a large mesh, only if
 /// it comes near its box.
-std::optional<std::size_t> primitive_of(const RowOnBand& on, std::size_t i) {
+std::optional<std::size_t> primitive_of(const FormOnBand& on, std::size_t i) {
     const Truth truth = on.band.truth(i, on.row.convention());
     if (truth.is_hit()) return static_cast<std::size_t>(truth.object);
     std::optional<std::size_t> nearest;
     double least = HUGE_VAL;
-    const RowOnBand::NearRay near = on.near(on.inputs.rays[i]);
+    const FormOnBand::NearRay near = on.near(on.inputs.rays[i]);
     for (std::size_t k = 0; k < near.indices.size(); ++k) {
         const BallOnRay around(on.inputs.rays[i], near.primitives[k]);
         if (around.is_ahead() && around.aside < least) least = around.aside, nearest = near.indices[k];
@@ -89,7 +89,7 @@ std::optional<std::size_t> primitive_of(const RowOnBand& on, std::size_t i) {
 }
 
 /// The segment of a pixel; q is its end, rounded to the format. Nothing if there is no primitive.
-std::optional<EitherEnd> segment_of(const RowOnBand& on, std::size_t i) {
+std::optional<EitherEnd> segment_of(const FormOnBand& on, std::size_t i) {
     const auto k = primitive_of(on, i);
     if (!k) return std::nullopt;
     const Ray<double> ray = on.inputs.rays[i];
@@ -119,12 +119,12 @@ struct FromOneEnd {
     truth::Band band;
     AllAnswers answers;
 
-    FromOneEnd(const RowOnBand& on, const RayBlock& rays, const std::vector<Primitive<double>>& primitives)
+    FromOneEnd(const FormOnBand& on, const RayBlock& rays, const std::vector<Primitive<double>>& primitives)
         : band(scene::rays::RayGroup{.rays = rays, .primitives = primitives, .paired = true}),
           answers(answers_of(on.form, on.is_unit() ? as_unit(rays, on.format()) : rays, primitives)) {}
 };
 
-CheckResult check_result_of_numbers(const RowOnBand& on, const EitherEnd& ends, const ChordAnswer& told, double& apart,
+CheckResult check_result_of_numbers(const FormOnBand& on, const EitherEnd& ends, const ChordAnswer& told, double& apart,
                                     double& excess) {
     const double size = on.is_unit() ? length(ends.forth.direction) : 1;
     const double ulp = std::ldexp(1.0, static_cast<int>(ulp_exponent(on.format(), std::ilogb(size))));
@@ -148,7 +148,7 @@ std::optional<ChordError> chord_error(const EitherEnd& ends, const ChordAnswer& 
     return truth::by_rising_precision([&]<class E>() { return error_of<E>(ends, told, distances, ulp); });
 }
 
-void check_reverse(const RowOnBand& on, PixelCheckResults& out) {
+void check_reverse(const FormOnBand& on, PixelCheckResults& out) {
     out.apart.assign(on.pixels(), truth::missing);
     out.excess.assign(on.pixels(), truth::missing);
     std::vector<std::size_t> pixels;

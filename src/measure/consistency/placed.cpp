@@ -86,7 +86,7 @@ const Intersector& form_for(const Intersector& form) {
 }
 
 /// The primitives changed to the other way where possible, and unchanged elsewhere. Empty if none can be changed.
-std::vector<Primitive<double>> in_other_place(const RowOnBand& on, const std::vector<Primitive<double>>& primitives) {
+std::vector<Primitive<double>> in_other_place(const FormOnBand& on, const std::vector<Primitive<double>>& primitives) {
     bool any = false;
     std::vector<Primitive<double>> others;
     for (const Primitive<double>& primitive : primitives) {
@@ -103,7 +103,7 @@ struct BandAmong {
     std::unique_ptr<culling::Culler> culler = {};
     std::unique_ptr<truth::Band> band;
 
-    BandAmong(const RowOnBand& on, const std::vector<Primitive<double>>& primitives) {
+    BandAmong(const FormOnBand& on, const std::vector<Primitive<double>>& primitives) {
         if (primitives.size() > offset::most_primitives)
             culler = std::make_unique<culling::Culler>(scene::rays::PrimitiveList<double>(primitives), on.inputs.rays);
         scene::rays::RayGroup group{.rays = on.inputs.rays, .primitives = primitives};
@@ -112,7 +112,7 @@ struct BandAmong {
 };
 
 /// All primitives, or those of a large mesh that a ray of the band may meet.
-std::vector<Primitive<double>> primitives_of(const RowOnBand& on) {
+std::vector<Primitive<double>> primitives_of(const FormOnBand& on) {
     std::vector<Ray<double>> rays;
     for (std::size_t i = 0; i < on.pixels(); ++i) rays.push_back(on.inputs.rays[i]);
     return on.near(rays).primitives;
@@ -120,7 +120,7 @@ std::vector<Primitive<double>> primitives_of(const RowOnBand& on) {
 
 }  // namespace
 
-void check_placed(const RowOnBand& on, PixelCheckResults& out) {
+void check_placed(const FormOnBand& on, PixelCheckResults& out) {
     out.apart.assign(on.pixels(), truth::missing);
     out.excess.assign(on.pixels(), truth::missing);
     const std::vector<Primitive<double>> primitives = primitives_of(on), others = in_other_place(on, primitives);

@@ -45,7 +45,7 @@ Truth::Decision truly_meets_alike(const Ray<double>& ray, double end, std::span<
 
 /// The point seen at a pixel: o + t*·d of its own ray, each coordinate rounded to the format. Nothing if the ray truly
 /// misses.
-std::optional<Vec<double>> seen_point(const RowOnBand& on, std::size_t i) {
+std::optional<Vec<double>> seen_point(const FormOnBand& on, std::size_t i) {
     const Truth truth = on.band.truth(i, on.row.convention());
     if (!truth.is_hit()) return std::nullopt;
     const double t = std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent));
@@ -59,7 +59,7 @@ bool is_ray(const SegmentInTwoWays& s) {
     return truth::is_proper(s.by_difference) && truth::is_proper(s.by_unit) && std::isfinite(s.unit_end);
 }
 
-CheckResult check_result_of_segment(const RowOnBand& on, const SegmentInTwoWays& s, bool first, bool second) {
+CheckResult check_result_of_segment(const FormOnBand& on, const SegmentInTwoWays& s, bool first, bool second) {
     if (first == second) return CheckResult::agree;
     const intersect::Convention convention = on.row.convention();
     const auto one =
@@ -71,7 +71,7 @@ CheckResult check_result_of_segment(const RowOnBand& on, const SegmentInTwoWays&
 
 /// Compares the segments of all pixels; the segment of pixel i starts at `from(i)`.
 template <class From>
-void compare_segments(const RowOnBand& on, const From& from, EndOfSegment end, PixelCheckResults& out) {
+void compare_segments(const FormOnBand& on, const From& from, EndOfSegment end, PixelCheckResults& out) {
     std::vector<std::size_t> pixels;
     std::vector<SegmentInTwoWays> segments;
     RayBlock first, second;
@@ -99,7 +99,7 @@ void compare_segments(const RowOnBand& on, const From& from, EndOfSegment end, P
 /// Compares a map's hit at a pixel with a shadow test whose end is computed from its t. `expected`: the right answer of
 /// the test.
 template <class End>
-void compare_with_ends(const RowOnBand& on, const End& end, bool expected, PixelCheckResults& out) {
+void compare_with_ends(const FormOnBand& on, const End& end, bool expected, PixelCheckResults& out) {
     scene::rays::RayBlock rays = on.rays();
     rays.tmax.assign(rays.size(), HUGE_VAL);
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -146,34 +146,34 @@ SegmentInTwoWays write_segment(const Vec<double>& p, const Vec<double>& q, const
     });
 }
 
-void check_segment(const RowOnBand& on, PixelCheckResults& out) {
+void check_segment(const FormOnBand& on, PixelCheckResults& out) {
     compare_segments(
         on, [&](std::size_t i) { return on.inputs.rays[i].origin; }, EndOfSegment::whole, out);
 }
 
-void check_short(const RowOnBand& on, PixelCheckResults& out) {
+void check_short(const FormOnBand& on, PixelCheckResults& out) {
     compare_segments(
         on, [&](std::size_t i) { return on.inputs.rays[i].origin; }, EndOfSegment::shortened, out);
 }
 
-void check_light(const RowOnBand& on, PixelCheckResults& out) {
+void check_light(const FormOnBand& on, PixelCheckResults& out) {
     const Vec<double> light = picture::input_appearance(on.scene, on.format()).light;
     compare_segments(
         on, [&](std::size_t) { return light; }, EndOfSegment::shortened, out);
 }
 
-void check_beyond(const RowOnBand& on, PixelCheckResults& out) {
+void check_beyond(const FormOnBand& on, PixelCheckResults& out) {
     // No end lies after an infinite t or a NaN, so any hit is right.
     compare_with_ends(
         on, [&](double t) { return std::isfinite(t) ? rounding::next_up(t, on.format()) : HUGE_VAL; }, true, out);
 }
 
-void check_end(const RowOnBand& on, PixelCheckResults& out) {
+void check_end(const FormOnBand& on, PixelCheckResults& out) {
     compare_with_ends(
         on, [](double t) { return std::isfinite(t) ? t : truth::missing; }, false, out);
 }
 
-void check_before(const RowOnBand& on, PixelCheckResults& out) {
+void check_before(const FormOnBand& on, PixelCheckResults& out) {
     // A ray cannot end before t = 0.
     compare_with_ends(
         on, [&](double t) { return std::isfinite(t) && t > 0 ? -rounding::next_up(-t, on.format()) : truth::missing; },
