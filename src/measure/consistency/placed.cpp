@@ -99,11 +99,11 @@ std::vector<Primitive<double>> in_other_place(const FormOnBand& on, const std::v
 }
 
 /// The rays of the band among other primitives, and the index of these.
-struct BandAmong {
+struct BandAmongPrimitives {
     std::unique_ptr<culling::Culler> culler = {};
     std::unique_ptr<truth::Band> band;
 
-    BandAmong(const FormOnBand& on, const std::vector<Primitive<double>>& primitives) {
+    BandAmongPrimitives(const FormOnBand& on, const std::vector<Primitive<double>>& primitives) {
         if (primitives.size() > offset::most_primitives)
             culler = std::make_unique<culling::Culler>(scene::rays::PrimitiveList<double>(primitives), on.inputs.rays);
         scene::rays::RayGroup group{.rays = on.inputs.rays, .primitives = primitives};
@@ -125,7 +125,7 @@ void check_placed(const FormOnBand& on, PixelCheckResults& out) {
     out.excess.assign(on.pixels(), truth::missing);
     const std::vector<Primitive<double>> primitives = primitives_of(on), others = in_other_place(on, primitives);
     if (others.empty()) return;
-    const BandAmong as_given(on, primitives), in_other(on, others);
+    const BandAmongPrimitives as_given(on, primitives), in_other(on, others);
     const truth::Band &here = *as_given.band, &there = *in_other.band;
     const Intersector& form = form_for(*on.row.form);
     const bool unit = form.info->direction == intersect::Direction::unit;
