@@ -20,9 +20,9 @@ using truth::Truth;
 namespace {
 
 /// Measures one row on one band.
-class RowBand {
+class OffsetMeasurement {
 public:
-    RowBand(const OffsetStudy& study, const OffsetRow& row, const Band& band)
+    OffsetMeasurement(const OffsetStudy& study, const OffsetRow& row, const Band& band)
         : study_(study),
           row_(row),
           inputs_(band.inputs_for(row.row.format, *row.row.form->info)),
@@ -193,7 +193,7 @@ OffsetSummary OffsetStudy::begin(std::size_t) const {
 }
 
 OffsetBand OffsetStudy::measure(const truth::Band& band, std::size_t row, OffsetSummary& summary) const {
-    RowBand found(*this, rows[row], band);
+    OffsetMeasurement found(*this, rows[row], band);
     found.measure();
     found.add_to(summary);
     return found.take();
