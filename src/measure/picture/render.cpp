@@ -72,7 +72,7 @@ Shadow compare(TrueShadow truth, std::uint8_t blocked) {
 /// Renders one form in one format on one band.
 class RowRenderer {
 public:
-    RowRenderer(const RenderStudy& study, const TestedForm& row, const BandToRender& on)
+    RowRenderer(const RenderStudy& study, const TestedForm& row, const SharedRenderInputs& on)
         : study_(study),
           row_(row),
           band_(on.band),
@@ -264,11 +264,11 @@ RenderStudy::Summary RenderStudy::begin(std::size_t) const {
     return summary;
 }
 
-BandToRender RenderStudy::prepare(const truth::Band& band) const {
+SharedRenderInputs RenderStudy::prepare(const truth::Band& band) const {
     std::map<std::string, truth::BandNeeds> needs;
     for (const TestedForm& row : rows)
         needs[row.format.name].unit_rays |= row.form->info->direction == intersect::Direction::unit;
-    BandToRender on{band, find_true_picture(scene, band, stages, limit), {}, input_appearance(scene, binary64)};
+    SharedRenderInputs on{band, find_true_picture(scene, band, stages, limit), {}, input_appearance(scene, binary64)};
     for (const auto& [name, need] : needs) {
         const Format format = *find_format(name);
         on.inputs.emplace(
@@ -278,7 +278,7 @@ BandToRender RenderStudy::prepare(const truth::Band& band) const {
     return on;
 }
 
-RenderBand RenderStudy::measure(const BandToRender& on, std::size_t row, Summary& summary) const {
+RenderBand RenderStudy::measure(const SharedRenderInputs& on, std::size_t row, Summary& summary) const {
     RenderBand found = RowRenderer(*this, rows[row], on).render();
     for (std::size_t s = 0; s < stages.size(); ++s) add_to_summary(found, s, on.look, summary[s]);
     return found;

@@ -124,7 +124,7 @@ struct FormatOnBand {
 };
 
 /// Everything that the rows of a band share.
-struct BandToRender {
+struct SharedRenderInputs {
     const truth::Band& band;
     std::vector<TruePixel> truth;
     std::map<std::string, FormatOnBand> inputs;  ///< by the name of the format
@@ -146,8 +146,8 @@ struct RenderStudy {
 
     void require() const {}
     [[nodiscard]] Summary begin(std::size_t row) const;
-    [[nodiscard]] BandToRender prepare(const truth::Band& band) const;
-    RenderBand measure(const BandToRender& on, std::size_t row, Summary& summary) const;
+    [[nodiscard]] SharedRenderInputs prepare(const truth::Band& band) const;
+    RenderBand measure(const SharedRenderInputs& on, std::size_t row, Summary& summary) const;
 };
 
 }  // namespace lostbits::measure::picture
