@@ -236,7 +236,7 @@ private:
     const RenderStudy& study_;
     const TestedForm& row_;
     const Band& band_;
-    const FormatOnBand& in_;
+    const FormatRenderInputs& in_;
     std::span<const TruePixel> truth_;
     const scene::file::Appearance& appearance_;
     std::size_t n_;
@@ -272,8 +272,8 @@ SharedRenderInputs RenderStudy::prepare(const truth::Band& band) const {
     for (const auto& [name, need] : needs) {
         const Format format = *find_format(name);
         on.inputs.emplace(
-            name, FormatOnBand{band.inputs(format, need), input_appearance(scene, format.parameters),
-                               input_pixel_points(scene, band.y0(), band.y0() + band.rows(), format.parameters)});
+            name, FormatRenderInputs{band.inputs(format, need), input_appearance(scene, format.parameters),
+                                     input_pixel_points(scene, band.y0(), band.y0() + band.rows(), format.parameters)});
     }
     return on;
 }

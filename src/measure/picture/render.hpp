@@ -117,7 +117,7 @@ using RenderColumn = metric::MeasuredColumn<const RenderSummary&>;
 std::span<const RenderColumn> render_columns();
 
 /// Inputs of one format on a band.
-struct FormatOnBand {
+struct FormatRenderInputs {
     truth::FormatInputs geometry;
     StoredAppearance<double> look;
     std::vector<Vec<double>> points;  ///< of the pixels at z = 0; empty under other cameras
@@ -127,8 +127,8 @@ struct FormatOnBand {
 struct SharedRenderInputs {
     const truth::Band& band;
     std::vector<TruePixel> truth;
-    std::map<std::string, FormatOnBand> inputs;  ///< by the name of the format
-    StoredAppearance<double> look;               ///< as binary64 is given it
+    std::map<std::string, FormatRenderInputs> inputs;  ///< by the name of the format
+    StoredAppearance<double> look;                     ///< as binary64 is given it
 };
 
 /// A study, see measure/study/study.hpp. The summary of a row has one element for each stage.
