@@ -70,8 +70,8 @@ Table<TimeRow> time_table() {
     return table;
 }
 
-Table<StandingRow> standing_table() {
-    using R = StandingRow;
+Table<ParetoRow> pareto_table() {
+    using R = ParetoRow;
     const auto fraction = [](Outcome o, const auto& whole) {
         return [o, whole](const R& r) {
             return number_or_missing(measure::truth::fraction(r.accuracy->count(o), std::invoke(whole, *r.accuracy)));
@@ -296,9 +296,8 @@ TradeFiles::TradeFiles(const TradeRequest& request, const std::filesystem::path&
       times_(folder, "trade.csv",
              "One row per form, format, register width, working set and hit rate; times vary from run to run",
              time_table()),
-      standings_(folder, "pareto.csv",
-                 "One row per set of rays, form, format and register width; times vary from run to run",
-                 standing_table()) {}
+      pareto_(folder, "pareto.csv",
+              "One row per set of rays, form, format and register width; times vary from run to run", pareto_table()) {}
 
 void TradeFiles::write_times(const TradeResult& result) {
     for (std::size_t k = 0; k < request_.kernels.size(); ++k) {
@@ -308,16 +307,16 @@ void TradeFiles::write_times(const TradeResult& result) {
     }
 }
 
-void TradeFiles::write_standings(const TradeResult& result) {
+void TradeFiles::write_pareto(const TradeResult& result) {
     const auto sets = measure::speed::trade_sets(request_);
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto all = pareto_points_of(request_, result, s);
         const auto beaten = measure::speed::dominated(all);
         for (std::size_t k = 0; k < all.size(); ++k) {
             const measure::evaluate::FormSummary& accuracy = result.accuracy(s, k);
-            standings_.add({sets[s].name, name_of(request_.kernels[k]), all[k], &accuracy,
-                            &metric_of(request_, accuracy, "lost_bits"), &metric_of(request_, accuracy, "excess_bits"),
-                            static_cast<bool>(beaten[k])});
+            pareto_.add({sets[s].name, name_of(request_.kernels[k]), all[k], &accuracy,
+                         &metric_of(request_, accuracy, "lost_bits"), &metric_of(request_, accuracy, "excess_bits"),
+                         static_cast<bool>(beaten[k])});
         }
         image::save_figure(folder_ / fmt::format("{}.png", sets[s].name),
                            plot::scatter_plot(trade_plot(request_, result, s)));
@@ -326,13 +325,13 @@ void TradeFiles::write_standings(const TradeResult& result) {
 
 void TradeFiles::finish(const TradeResult& result) {
     write_times(result);
-    write_standings(result);
+    write_pareto(result);
     file::write_file(folder_ / "trade.txt", trade_in_words(request_, result));
     table::close_tables(folder_,
                         request_.scene ? fmt::format("Speed against accuracy on {}", request_.scene->id)
                                        : fmt::format("Speed against accuracy of the {} forms",
                                                      shape_names[static_cast<std::size_t>(request_.shape)]),
-                        times_, standings_);
+                        times_, pareto_);
 }
 
 }  // namespace lostbits::output::speed

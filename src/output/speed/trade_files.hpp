@@ -52,7 +52,7 @@ struct TimeRow {
     const OperationCounts* operations;
 };
 /// A kernel on one of the sets of rays.
-struct StandingRow {
+struct ParetoRow {
     std::string_view set;
     KernelName name;
     measure::speed::ParetoPoint quality;
@@ -69,12 +69,12 @@ public:
 
 private:
     void write_times(const measure::speed::TradeResult& result);
-    void write_standings(const measure::speed::TradeResult& result);
+    void write_pareto(const measure::speed::TradeResult& result);
 
     const measure::speed::TradeRequest& request_;
     std::filesystem::path folder_;
     table::TableFile<TimeRow> times_;
-    table::TableFile<StandingRow> standings_;
+    table::TableFile<ParetoRow> pareto_;
 };
 
 /// Accuracy of every kernel on a set of rays, with its time under the standing load.
