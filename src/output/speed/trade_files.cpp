@@ -237,8 +237,8 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
 namespace {
 
 /// The kernels on a set of rays, the fastest register width of each form and format, by time.
-std::string standings_text(const TradeRequest& request, const TradeResult& result,
-                           const std::vector<measure::speed::ParetoPoint>& all) {
+std::string ranking_text(const TradeRequest& request, const TradeResult& result,
+                         const std::vector<measure::speed::ParetoPoint>& all) {
     const auto dominated = measure::speed::dominated(all);
     const auto timing = [&](std::size_t k) {
         return result.times[k][measure::speed::standing_load(request.loads)].timing;
@@ -285,7 +285,7 @@ std::string trade_in_words(const TradeRequest& request, const TradeResult& resul
         const auto all = pareto_points_of(request, result, s);
         text += fmt::format("{}: {}, {}\n", sets[s].name, sets[s].title,
                             scene::toml::counted(result.accuracy(s, 0).rays, "ray"));
-        text += standings_text(request, result, all) + cheapest_text(request, all) + "\n";
+        text += ranking_text(request, result, all) + cheapest_text(request, all) + "\n";
     }
     return text + timed_in_words(request, result);
 }
