@@ -71,7 +71,7 @@ image::Canvas front_plot(const ChoiceResult& chosen);
 
 /// A row of choose.csv: a candidate, or the answers of the files.
 struct CandidateRow {
-    speed::KernelName name;
+    speed::KernelKey name;
     const measure::speed::Timing* time;  ///< null: unknown
     const measure::choice::RowQuality* quality;
     bool meets, chosen;

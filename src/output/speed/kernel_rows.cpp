@@ -9,11 +9,11 @@ namespace lostbits::output::speed {
 
 using measure::speed::Timing;
 
-table::Table<KernelName> kernel_columns(const std::string& form) {
-    return {{"form", "string", "", form, &KernelName::form},
-            {"format", "string", "", "format of the computation", &KernelName::format},
+table::Table<KernelKey> kernel_columns(const std::string& form) {
+    return {{"form", "string", "", form, &KernelKey::form},
+            {"format", "string", "", "format of the computation", &KernelKey::format},
             {"isa", "string", "", "bits of the registers that hold rays side by side; scalar: one ray at a time",
-             &KernelName::isa}};
+             &KernelKey::isa}};
 }
 
 table::Table<Timing> time_columns(const std::string& median, const std::string& quartiles_of) {

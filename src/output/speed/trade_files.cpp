@@ -127,7 +127,7 @@ std::string timed_in_words(const TradeRequest& request, const TradeResult& resul
         scene::toml::counted(timed.rays, "ray"), timed.primitives);
 }
 
-KernelName name_of(const TradeKernel& kernel) {
+KernelKey name_of(const TradeKernel& kernel) {
     return {kernel.measured.form->info->name, kernel.measured.format.name, kernel.isa};
 }
 

@@ -17,11 +17,11 @@
 namespace lostbits::output::speed {
 
 /// Name of a kernel in tables.
-struct KernelName {
+struct KernelKey {
     std::string_view form, format, isa;
 };
 /// The columns form, format and isa. `form` is the meaning of the first.
-table::Table<KernelName> kernel_columns(const std::string& form);
+table::Table<KernelKey> kernel_columns(const std::string& form);
 
 /// The columns time_ns, time_ns_q1 and time_ns_q3.
 table::Table<measure::speed::Timing> time_columns(const std::string& median, const std::string& quartiles_of = "");
@@ -45,7 +45,7 @@ std::size_t colour_of(const Format& format);
 
 /// A kernel with one of the loads.
 struct TimeRow {
-    KernelName name;
+    KernelKey name;
     const measure::speed::TradeLoad* load;
     const measure::speed::TradeResult::Timed* timed;
     int repetitions;
@@ -54,7 +54,7 @@ struct TimeRow {
 /// A kernel on one of the sets of rays.
 struct ParetoRow {
     std::string_view set;
-    KernelName name;
+    KernelKey name;
     measure::speed::ParetoPoint quality;
     const measure::evaluate::FormSummary* accuracy;
     const measure::metric::Distribution *lost, *excess;
