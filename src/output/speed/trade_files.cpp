@@ -152,20 +152,20 @@ std::vector<measure::speed::ParetoPoint> pareto_points_of(const TradeRequest& re
 namespace {
 
 /// Marker of a kernel.
-struct KernelMark {
+struct KernelMarker {
     std::string_view isa;
     int marker;
     const char* label;
 };
-constexpr KernelMark kernel_marks[] = {
+constexpr KernelMarker kernel_markers[] = {
     {"scalar", 0, "one ray at a time"}, {"128", 1, "128-bit registers"}, {"256", 2, "256-bit"}, {"512", 3, "512-bit"}};
 
-bool is_marked_so(const TradeKernel& kernel, const KernelMark& mark) { return kernel.isa == mark.isa; }
+bool has_marker(const TradeKernel& kernel, const KernelMarker& mark) { return kernel.isa == mark.isa; }
 
 int marker_of(const TradeKernel& kernel) {
     const auto found =
-        std::ranges::find_if(kernel_marks, [&kernel](const KernelMark& mark) { return is_marked_so(kernel, mark); });
-    return found == std::end(kernel_marks) ? 0 : found->marker;
+        std::ranges::find_if(kernel_markers, [&kernel](const KernelMarker& mark) { return has_marker(kernel, mark); });
+    return found == std::end(kernel_markers) ? 0 : found->marker;
 }
 
 std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
@@ -175,8 +175,8 @@ std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
         if (std::ranges::any_of(request.kernels, in))
             keys.push_back({name, 0, colour_of(std::ranges::find_if(request.kernels, in)->measured.format)});
     }
-    for (const KernelMark& mark : kernel_marks) {
-        if (std::ranges::any_of(request.kernels, [&mark](const TradeKernel& k) { return is_marked_so(k, mark); }))
+    for (const KernelMarker& mark : kernel_markers) {
+        if (std::ranges::any_of(request.kernels, [&mark](const TradeKernel& k) { return has_marker(k, mark); }))
             keys.push_back({mark.label, mark.marker, plot::ink_colour});
     }
     keys.push_back({"decides some rays wrongly", 0, plot::ink_colour, false, true});
