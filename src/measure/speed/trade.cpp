@@ -152,7 +152,7 @@ std::vector<TradeLoad> trade_loads(const CacheSizes& caches) {
 
 std::vector<TradeLoad> scene_load() { return {{"scene", 0, 0}}; }
 
-std::size_t standing_load(const std::vector<TradeLoad>& loads) {
+std::size_t reference_load(const std::vector<TradeLoad>& loads) {
     const auto found =
         std::ranges::find_if(loads, [](const TradeLoad& l) { return l.working_set == "l1" && l.hit_rate == 0.5; });
     return found == loads.end() ? 0 : static_cast<std::size_t>(found - loads.begin());

@@ -36,7 +36,7 @@ std::vector<TradeLoad> trade_loads(const CacheSizes& caches);
 /// The only load of a trade-off on a scene.
 std::vector<TradeLoad> scene_load();
 /// Index of the load whose times stand for a kernel: l1, every other ray a hit; otherwise the first one.
-std::size_t standing_load(const std::vector<TradeLoad>& loads);
+std::size_t reference_load(const std::vector<TradeLoad>& loads);
 
 struct TradeRequest {
     Shape shape{};

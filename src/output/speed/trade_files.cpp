@@ -141,7 +141,7 @@ std::string in_words(const TradeKernel& kernel) {
 std::vector<measure::speed::ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result,
                                                           std::size_t set) {
     std::vector<measure::speed::ParetoPoint> all;
-    const std::size_t load = measure::speed::standing_load(request.loads);
+    const std::size_t load = measure::speed::reference_load(request.loads);
     for (std::size_t k = 0; k < request.kernels.size(); ++k) {
         all.push_back(measure::speed::pareto_point(result.times[k][load].timing, request.kernels[k].measured,
                                                    result.accuracy(set, k), request.metrics));
@@ -186,7 +186,7 @@ std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
 
 /// The rays whose accuracy and time a picture shows.
 std::string shown_rays(const TradeRequest& request, const TradeResult& result, std::size_t set) {
-    const auto& timed = result.times.front()[measure::speed::standing_load(request.loads)];
+    const auto& timed = result.times.front()[measure::speed::reference_load(request.loads)];
     const std::string repeated = fmt::format("median of {}, bars from quartile to quartile.",
                                              scene::toml::counted(request.plan.repetitions, "interleaved repetition"));
     const std::uint64_t judged = result.accuracy(set, 0).rays;
@@ -209,7 +209,7 @@ std::string registers_of(const TradeKernel& kernel) {
 
 ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& result, std::size_t set) {
     const auto all = pareto_points_of(request, result, set);
-    const std::size_t load = measure::speed::standing_load(request.loads);
+    const std::size_t load = measure::speed::reference_load(request.loads);
     ScatterPlotSpec spec;
     spec.title = fmt::format("Time against kept bits: {}", measure::speed::trade_sets(request)[set].title);
     spec.subtitle = {shown_rays(request, result, set),
@@ -241,7 +241,7 @@ std::string ranking_text(const TradeRequest& request, const TradeResult& result,
                          const std::vector<measure::speed::ParetoPoint>& all) {
     const auto dominated = measure::speed::dominated(all);
     const auto timing = [&](std::size_t k) {
-        return result.times[k][measure::speed::standing_load(request.loads)].timing;
+        return result.times[k][measure::speed::reference_load(request.loads)].timing;
     };
     std::vector<std::size_t> order(all.size());
     std::iota(order.begin(), order.end(), std::size_t{0});

@@ -77,7 +77,7 @@ private:
     table::TableFile<ParetoRow> pareto_;
 };
 
-/// Accuracy of every kernel on a set of rays, with its time under the standing load.
+/// Accuracy of every kernel on a set of rays, with its time under the reference load.
 std::vector<measure::speed::ParetoPoint> pareto_points_of(const measure::speed::TradeRequest& request,
                                                           const measure::speed::TradeResult& result, std::size_t set);
 

@@ -230,8 +230,8 @@ TEST_CASE("loads combine every working set with every share of hits", "[trade]")
     CHECK(loads[0].bytes == 24 << 10);
     CHECK(loads[3].bytes == 1 << 20);
     CHECK(loads[6].bytes == (std::size_t{520} << 20) / 6);
-    CHECK(loads[measure::speed::standing_load(loads)].working_set == "l1");
-    CHECK(loads[measure::speed::standing_load(loads)].hit_rate == 0.5);
+    CHECK(loads[measure::speed::reference_load(loads)].working_set == "l1");
+    CHECK(loads[measure::speed::reference_load(loads)].hit_rate == 0.5);
     CHECK(measure::speed::trade_loads({1, 1, 1})[8].bytes == std::size_t{32} << 20);
     CHECK(measure::speed::cache_sizes().l1 > 0);
 }
