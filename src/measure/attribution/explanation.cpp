@@ -47,18 +47,18 @@ double moved(double x, int ulps, const FloatFormat& format) {
     return x == 0 || !std::isfinite(x) ? x : x + ulps * ulp_at(x, format);
 }
 
-/// Standing of a form that has answered. For a form that answers no t, only the decision counts.
-Standing standing_of(const Intersector& form, const Format& format, const OneRay& ray, bool hit, double t) {
+/// FormResult of a form that has answered. For a form that answers no t, only the decision counts.
+FormResult standing_of(const Intersector& form, const Format& format, const OneRay& ray, bool hit, double t) {
     const bool tells_t = form.info->roots != intersect::Roots::none;
-    Standing s{&form, answer::classify(ray.truth(*form.info).decision, hit, tells_t ? t : 0), t};
+    FormResult s{&form, answer::classify(ray.truth(*form.info).decision, hit, tells_t ? t : 0), t};
     if (s.outcome != Outcome::agree_hit || !tells_t) return s;
     s.ulps = truth::ulp_error(t, ray.true_t(*form.info), format.parameters);
     s.lost = truth::lost_bits(s.ulps, format.parameters.precision);
     return s;
 }
 
-/// Standing of the form's nearest answer over the primitives of the scene, as in a picture.
-Standing standing_of(const Intersector& form, const Format& format, const OneRay& ray) {
+/// FormResult of the form's nearest answer over the primitives of the scene, as in a picture.
+FormResult standing_of(const Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
     const answer::Answers answers = answer::evaluate(form, in.all);
     return standing_of(form, format, ray, answers.hit[in.index] != 0, answers.t[in.index]);
@@ -76,7 +76,7 @@ double lost_around(const Intersector& form, const Format& format, const Surround
     double sum = 0;
     int known = 0;
     for (const OneRay& ray : around.rays) {
-        const Standing s = standing_of(form, format, ray);
+        const FormResult s = standing_of(form, format, ray);
         if (s.outcome == Outcome::unresolved || (around.hits_alone && s.outcome == Outcome::agree_miss)) continue;
         sum += !s.is_right() ? format.parameters.precision : !asks_t || std::isnan(s.lost) ? 0 : s.lost;
         ++known;
@@ -123,10 +123,10 @@ const Intersector* with_generator_of(const Intersector& asked, const Intersector
     return generator && held ? &scene::rays::with_generator(*generator, *held) : held;
 }
 
-/// Standing of another form on a ray and, if it is right there, on the rays around it.
-Standing standing_beside(const Explanation& x, const OneRay& ray, const Intersector& form, const OneRay& its_ray,
-                         const Surroundings& around) {
-    Standing s = standing_of(form, x.format, its_ray);
+/// FormResult of another form on a ray and, if it is right there, on the rays around it.
+FormResult standing_beside(const Explanation& x, const OneRay& ray, const Intersector& form, const OneRay& its_ray,
+                           const Surroundings& around) {
+    FormResult s = standing_of(form, x.format, its_ray);
     s.other_question = is_other_question(*x.form, ray, form, its_ray);
     const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < x.format.parameters.precision);
     // A form that answers no t loses no bits of it, but is not better than one that is right.
@@ -136,7 +136,7 @@ Standing standing_beside(const Explanation& x, const OneRay& ray, const Intersec
     return s;
 }
 
-void add_if_better(Explanation& x, const Standing& s) {
+void add_if_better(Explanation& x, const FormResult& s) {
     if (s.around < x.standing.around) x.better.push_back(s);
 }
 
@@ -163,7 +163,7 @@ void find_better(Explanation& x, const OneRay& ray, const Surroundings& around,
         }
         if (!intersect::external::is_safe_to_run(innermost(*other)) && !named) continue;
         try {
-            const Standing s = standing_beside(x, ray, *held, ray, around);
+            const FormResult s = standing_beside(x, ray, *held, ray, around);
             add_if_better(x, s);
             if (named) x.beside.push_back(s);
         } catch (const EnvironmentError& error) {
@@ -194,8 +194,8 @@ void find_better_generators(Explanation& x, const OneRay& ray, const PixelOf& pi
         try {
             const scene::file::Scene scene = with_rays(*pixel.scene, generator);
             const auto rays = pixels_around(pixel, scene, ray.judged());
-            const Standing s = standing_beside(x, ray, scene::rays::with_generator(generator, form), rays.front(),
-                                               around_pixel(x, rays));
+            const FormResult s = standing_beside(x, ray, scene::rays::with_generator(generator, form), rays.front(),
+                                                 around_pixel(x, rays));
             add_if_better(x, s);
         } catch (const InputError&) {}
     }
@@ -269,7 +269,7 @@ std::vector<answer::OneRay> neighbours_of(const answer::OneRay& ray, const answe
     return all;
 }
 
-bool Standing::beats(const Standing& other) const {
+bool FormResult::beats(const FormResult& other) const {
     if (is_right() != other.is_right()) return is_right();
     return outcome == Outcome::agree_hit && other.outcome == Outcome::agree_hit && lost < other.lost;
 }
@@ -396,7 +396,7 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
         find_better(x, ray, around, beside);
         find_better_generators(x, ray, *pixel);
     }
-    std::ranges::stable_sort(x.better, {}, &Standing::around);
+    std::ranges::stable_sort(x.better, {}, &FormResult::around);
     return x;
 }
 

@@ -14,7 +14,7 @@
 namespace lostbits::measure::attribution {
 
 /// Result of a form on the ray.
-struct Standing {
+struct FormResult {
     const intersect::table::Intersector* form = nullptr;
     answer::Outcome outcome = answer::Outcome::agree_miss;
     double t = 0;                  ///< the form's answer
@@ -26,7 +26,7 @@ struct Standing {
     bool other_question = false;  ///< its contract gives another truth on this ray than that of the explained form
     bool is_right() const { return outcome == answer::Outcome::agree_hit || outcome == answer::Outcome::agree_miss; }
     /// Compares on this ray alone, which may be luck: a right decision beats a wrong one, then fewer lost bits win.
-    bool beats(const Standing& other) const;
+    bool beats(const FormResult& other) const;
 };
 
 /// Answer of a form on the primitive that a ray truly meets first, tested alone. Set if the form hits another one.
@@ -56,7 +56,7 @@ struct Explanation {
     Tape tape = {};
     Attribution attribution = {};
     std::optional<Counterfactuals> culprit_alone = {};  ///< effects of the culprit alone, if there is one
-    Standing standing = {};
+    FormResult standing = {};
     bool hit = false;  ///< the form's decision
     truth::Truth::Decision truth = truth::Truth::Decision::miss;
     std::optional<double> true_t = {};  ///< t*, correctly rounded to binary64
@@ -71,8 +71,8 @@ struct Explanation {
     /// Outcome at a mesh: a crack, a double hit, a wrong neighbour or out of order; absent for other rays.
     std::optional<answer::Outcome> in_mesh = {};
     /// Forms of the same shape in the same format that are right on the ray and lose fewer bits around it, best first.
-    std::vector<Standing> better = {};
-    std::vector<Standing> beside = {};  ///< results of the forms that were named for comparison
+    std::vector<FormResult> better = {};
+    std::vector<FormResult> beside = {};  ///< results of the forms that were named for comparison
     std::vector<const intersect::table::Intersector*> unasked =
         {};                 ///< named forms of another shape, or not available in the format
     int pixels_around = 0;  ///< number of rays in the means; 0: the ray's `neighbours` are used

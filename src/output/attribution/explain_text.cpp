@@ -214,7 +214,7 @@ std::string condition_words(double condition) {
 }
 
 bool another_does_better(const Explanation& x) {
-    return std::ranges::any_of(x.better, [&](const measure::attribution::Standing& s) {
+    return std::ranges::any_of(x.better, [&](const measure::attribution::FormResult& s) {
         return x.standing.around - s.around >= worth_saying && s.lost < x.standing.lost;
     });
 }

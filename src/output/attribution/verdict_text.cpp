@@ -204,7 +204,7 @@ std::string blame_sentence(const Explanation& x, bool marches) {
 }
 
 /// `a correct miss`, `4.6 bits lost`.
-std::string fares(const measure::attribution::Standing& s) {
+std::string fares(const measure::attribution::FormResult& s) {
     switch (s.outcome) {
         case Outcome::agree_hit: return std::isnan(s.lost) ? "a correct hit" : fmt::format("{:.1f} bits lost", s.lost);
         case Outcome::agree_miss: return "a correct miss";
@@ -224,7 +224,7 @@ std::string fares(const measure::attribution::Standing& s) {
 /// Forms named with `--beside` that are not already listed as better.
 std::string beside_sentences(const Explanation& x, const std::vector<const intersect::table::Intersector*>& told) {
     std::string text;
-    for (const measure::attribution::Standing& s : x.beside) {
+    for (const measure::attribution::FormResult& s : x.beside) {
         const auto& name = s.form->info->name;
         if (s.other_question)
             text += fmt::format(
@@ -252,9 +252,10 @@ std::string better_sentences(const Explanation& x) {
                                    ? fmt::format("{} pixels around it", x.pixels_around)
                                    : fmt::format("{} rays around it, with each number within an ulp of its own value",
                                                  measure::attribution::neighbours);
-    for (const measure::attribution::Standing& s : x.better) {
+    for (const measure::attribution::FormResult& s : x.better) {
         if (x.standing.is_right() && !(x.standing.around - s.around >= worth_saying)) continue;
-        const bool named = std::ranges::find(x.beside, s.form, &measure::attribution::Standing::form) != x.beside.end();
+        const bool named =
+            std::ranges::find(x.beside, s.form, &measure::attribution::FormResult::form) != x.beside.end();
         if (told.size() >= most && !named) {
             ++left;
             continue;

@@ -15,7 +15,7 @@ using intersect::table::Intersector;
 using measure::answer::OneRay;
 using measure::answer::Outcome;
 using measure::attribution::Explanation;
-using measure::attribution::Standing;
+using measure::attribution::FormResult;
 using test::form_named;
 using test::scene_named;
 
@@ -91,7 +91,7 @@ TEST_CASE("a better row loses less on the ray and its neighbours, and luck on on
         };
         CHECK(all.standing.around == Approx(mean(form)));
         double before = 0;
-        for (const Standing& s : all.better) {
+        for (const FormResult& s : all.better) {
             INFO(x << " " << s.form->info->name);
             CHECK(s.around == Approx(mean(*s.form)));
             CHECK(s.around < all.standing.around);
@@ -104,7 +104,7 @@ TEST_CASE("a better row loses less on the ray and its neighbours, and luck on on
             if (other.info->roots == intersect::Roots::none || other.shape != form.shape || !other.exists_in(f32) ||
                 other.info->direction != form.info->direction)
                 continue;
-            const bool named = std::ranges::find(all.better, &other, &Standing::form) != all.better.end();
+            const bool named = std::ranges::find(all.better, &other, &FormResult::form) != all.better.end();
             const bool beats = lost(other, ray) < all.standing.lost;
             if (beats && !named) {
                 ++lucky;
