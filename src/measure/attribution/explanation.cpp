@@ -48,7 +48,7 @@ double moved(double x, int ulps, const FloatFormat& format) {
 }
 
 /// FormResult of a form that has answered. For a form that answers no t, only the decision counts.
-FormResult standing_of(const Intersector& form, const Format& format, const OneRay& ray, bool hit, double t) {
+FormResult result_of_form(const Intersector& form, const Format& format, const OneRay& ray, bool hit, double t) {
     const bool tells_t = form.info->roots != intersect::Roots::none;
     FormResult s{&form, answer::classify(ray.truth(*form.info).decision, hit, tells_t ? t : 0), t};
     if (s.outcome != Outcome::agree_hit || !tells_t) return s;
@@ -58,10 +58,10 @@ FormResult standing_of(const Intersector& form, const Format& format, const OneR
 }
 
 /// FormResult of the form's nearest answer over the primitives of the scene, as in a picture.
-FormResult standing_of(const Intersector& form, const Format& format, const OneRay& ray) {
+FormResult result_of_form(const Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
     const answer::Answers answers = answer::evaluate(form, in.all);
-    return standing_of(form, format, ray, answers.hit[in.index] != 0, answers.t[in.index]);
+    return result_of_form(form, format, ray, answers.hit[in.index] != 0, answers.t[in.index]);
 }
 
 /// Rays near another one, on which forms are compared.
@@ -76,7 +76,7 @@ double lost_around(const Intersector& form, const Format& format, const Surround
     double sum = 0;
     int known = 0;
     for (const OneRay& ray : around.rays) {
-        const FormResult s = standing_of(form, format, ray);
+        const FormResult s = result_of_form(form, format, ray);
         if (s.outcome == Outcome::unresolved || (around.hits_alone && s.outcome == Outcome::agree_miss)) continue;
         sum += !s.is_right() ? format.parameters.precision : !asks_t || std::isnan(s.lost) ? 0 : s.lost;
         ++known;
@@ -126,7 +126,7 @@ const Intersector* with_generator_of(const Intersector& asked, const Intersector
 /// FormResult of another form on a ray and, if it is right there, on the rays around it.
 FormResult standing_beside(const Explanation& x, const OneRay& ray, const Intersector& form, const OneRay& its_ray,
                            const Surroundings& around) {
-    FormResult s = standing_of(form, x.format, its_ray);
+    FormResult s = result_of_form(form, x.format, its_ray);
     s.other_question = is_other_question(*x.form, ray, form, its_ray);
     const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < x.format.parameters.precision);
     // A form that answers no t loses no bits of it, but is not better than one that is right.
@@ -344,14 +344,14 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
         x.attribution = attribute(x.tape, {.full = true});
         if (x.attribution.culprit != no_node) x.culprit_alone = counterfactuals(x.tape, x.attribution.culprit);
         x.hit = x.tape[x.tape.outputs.hit].value != 0;
-        x.standing = standing_of(form, format, ray, x.hit, x.tape[x.tape.outputs.t].value);
+        x.standing = result_of_form(form, format, ray, x.hit, x.tape[x.tape.outputs.t].value);
     } else {
         x.names = intersect::bounding_box::names_on_tape(form, target);
         x.inputs =
             tape::inputs_of(in.ray(*form.info), in.all.primitives[static_cast<std::size_t>(x.primitive)], x.range.tmax);
         if (!x.range.is_whole()) x.names.emplace_back("ray.tmin"), x.inputs.push_back(x.range.tmin);
         x.hit = answers.hit[in.index] != 0;
-        x.standing = standing_of(form, format, ray, x.hit, answers.t[in.index]);
+        x.standing = result_of_form(form, format, ray, x.hit, answers.t[in.index]);
     }
     x.truth = truth.decision;
     x.condition = x.inherent = missing;
