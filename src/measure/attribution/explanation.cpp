@@ -124,8 +124,8 @@ const Intersector* with_generator_of(const Intersector& asked, const Intersector
 }
 
 /// FormResult of another form on a ray and, if it is right there, on the rays around it.
-FormResult standing_beside(const Explanation& x, const OneRay& ray, const Intersector& form, const OneRay& its_ray,
-                           const Surroundings& around) {
+FormResult result_of_other_form(const Explanation& x, const OneRay& ray, const Intersector& form, const OneRay& its_ray,
+                                const Surroundings& around) {
     FormResult s = result_of_form(form, x.format, its_ray);
     s.other_question = is_other_question(*x.form, ray, form, its_ray);
     const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < x.format.parameters.precision);
@@ -163,7 +163,7 @@ void find_better(Explanation& x, const OneRay& ray, const Surroundings& around,
         }
         if (!intersect::external::is_safe_to_run(innermost(*other)) && !named) continue;
         try {
-            const FormResult s = standing_beside(x, ray, *held, ray, around);
+            const FormResult s = result_of_other_form(x, ray, *held, ray, around);
             add_if_better(x, s);
             if (named) x.beside.push_back(s);
         } catch (const EnvironmentError& error) {
@@ -194,8 +194,8 @@ void find_better_generators(Explanation& x, const OneRay& ray, const PixelOf& pi
         try {
             const scene::file::Scene scene = with_rays(*pixel.scene, generator);
             const auto rays = pixels_around(pixel, scene, ray.judged());
-            const FormResult s = standing_beside(x, ray, scene::rays::with_generator(generator, form), rays.front(),
-                                                 around_pixel(x, rays));
+            const FormResult s = result_of_other_form(x, ray, scene::rays::with_generator(generator, form),
+                                                      rays.front(), around_pixel(x, rays));
             add_if_better(x, s);
         } catch (const InputError&) {}
     }
