@@ -51,7 +51,7 @@ Json operation(const measure::attribution::Explanation& x, const TapeText& text,
     return j;
 }
 
-Json standing(const measure::attribution::FormResult& s) {
+Json form_result_json(const measure::attribution::FormResult& s) {
     return {{"form", std::string(s.form->info->name)},
             {"outcome", std::string(measure::answer::outcome_names[static_cast<std::size_t>(s.outcome)])},
             {"t", json_number(s.t)},
@@ -114,7 +114,7 @@ std::string explain_json(const measure::attribution::Explanation& x, const std::
     for (NodeId i = 0; i < x.tape.size(); ++i) j["operations"].push_back(operation(x, text, i));
     j["lost_bits_around"] = if_any(x.standing.around);
     j["better"] = Json::array();
-    for (const measure::attribution::FormResult& s : x.better) j["better"].push_back(standing(s));
+    for (const measure::attribution::FormResult& s : x.better) j["better"].push_back(form_result_json(s));
     return file::json_text(j);
 }
 
