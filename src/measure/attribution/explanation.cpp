@@ -130,19 +130,19 @@ FormResult result_of_other_form(const Explanation& x, const OneRay& ray, const I
     s.other_question = is_other_question(*x.form, ray, form, its_ray);
     const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < x.format.parameters.precision);
     // A form that answers no t loses no bits of it, but is not better than one that is right.
-    const bool tells_less = std::isnan(s.lost) && !std::isnan(x.standing.lost);
+    const bool tells_less = std::isnan(s.lost) && !std::isnan(x.result.lost);
     if (s.is_right() && !lost_all && !tells_less && !s.other_question)
         s.around = lost_around(form, x.format, around, x.tells_t());
     return s;
 }
 
 void add_if_better(Explanation& x, const FormResult& s) {
-    if (s.around < x.standing.around) x.better.push_back(s);
+    if (s.around < x.result.around) x.better.push_back(s);
 }
 
 void find_better(Explanation& x, const OneRay& ray, const Surroundings& around,
                  std::span<const Intersector* const> beside) {
-    x.standing.around = lost_around(*x.form, x.format, around, x.tells_t());
+    x.result.around = lost_around(*x.form, x.format, around, x.tells_t());
     std::vector<const Intersector*> all;
     for (const Intersector& other : intersect::table::intersectors()) all.push_back(&other);
     if (const auto made = intersect::transform::made_of(*x.form); made.space != nullptr)
@@ -344,14 +344,14 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
         x.attribution = attribute(x.tape, {.full = true});
         if (x.attribution.culprit != no_node) x.culprit_alone = counterfactuals(x.tape, x.attribution.culprit);
         x.hit = x.tape[x.tape.outputs.hit].value != 0;
-        x.standing = result_of_form(form, format, ray, x.hit, x.tape[x.tape.outputs.t].value);
+        x.result = result_of_form(form, format, ray, x.hit, x.tape[x.tape.outputs.t].value);
     } else {
         x.names = intersect::bounding_box::names_on_tape(form, target);
         x.inputs =
             tape::inputs_of(in.ray(*form.info), in.all.primitives[static_cast<std::size_t>(x.primitive)], x.range.tmax);
         if (!x.range.is_whole()) x.names.emplace_back("ray.tmin"), x.inputs.push_back(x.range.tmin);
         x.hit = answers.hit[in.index] != 0;
-        x.standing = result_of_form(form, format, ray, x.hit, answers.t[in.index]);
+        x.result = result_of_form(form, format, ray, x.hit, answers.t[in.index]);
     }
     x.truth = truth.decision;
     x.condition = x.inherent = missing;
@@ -369,15 +369,15 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     if (elsewhere && x.has_tape())
         x.missed = missed_primitive(form, format, in, ray.recorded_ray(format), truth.object);
     if (elsewhere) {  // distances between two primitives are not errors
-        x.standing.outcome = answer::Outcome::wrong_primitive;
-        x.standing.ulps = x.standing.lost = missing;
+        x.result.outcome = answer::Outcome::wrong_primitive;
+        x.result.ulps = x.result.lost = missing;
     }
     if (is_primitive(form.shape) && x.tells_t()) {
-        const Outcome outcome = ray.outcome(in, answers, *form.info, x.standing.outcome);
-        if (outcome != x.standing.outcome) x.in_mesh = outcome;
+        const Outcome outcome = ray.outcome(in, answers, *form.info, x.result.outcome);
+        if (outcome != x.result.outcome) x.in_mesh = outcome;
     }
-    if (x.standing.outcome == Outcome::agree_hit)
-        x.beyond = truth::excess_bits(x.standing.t, ray.true_t(*form.info), format.parameters, reach);
+    if (x.result.outcome == Outcome::agree_hit)
+        x.beyond = truth::excess_bits(x.result.t, ray.true_t(*form.info), format.parameters, reach);
     return x;
 }
 

@@ -56,7 +56,7 @@ struct Explanation {
     Tape tape = {};
     Attribution attribution = {};
     std::optional<Counterfactuals> culprit_alone = {};  ///< effects of the culprit alone, if there is one
-    FormResult standing = {};
+    FormResult result = {};
     bool hit = false;  ///< the form's decision
     truth::Truth::Decision truth = truth::Truth::Decision::miss;
     std::optional<double> true_t = {};  ///< t*, correctly rounded to binary64

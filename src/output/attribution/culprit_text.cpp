@@ -179,7 +179,7 @@ std::string culprit_sentence(const Explanation& x) {
     const TapeNode& n = x.tape[a.culprit];
     const std::string what = words.text().definition(a.culprit);
     const bool blamed = culprit_operation(x) != no_node;
-    if (!std::isfinite(n.value) && !blamed && x.standing.outcome == measure::answer::Outcome::agree_hit)
+    if (!std::isfinite(n.value) && !blamed && x.result.outcome == measure::answer::Outcome::agree_hit)
         return fmt::format("{} is {}, and so is the rounded true t.", what, number_words(n.value));
     if (std::isnan(n.value) && std::isnan(words.of(a.culprit).exact) && !blamed)
         return fmt::format(

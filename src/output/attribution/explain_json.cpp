@@ -78,12 +78,12 @@ std::string explain_json(const measure::attribution::Explanation& x, const std::
     j["given_direction"] =
         x.given ? Json({json_number(x.given->x), json_number(x.given->y), json_number(x.given->z)}) : Json(nullptr);
     j["hit"] = x.hit;
-    j["t"] = exact(x.standing.t);
+    j["t"] = exact(x.result.t);
     j["truth"] = x.true_t ? Json(exact(*x.true_t)) : Json(nullptr);
-    j["outcome"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(x.standing.outcome)]);
+    j["outcome"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(x.result.outcome)]);
     if (x.in_mesh) j["in_mesh"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(*x.in_mesh)]);
-    j["ulp_error"] = if_any(x.standing.ulps);
-    j["lost_bits"] = if_any(x.standing.lost);
+    j["ulp_error"] = if_any(x.result.ulps);
+    j["lost_bits"] = if_any(x.result.lost);
     j["wrong_root"] = is_wrong_root(x);
     j["condition"] = if_any(x.condition);
     j["inherent_bits"] = if_any(x.inherent);
@@ -112,7 +112,7 @@ std::string explain_json(const measure::attribution::Explanation& x, const std::
                         {"shadow_bits", a.exact_bits}};
     j["operations"] = Json::array();
     for (NodeId i = 0; i < x.tape.size(); ++i) j["operations"].push_back(operation(x, text, i));
-    j["lost_bits_around"] = if_any(x.standing.around);
+    j["lost_bits_around"] = if_any(x.result.around);
     j["better"] = Json::array();
     for (const measure::attribution::FormResult& s : x.better) j["better"].push_back(form_result_json(s));
     return file::json_text(j);

@@ -156,16 +156,16 @@ std::string sums_sentence(const Explanation& x, const OperationView& words) {
 
 /// Sentence on the part of the error that is due to rounding.
 std::string split_sentence(const Explanation& x, const OperationView& words) {
-    if (x.standing.outcome != Outcome::agree_hit || x.attribution.subject != x.tape.outputs.t) return "";
+    if (x.result.outcome != Outcome::agree_hit || x.attribution.subject != x.tape.outputs.t) return "";
     if (culprit_operation(x) == no_node) return "";  // said in the verdict
     const double rounding = x.attribution.error / words.ulp();
-    if (!std::isfinite(rounding) || !std::isfinite(x.standing.ulps)) return "";
-    if (!(std::fabs(x.standing.ulps - rounding) > 0.01)) return "";
+    if (!std::isfinite(rounding) || !std::isfinite(x.result.ulps)) return "";
+    if (!(std::fabs(x.result.ulps - rounding) > 0.01)) return "";
     return fmt::format(
         "Rounding inside the form makes {} of the {} ulp. The rest is there even without rounding, on the inputs as "
         "the "
         "format stores them.\n",
-        short_number(rounding), short_number(x.standing.ulps));
+        short_number(rounding), short_number(x.result.ulps));
 }
 
 std::string turned_sentences(const Explanation& x, const OperationView& words) {
@@ -215,7 +215,7 @@ std::string condition_words(double condition) {
 
 bool another_does_better(const Explanation& x) {
     return std::ranges::any_of(x.better, [&](const measure::attribution::FormResult& s) {
-        return x.standing.around - s.around >= worth_saying && s.lost < x.standing.lost;
+        return x.result.around - s.around >= worth_saying && s.lost < x.result.lost;
     });
 }
 
@@ -237,8 +237,8 @@ std::string within_envelope(const Explanation& x) {
 }  // namespace
 
 std::string envelope_sentence(const Explanation& x) {
-    if (x.standing.outcome == Outcome::agree_miss) return "Nothing is lost.";
-    if (x.standing.outcome != Outcome::agree_hit) {
+    if (x.result.outcome == Outcome::agree_miss) return "Nothing is lost.";
+    if (x.result.outcome != Outcome::agree_hit) {
         if (std::isnan(x.condition)) return "The ray hits nothing, so it has no condition number.";
         // The rest of the text is about the primitive that the form hits.
         const std::string where = x.missed ? fmt::format("At primitive {}: ", x.missed->primitive) : "";
@@ -248,7 +248,7 @@ std::string envelope_sentence(const Explanation& x) {
     if (!x.tells_t()) return "The form returns no t, so it has no bits to lose.";
     const std::string envelope =
         fmt::format("{}: {} would cost {:.1f} bits", condition_words(x.condition), each_input(x), x.inherent);
-    if (x.standing.lost < 1) return envelope + ". Less than one bit is lost.";
+    if (x.result.lost < 1) return envelope + ". Less than one bit is lost.";
     if (x.excess() < 1) return envelope + within_envelope(x);
     if (x.inherent >= x.format.parameters.precision)
         return envelope + fmt::format(", but cannot move t that far; the formula loses {:.1f} bits.", x.excess());

@@ -24,7 +24,7 @@ namespace {
 
 /// Sentence for a form that answers yes or no.
 std::string decision_sentence(const Explanation& x) {
-    const Outcome o = x.standing.outcome;
+    const Outcome o = x.result.outcome;
     const bool yes = o == Outcome::agree_hit || o == Outcome::false_hit;
     const bool right = o == Outcome::agree_hit || o == Outcome::agree_miss;
     if (!right && !yes && o != Outcome::false_miss) return "The true answer for this ray could not be proved.";
@@ -35,19 +35,18 @@ std::string decision_sentence(const Explanation& x) {
 
 std::string outcome_sentence(const Explanation& x) {
     const std::string form(x.form->info->name);
-    const double t = x.standing.t, true_t = x.true_t.value_or(0);
+    const double t = x.result.t, true_t = x.true_t.value_or(0);
     if (!x.tells_t()) return decision_sentence(x);
-    if (x.standing.outcome == Outcome::wrong_primitive)
+    if (x.result.outcome == Outcome::wrong_primitive)
         return fmt::format("{} reports a hit at {}, on another primitive than the one that the ray meets first, at {}.",
                            form, number_words(t), number_words(true_t));
-    const std::string decided = decision_text(form, x.standing.outcome, t, true_t);
+    const std::string decided = decision_text(form, x.result.outcome, t, true_t);
     if (!decided.empty()) return decided;
-    if (!std::isfinite(x.standing.ulps))
+    if (!std::isfinite(x.result.ulps))
         return fmt::format("t is {}, the true t is {}: all {} bits lost.", number_words(t), number_words(true_t),
                            x.format.parameters.precision);
     return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.{}", file::decimal(t),
-                       file::hex(t), file::decimal(true_t), x.standing.ulps, x.standing.lost,
-                       x.format.parameters.precision,
+                       file::hex(t), file::decimal(true_t), x.result.ulps, x.result.lost, x.format.parameters.precision,
                        is_wrong_root(x) ? " A wrong root: the line also crosses the same primitive there." : "");
 }
 
@@ -77,7 +76,7 @@ std::string range_sentence(const Explanation& x) {
 std::string wrong_primitive_sentence(const Explanation& x) {
     const measure::attribution::TruePrimitive& missed = *x.missed;
     const std::string says = missed.hit ? fmt::format("a hit at {}, {}", number_words(missed.t),
-                                                      missed.t > x.standing.t ? "behind" : "which is not before")
+                                                      missed.t > x.result.t ? "behind" : "which is not before")
                                         : "a miss";
     const Shape other = missed.alone.primitives.front().shape;
     const auto named = [&x](int primitive, Shape shape) {
@@ -93,7 +92,7 @@ std::string wrong_primitive_sentence(const Explanation& x) {
 
 /// Part of the error that is due to rounding, in ulps; NaN if that is not asked.
 double rounding_ulps(const Explanation& x) {
-    if (x.standing.outcome != Outcome::agree_hit || !x.has_tape() || x.attribution.subject != x.tape.outputs.t)
+    if (x.result.outcome != Outcome::agree_hit || !x.has_tape() || x.attribution.subject != x.tape.outputs.t)
         return NAN;
     return x.attribution.error / x.ulp_of_subject();
 }
@@ -101,10 +100,10 @@ double rounding_ulps(const Explanation& x) {
 /// True if less than a bit of the loss is due to rounding: rounding makes less than an ulp, or without it more than
 /// half of the error would remain.
 bool rounds_little(const Explanation& x) {
-    return std::fabs(rounding_ulps(x)) < std::max(1.0, std::fabs(x.standing.ulps) / 2);
+    return std::fabs(rounding_ulps(x)) < std::max(1.0, std::fabs(x.result.ulps) / 2);
 }
 
-bool is_not_roundings(const Explanation& x) { return x.standing.lost >= worth_saying && rounds_little(x); }
+bool is_not_roundings(const Explanation& x) { return x.result.lost >= worth_saying && rounds_little(x); }
 
 /// Three digits of a number, or the name of a number that is not finite.
 std::string size_words(double x) { return std::isfinite(x) ? short_number(x) : number_words(x); }
@@ -114,15 +113,15 @@ std::string march_sentence(const Explanation& x, const MarchEnd& march) {
     const auto& [log, c] = march;
     const std::size_t samples = log.steps.size();
     const double d = samples > 0 ? log.steps.back().d : NAN;
-    if (x.standing.outcome == Outcome::agree_hit) {
-        const double short_of = x.standing.t - x.true_t.value_or(NAN);
+    if (x.result.outcome == Outcome::agree_hit) {
+        const double short_of = x.result.t - x.true_t.value_or(NAN);
         return fmt::format(
             "The march ended at sample {} of at most {}, where the field is {}: {} {} the surface. This is intended "
             "({}) and not due to rounding.",
             samples, c.max_steps, size_words(d), size_words(std::fabs(short_of)), short_of < 0 ? "short of" : "behind",
             x.form->info->title);
     }
-    if (x.standing.outcome != Outcome::false_miss) return "";
+    if (x.result.outcome != Outcome::false_miss) return "";
     switch (log.stop) {
         case Stop::max_steps:
             return fmt::format("The march used all its {} samples and was then {} away from a surface.", c.max_steps,
@@ -140,8 +139,8 @@ std::string march_sentence(const Explanation& x, const MarchEnd& march) {
 /// The cause of the loss. `envelope_sentence` weighs the problem against the formula; for a march neither may be to
 /// blame.
 std::string whose_loss(const Explanation& x, const std::optional<MarchEnd>& march) {
-    const bool stopped = x.standing.outcome == Outcome::agree_hit && is_not_roundings(x) && x.excess() >= worth_saying;
-    if (march && (stopped || x.standing.outcome == Outcome::false_miss)) {
+    const bool stopped = x.result.outcome == Outcome::agree_hit && is_not_roundings(x) && x.excess() >= worth_saying;
+    if (march && (stopped || x.result.outcome == Outcome::false_miss)) {
         const std::string sentence = march_sentence(x, *march);
         if (!sentence.empty()) return sentence;
     }
@@ -167,27 +166,27 @@ std::string turned_order_sentence(const Explanation& x) {
 /// Reason why no operation is to blame for the decision or the loss.
 std::string no_blame_sentence(const Explanation& x, bool marches) {
     const measure::attribution::Attribution& a = x.attribution;
-    const bool hit = x.standing.outcome == Outcome::agree_hit, right = x.standing.is_right();
+    const bool hit = x.result.outcome == Outcome::agree_hit, right = x.result.is_right();
     const bool turned = x.hit != a.exact_hit && !a.cut_short;
     if (right && turned)
         return fmt::format("No operation is to blame: the decision is right. Without rounding the form would {}.",
                            a.exact_hit ? "hit" : "miss");
     if (!x.tells_t() && right) return "No operation is to blame: the decision is right.";
     if (a.subject == no_node || a.culprit == no_node) return culprit_sentence(x);
-    if (x.standing.outcome == Outcome::not_a_number && std::isnan(x.tape[a.culprit].value)) return culprit_sentence(x);
+    if (x.result.outcome == Outcome::not_a_number && std::isnan(x.tape[a.culprit].value)) return culprit_sentence(x);
     if (x.hit != a.exact_hit && a.cut_short)
         return "No single operation is to blame: without rounding the march would have gone on.";
     if (!hit && turned) return "The true answer is not proved, so no operation is to blame.";
     if (!hit) return "The decision is the same without rounding, so no operation is to blame.";
     if (!std::isfinite(x.tape[a.culprit].value)) return culprit_sentence(x);
-    if (x.standing.lost < worth_saying) return "No operation is to blame: less than a bit is lost.";
+    if (x.result.lost < worth_saying) return "No operation is to blame: less than a bit is lost.";
     if (!rounds_little(x)) return "No operation is to blame: none of the roundings reaches t.";
     const bool inputs = x.rounded_inputs && !(x.excess() >= worth_saying);
     const char* const rest = x.missed  ? "the answer is for another primitive"
                              : inputs  ? "the rest comes from inputs that the format cannot hold"
                              : marches ? "the rest comes from where the march ended"
                                        : "the rest comes from what the form assumes";
-    const std::string all = ulps_or_nothing(x.standing.ulps);
+    const std::string all = ulps_or_nothing(x.result.ulps);
     return fmt::format("No operation is to blame: rounding inside the form makes {}{}, and {}.",
                        short_number(rounding_ulps(x)), all.empty() ? " ulp" : " of the " + all, rest);
 }
@@ -232,7 +231,7 @@ std::string beside_sentences(const Explanation& x, const std::vector<const inter
                 fares(s));
         else if (std::ranges::find(told, s.form) == told.end())
             text += fmt::format("{} does no better on this ray and around it{}: {}.\n", name,
-                                s.around < x.standing.around ? ", by a bit or more" : "", fares(s));
+                                s.around < x.result.around ? ", by a bit or more" : "", fares(s));
     }
     for (const auto* form : x.unasked)
         text += !(form->shapes() == x.form->shapes())
@@ -253,7 +252,7 @@ std::string better_sentences(const Explanation& x) {
                                    : fmt::format("{} rays around it, with each number within an ulp of its own value",
                                                  measure::attribution::neighbours);
     for (const measure::attribution::FormResult& s : x.better) {
-        if (x.standing.is_right() && !(x.standing.around - s.around >= worth_saying)) continue;
+        if (x.result.is_right() && !(x.result.around - s.around >= worth_saying)) continue;
         const bool named =
             std::ranges::find(x.beside, s.form, &measure::attribution::FormResult::form) != x.beside.end();
         if (told.size() >= most && !named) {
@@ -271,7 +270,7 @@ std::string better_sentences(const Explanation& x) {
         text = fmt::format(
             "Better on this ray and around it:{}{}.\nOn {}, {} loses {:.1f} bits on average; a wrong decision counts "
             "as all {}.\n",
-            text, left > 0 ? fmt::format(" and {} more", left) : "", around, x.form->info->name, x.standing.around,
+            text, left > 0 ? fmt::format(" and {} more", left) : "", around, x.form->info->name, x.result.around,
             x.format.parameters.precision);
     return text + beside_sentences(x, told);
 }
@@ -290,25 +289,25 @@ std::string decision_text(const std::string& form, Outcome outcome, double t, do
 }
 
 bool is_wrong_root(const Explanation& x) {
-    const bool far_off = x.standing.outcome == Outcome::agree_hit && std::fabs(x.standing.ulps) > 8;
+    const bool far_off = x.result.outcome == Outcome::agree_hit && std::fabs(x.result.ulps) > 8;
     if (!far_off || !x.true_t || !is_primitive(x.form->shape) || x.missed) return false;
     const Primitive<double> primitive(x.shape);
     const std::size_t ends = x.range.is_whole() ? 1 : 2;
     if (x.inputs.size() != 6 + primitive.used().size() + ends) return false;  // under a matrix
     return measure::stability::is_wrong_root(measure::tape::ray_of(x.inputs),
                                              measure::tape::primitive_of(x.inputs, primitive),
-                                             measure::truth::exactly(*x.true_t), x.standing.t);
+                                             measure::truth::exactly(*x.true_t), x.result.t);
 }
 
 NodeId culprit_operation(const Explanation& x) {
     const measure::attribution::Attribution& a = x.attribution;
     if (a.subject == no_node || a.culprit == no_node || measure::attribution::is_plain_miss(x.tape, a)) return no_node;
-    const Outcome outcome = x.standing.outcome;
-    const bool of_decision = is_decision(x.tape[a.subject].op), lost = x.standing.lost >= worth_saying;
+    const Outcome outcome = x.result.outcome;
+    const bool of_decision = is_decision(x.tape[a.subject].op), lost = x.result.lost >= worth_saying;
     const bool overflowed = !std::isfinite(x.tape[a.culprit].value);
     if (outcome == Outcome::unresolved || (a[a.culprit].contribution == 0 && !overflowed)) return no_node;
     bool blamed = false;
-    if (of_decision) blamed = !x.standing.is_right();
+    if (of_decision) blamed = !x.result.is_right();
     else if (outcome == Outcome::agree_hit) blamed = lost && (overflowed || !rounds_little(x));
     else if (outcome == Outcome::wrong_primitive && x.rounding_turned_order() && a.exact_hit)
         blamed = std::fabs(a.error) >= std::fabs(x.missed->hit ? x.missed->t - x.missed->exact_t : HUGE_VAL);
@@ -316,7 +315,7 @@ NodeId culprit_operation(const Explanation& x) {
     return blamed ? a.culprit : no_node;
 }
 
-bool rounding_explains(const Explanation& x) { return std::fabs(x.standing.ulps - rounding_ulps(x)) <= 1; }
+bool rounding_explains(const Explanation& x) { return std::fabs(x.result.ulps - rounding_ulps(x)) <= 1; }
 
 /// Outcome for all triangles of a mesh together, as in a map: docs/meshes.md.
 std::string mesh_sentence(const Explanation& x) {

@@ -80,7 +80,7 @@ TEST_CASE("a better row loses less on the ray and its neighbours, and luck on on
     for (const int x : {60, 80, 100, 120, 140, 160}) {
         const OneRay ray(scene, x, 128);
         const Explanation all = measure::attribution::explain(form, f32, ray);
-        if (all.standing.outcome != Outcome::agree_hit) continue;
+        if (all.result.outcome != Outcome::agree_hit) continue;
         const OneRay::Inputs in = ray.inputs(form, f32);
         const auto around = measure::attribution::neighbours_of(
             ray, in, f32.parameters, {in.all.primitives[static_cast<std::size_t>(all.primitive)]});
@@ -89,26 +89,26 @@ TEST_CASE("a better row loses less on the ray and its neighbours, and luck on on
             for (const OneRay& beside : around) sum += lost(each, beside);
             return sum / static_cast<double>(around.size());
         };
-        CHECK(all.standing.around == Approx(mean(form)));
+        CHECK(all.result.around == Approx(mean(form)));
         double before = 0;
         for (const FormResult& s : all.better) {
             INFO(x << " " << s.form->info->name);
             CHECK(s.around == Approx(mean(*s.form)));
-            CHECK(s.around < all.standing.around);
+            CHECK(s.around < all.result.around);
             CHECK(s.around >= before);
             before = s.around;
             ++better;
-            unlucky += !s.beats(all.standing);  // loses more on this very ray
+            unlucky += !s.beats(all.result);  // loses more on this very ray
         }
         for (const Intersector& other : intersect::table::intersectors()) {
             if (other.info->roots == intersect::Roots::none || other.shape != form.shape || !other.exists_in(f32) ||
                 other.info->direction != form.info->direction)
                 continue;
             const bool named = std::ranges::find(all.better, &other, &FormResult::form) != all.better.end();
-            const bool beats = lost(other, ray) < all.standing.lost;
+            const bool beats = lost(other, ray) < all.result.lost;
             if (beats && !named) {
                 ++lucky;
-                CHECK(!(mean(other) < all.standing.around));
+                CHECK(!(mean(other) < all.result.around));
             }
         }
     }

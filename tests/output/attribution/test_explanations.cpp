@@ -195,12 +195,12 @@ TEST_CASE("explained rays have the same verdict as text, JSON and table for ever
         // The words on decisions are what the two runs decided, and what the table shows.
         const bool hit = s.json["hit"], exact = s.json["attribution"]["exact_hit"], cut = s.x.attribution.cut_short;
         if (has("is the same without rounding") || has("Rounding changed no decision")) CHECK((cut || hit == exact));
-        if (has("The decision is the same")) CHECK_FALSE(s.x.standing.is_right());
-        if (hit != exact && !cut && !s.x.standing.is_right() && s.x.standing.outcome != Outcome::unresolved) {
+        if (has("The decision is the same")) CHECK_FALSE(s.x.result.is_right());
+        if (hit != exact && !cut && !s.x.result.is_right() && s.x.result.outcome != Outcome::unresolved) {
             CHECK_FALSE(s.says("On the inputs as the format stores them, the form"));
             ++seen[starred.empty() ? "turned, nothing named" : "turned, named"];
         }
-        if (s.x.standing.is_right()) CHECK((starred.empty() || s.x.standing.lost >= 1));
+        if (s.x.result.is_right()) CHECK((starred.empty() || s.x.result.lost >= 1));
         const NodeId subject = s.x.attribution.subject;
         if (subject != no_node && is_decision(s.x.tape[subject].op)) {
             const std::string name = s.json["attribution"]["subject"];
@@ -224,7 +224,7 @@ TEST_CASE("the range of a ray is among the inputs and on the tape, and its decis
         const OneRay::Inputs in = s.ray.inputs(*asked.form, asked.format);
         const auto answers = measure::answer::evaluate(*asked.form, in.all);
         REQUIRE(s.x.hit == (answers.hit[in.index] != 0));
-        if (s.x.hit) REQUIRE(same_number(s.x.standing.t, answers.t[in.index]));
+        if (s.x.hit) REQUIRE(same_number(s.x.result.t, answers.t[in.index]));
         const bool whole = s.x.range.is_whole();
         REQUIRE(s.says("\n  ray.tmin") == !whole);
         REQUIRE(s.says("\n  ray.tmax") == !whole);
