@@ -59,10 +59,10 @@ std::string in_words(const ChoiceResult& chosen);
 /// The formats that the pixels need, and the least cost of switching between forms; two or three lines.
 std::string in_words(const ChoiceResult& chosen, const measure::choice::RequirementMap& requirement_map);
 /// The obstacle, in lines that begin with two blanks. `near` comes nearest to the requirement.
-std::string obstacle_in_words(const ChoiceResult& chosen, const measure::choice::Candidate& near);
+std::string obstacle_text(const ChoiceResult& chosen, const measure::choice::Candidate& near);
 /// `; beyond that no ray hits anything`: reason why a margin ends. `broken` is the text if the requirement fails.
-std::string end_in_words(const measure::choice::GrowthMargin& margin, const measure::choice::FileRays* rays,
-                         const std::string& broken);
+std::string margin_end_text(const measure::choice::GrowthMargin& margin, const measure::choice::FileRays* rays,
+                            const std::string& broken);
 /// `binary32`, `binary64`, `p31`: name of a format of inputs.
 std::string name_of_inputs(const FloatFormat& format);
 

@@ -129,7 +129,7 @@ std::string so_far(const GrowthMargin& margin, bool rays) {
     return "";
 }
 
-std::string margin_in_words(const GrowthMargin& margin, const ChoiceResult& chosen, int precision) {
+std::string margin_text(const GrowthMargin& margin, const ChoiceResult& chosen, int precision) {
     const Requirement& requirement = chosen.request.requirement;
     const bool rays = chosen.request.rays != nullptr;
     if (margin.holds == 0) {
@@ -139,8 +139,8 @@ std::string margin_in_words(const GrowthMargin& margin, const ChoiceResult& chos
     }
     const std::string until = fmt::format("until {} {}", of_the_way(margin.way, rays), so_far(margin, rays));
     return "holds " + until +
-           end_in_words(margin, chosen.request.rays,
-                        "; beyond that, it fails by " + broken_by(margin, requirement, precision));
+           margin_end_text(margin, chosen.request.rays,
+                           "; beyond that, it fails by " + broken_by(margin, requirement, precision));
 }
 
 /// The cheapest strategy that starts the next ray safely.
@@ -204,11 +204,11 @@ std::string nothing_meets(const ChoiceResult& chosen) {
     std::string text = fmt::format("Nothing meets the requirement. The nearest is {}: {}, {}; {:.2f} ns.\n",
                                    name_of_row(near), kept(near.quality, precision, chosen.request.requirement),
                                    decisions(near.quality), nanoseconds(near));
-    return chosen.obstacle ? text + obstacle_in_words(chosen, near) : text;
+    return chosen.obstacle ? text + obstacle_text(chosen, near) : text;
 }
 
 /// Results of repairing the forms that do not meet the requirement.
-std::string mended_in_words(const ChoiceResult& chosen) {
+std::string mended_text(const ChoiceResult& chosen) {
     if (!chosen.mended) return "";
     if (chosen.mended->empty())
         return "The repair gave no new form: each one here already meets the requirement, or cannot be repaired to "
@@ -231,7 +231,8 @@ std::string mended_in_words(const ChoiceResult& chosen) {
 
 }  // namespace
 
-std::string end_in_words(const GrowthMargin& margin, const measure::choice::FileRays* rays, const std::string& broken) {
+std::string margin_end_text(const GrowthMargin& margin, const measure::choice::FileRays* rays,
+                            const std::string& broken) {
     switch (margin.end) {
         case End::fails: return broken;
         case End::nothing_hit: return "; beyond that no ray hits anything";
@@ -289,11 +290,11 @@ std::string in_words(const ChoiceResult& chosen) {
         text += assumed.empty() ? "  It assumes nothing about the ray.\n" : fmt::format("  It assumes: {}.\n", assumed);
         text += costs(chosen, c);
         for (const GrowthMargin& margin : chosen.margins)
-            text += fmt::format("  It {}.\n", margin_in_words(margin, chosen, precision));
+            text += fmt::format("  It {}.\n", margin_text(margin, chosen, precision));
         text += next_ray(chosen);
     }
     if (chosen.requirement_map) text += in_words(chosen, *chosen.requirement_map);
-    text += mended_in_words(chosen) + own_answers(chosen) + unequal_widths(chosen.all);
+    text += mended_text(chosen) + own_answers(chosen) + unequal_widths(chosen.all);
     return text + fmt::format("Times are of this run: {} of the {} against {} of its primitives.\n",
                               scene::toml::counted(chosen.timed.rays, "ray"), chosen.request.rays ? "file" : "scene",
                               chosen.timed.primitives);

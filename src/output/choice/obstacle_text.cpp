@@ -31,7 +31,7 @@ std::string kept_and_wrong(const RowQuality& quality, const Requirement& require
 }
 
 /// `the centres and the radii`.
-std::string inputs_in_words(const InputTrial& trial, std::string_view places) {
+std::string inputs_text(const InputTrial& trial, std::string_view places) {
     std::vector<std::string> names;
     for (const auto& [input, name] : {std::pair(Input::origin, std::string("ray origins")),
                                       {Input::direction, "directions"},
@@ -63,9 +63,8 @@ std::string what_it_takes(const ChoiceResult& chosen, const Candidate& near) {
     return fmt::format(
         "  What costs it is the rounding of {}: with {} in {} (of {} bits at least){}, exact "
         "arithmetic keeps {}{}.\n",
-        all ? "all inputs" : inputs_in_words(trial, places), all ? "all of them" : "these", wider,
-        found.least_precision, all ? "" : " and the others as they are", kept_and_wrong(trial.exact, requirement),
-        form_in_f64(trial));
+        all ? "all inputs" : inputs_text(trial, places), all ? "all of them" : "these", wider, found.least_precision,
+        all ? "" : " and the others as they are", kept_and_wrong(trial.exact, requirement), form_in_f64(trial));
 }
 
 /// Compares the scene stored in binary32 with the one that is written.
@@ -91,7 +90,7 @@ std::string name_of_inputs(const FloatFormat& format) {
     return fmt::format("p{}", format.precision);
 }
 
-std::string obstacle_in_words(const ChoiceResult& chosen, const Candidate& near) {
+std::string obstacle_text(const ChoiceResult& chosen, const Candidate& near) {
     const Obstacle& found = *chosen.obstacle;
     const Requirement& requirement = chosen.request.requirement;
     const std::string& format = near.row.format.name;

@@ -35,14 +35,14 @@ std::string in_words(const RowQuality& quality, const measure::choice::Requireme
     return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong, scene::toml::counted(quality.rays, "ray"));
 }
 
-std::string margin_in_words(const GrowthMargin& margin, const MendResult& r) {
+std::string margin_text(const GrowthMargin& margin, const MendResult& r) {
     const auto way = measure::choice::growth_names[static_cast<std::size_t>(margin.way)];
     const auto& requirement = r.request.requirement;
     if (margin.holds == 0)
         return fmt::format("{}: fails already as it is, on a smaller picture: {}", way,
                            in_words(margin.broken, requirement));
     return fmt::format("{}: holds up to {:.4g}-fold ({:.6g})", way, margin.holds, margin.value) +
-           choice::end_in_words(
+           choice::margin_end_text(
                margin, r.request.rays,
                fmt::format("; first broken at {:.4g}-fold: {}", margin.beyond, in_words(margin.broken, requirement)));
 }
@@ -84,7 +84,7 @@ std::string margins_in_words(const std::vector<GrowthMargin>& margins, const Men
                           : r.request.rays->sample.rays.size();
     std::string text = fmt::format("  How far it holds on {} of the {} as {}:\n", scene::toml::counted(rays, "ray"),
                                    r.request.scene ? "scene" : "file", r.request.scene ? "it is" : "they are");
-    for (const GrowthMargin& margin : margins) text += fmt::format("  {}.\n", margin_in_words(margin, r));
+    for (const GrowthMargin& margin : margins) text += fmt::format("  {}.\n", margin_text(margin, r));
     return text;
 }
 
