@@ -90,7 +90,7 @@ private:
         std::ranges::replace(name, '.', '_');
         name += fmt::format("_{}{}", row.format.name == "f32" ? "" : row.format.name + "_", count);
         written.push_back(output::repair::written(result, proposal, name, command_));
-        std::string how = fmt::format("{}, {}", row.form->info->name, how_in_words(result, proposal));
+        std::string how = fmt::format("{}, {}", row.form->info->name, method_text(result, proposal));
         if (proposal.wider) how += ": " + names_of(result, *proposal.wider);
         candidates.push_back({"mended." + name, std::move(how), *proposal.apart, name + ".hpp"});
     }

@@ -85,7 +85,7 @@ std::vector<FormRow> rows_of(const MendResult& r) {
     return rows;
 }
 
-std::string change_in_words(const MendResult& r, const FormRow& row) {
+std::string change_text(const MendResult& r, const FormRow& row) {
     const RowQuality &was = r.mended.own, &now = *row.quality;
     const auto& requirement = r.request.requirement;
     std::string text =
@@ -218,7 +218,7 @@ std::vector<MinimalRow> minimal_rows(const MendResult& r) {
     const auto& set = *r.mended.set;
     const std::vector<int> steps = steps_of(r.mended.tape);
     for (std::size_t k = 0; k < set.operations.size(); ++k)
-        rows.push_back({operation_in_words(r, set.operations[k]), steps[static_cast<std::size_t>(set.operations[k])],
+        rows.push_back({operation_text(r, set.operations[k]), steps[static_cast<std::size_t>(set.operations[k])],
                         &set.without[k], set.without[k].meets(r.request.requirement)});
     return rows;
 }
@@ -270,7 +270,7 @@ namespace {
 
 FormTexts words_of(const MendResult& r, const Proposal& proposal, const std::string& name, const std::string& command) {
     const auto& m = r.mended;
-    const std::string own(r.request.row.form->info->name), how = how_in_words(r, proposal);
+    const std::string own(r.request.row.form->info->name), how = method_text(r, proposal);
     std::vector<std::string> head{fmt::format("{}, {}:", own, how),
                                   fmt::format("{} on every {} of {}.", choice::in_words(r.request.requirement),
                                               r.request.scene ? "pixel" : "ray kept", r.request.id()),

@@ -60,14 +60,14 @@ const Proposal* best_of(const std::vector<Proposal>& proposals, const MendResult
 /// `cross products, stable roots`
 std::string rules_of(const measure::repair::Rewritten& rewritten);
 /// `3 of its 15 operations in double`, `written another way: cross products`.
-std::string how_in_words(const MendResult& result, const Proposal& proposal);
+std::string method_text(const MendResult& result, const Proposal& proposal);
 /// Names of operations that are done wider: `c, disc`.
 std::string names_of(const MendResult& result, const std::vector<NodeId>& operations);
 
 /// `double`, `two floats`, `two doubles`.
 std::string name_of_wider(const FloatFormat& wider);
 /// `c = dot(o - centre, o - centre) - radius*radius`: an operation of the form's tape with the names of the source.
-std::string operation_in_words(const MendResult& result, NodeId operation);
+std::string operation_text(const MendResult& result, NodeId operation);
 /// Changed statements of the form, as a diff.
 std::vector<std::string> changed_lines(const MendResult& result, const Tape& now);
 /// The answer, in several lines.
@@ -100,7 +100,7 @@ struct FormRow {
 std::vector<FormRow> rows_of(const MendResult& result);
 
 /// `c, disc in double: 12.0 → 22.1 bits, no wrong decision, +0.3 ns a ray`: changes of a result.
-std::string change_in_words(const MendResult& result, const FormRow& row);
+std::string change_text(const MendResult& result, const FormRow& row);
 
 /// Plots kept bits of all rows against their time in packs, or against the number of wider operations if nothing was
 /// timed.

@@ -63,7 +63,7 @@ std::string diff_of(const MendResult& r, const Tape& now) {
 }
 
 /// `here`: accuracy on the rays of the search.
-std::string apart_in_words(const MendResult& r, const RowQuality& here, const RowQuality& apart) {
+std::string apart_rays_text(const MendResult& r, const RowQuality& here, const RowQuality& apart) {
     const auto& m = r.mended;
     const std::string where =
         r.request.scene ? fmt::format("{}x{} other pixels, which the search did not use", m.apart.width, m.apart.height)
@@ -77,7 +77,7 @@ std::string apart_in_words(const MendResult& r, const RowQuality& here, const Ro
     return text;
 }
 
-std::string margins_in_words(const std::vector<GrowthMargin>& margins, const MendResult& r) {
+std::string margins_text(const std::vector<GrowthMargin>& margins, const MendResult& r) {
     if (margins.empty()) return "";
     const auto rays = r.request.scene
                           ? measure::choice::with_smaller_picture(*r.request.scene, measure::repair::few_rays).pixels()
@@ -89,7 +89,7 @@ std::string margins_in_words(const std::vector<GrowthMargin>& margins, const Men
 }
 
 /// Rays of a probe on which the form holds, and those on which it fails.
-std::string probes_in_words(const MendResult& r, const std::vector<RowQuality>& probed) {
+std::string probes_text(const MendResult& r, const std::vector<RowQuality>& probed) {
     const auto& requirement = r.request.requirement;
     if (r.mended.probes.empty())
         return "  Exchanged axes were not tried: there is a flake, a mesh of a file, or more than 1024 primitives.\n";
@@ -110,7 +110,7 @@ std::string probes_in_words(const MendResult& r, const std::vector<RowQuality>& 
     return text;
 }
 
-std::string symmetric_in_words(const MendResult& r) {
+std::string symmetric_set_text(const MendResult& r) {
     const auto& m = r.mended;
     if (proposals_of(r).front().is_symmetric(r)) return "";
     if (!m.symmetric) return "  It is not symmetric, and no set that treats x, y and z alike was found in its place.\n";
@@ -125,11 +125,11 @@ std::string symmetric_in_words(const MendResult& r) {
                         set.groups, set.of,
                         set.is_smallest ? "no groups with fewer operations are enough (all were tried)"
                                         : "none of these can be spared");
-    return text + probes_in_words(r, set.probed) + apart_in_words(r, set.quality, set.apart) +
-           margins_in_words(r.symmetric_margins, r);
+    return text + probes_text(r, set.probed) + apart_rays_text(r, set.quality, set.apart) +
+           margins_text(r.symmetric_margins, r);
 }
 
-std::string set_in_words(const MendResult& r) {
+std::string wider_set_text(const MendResult& r) {
     const auto& m = r.mended;
     const auto& requirement = r.request.requirement;
     const std::string wider = name_of_wider(m.wider);
@@ -152,12 +152,12 @@ std::string set_in_words(const MendResult& r) {
                             m.set->none_of + 1 == n ? ", so this set is one of the smallest"
                                                     : "; sets of sizes between were not all tried");
     }
-    return text + apart_in_words(r, m.set->quality, m.apart_quality) + probes_in_words(r, m.set_probed) +
-           margins_in_words(r.margins, r) + symmetric_in_words(r);
+    return text + apart_rays_text(r, m.set->quality, m.apart_quality) + probes_text(r, m.set_probed) +
+           margins_text(r.margins, r) + symmetric_set_text(r);
 }
 
 /// The form's operations without any rounding, in a sentence or two.
-std::string obstruction_in_words(const MendResult& r) {
+std::string obstruction_text(const MendResult& r) {
     const auto& requirement = r.request.requirement;
     const auto& [exact, with_unit, off_unit] = *r.mended.obstruction;
     const auto& form = *r.request.row.form->info;
@@ -180,7 +180,7 @@ std::string obstruction_in_words(const MendResult& r) {
                        name_of_wider(r.mended.wider), without);
 }
 
-std::string rewritten_in_words(const MendResult& r, std::size_t k) {
+std::string rewritten_text(const MendResult& r, std::size_t k) {
     const auto& one = r.mended.rewriting.found[k];
     const std::string how =
         one.set ? fmt::format(", {} of it in {},", scene::toml::counted(one.set->operations.size(), "operation"),
@@ -198,18 +198,18 @@ std::string rewritten_in_words(const MendResult& r, std::size_t k) {
                             rule->condition);
     }
     text += diff_of(r, one.tape);
-    text += apart_in_words(r, one.quality, one.apart) + probes_in_words(r, one.probed);
-    return k < r.rewritten_margins.size() ? text + margins_in_words(r.rewritten_margins[k], r) : text;
+    text += apart_rays_text(r, one.quality, one.apart) + probes_text(r, one.probed);
+    return k < r.rewritten_margins.size() ? text + margins_text(r.rewritten_margins[k], r) : text;
 }
 
 /// `1.2 ns a ray in packs of 512 bits (0.8-fold), 4.1 ns alone (0.9-fold)`: times, and their ratios to the form's.
-std::string price_in_words(const Price& price, const Price& own) {
+std::string price_text(const Price& price, const Price& own) {
     return fmt::format("{:.3g} ns a ray in packs of {} bits ({:.2f}-fold), {:.3g} ns alone ({:.2f}-fold)",
                        price.packed.median * 1e9, price.isa, price.packed.median / own.packed.median,
                        price.single.median * 1e9, price.single.median / own.single.median);
 }
 
-std::string prices_in_words(const MendResult& r) {
+std::string prices_text(const MendResult& r) {
     if (!r.no_price.empty()) return fmt::format("No price: {}\n", r.no_price);
     if (r.prices.empty()) return "";
     const Price& own = r.prices.front();
@@ -222,7 +222,7 @@ std::string prices_in_words(const MendResult& r) {
         (row.front ? text : rest) +=
             fmt::format("  {}{}: {}; {}.\n", row.front ? "* " : "",
                         row.kind == "wider" ? "in " + name_of_wider(r.mended.wider) : row.name,
-                        in_words(*row.quality, r.request.requirement), price_in_words(*row.price, own));
+                        in_words(*row.quality, r.request.requirement), price_text(*row.price, own));
     }
     return text + rest;
 }
@@ -234,9 +234,7 @@ std::string name_of_wider(const FloatFormat& wider) {
     return wider == measure::tape::two_doubles ? "two doubles" : "double";
 }
 
-std::string operation_in_words(const MendResult& result, NodeId operation) {
-    return text_of(result).definition(operation);
-}
+std::string operation_text(const MendResult& result, NodeId operation) { return text_of(result).definition(operation); }
 
 std::vector<std::string> changed_lines(const MendResult& r, const Tape& now) {
     const auto& form = *r.request.row.form;
@@ -317,7 +315,7 @@ std::string names_of(const MendResult& r, const std::vector<NodeId>& operations)
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::string how_in_words(const MendResult& r, const Proposal& proposal) {
+std::string method_text(const MendResult& r, const Proposal& proposal) {
     const auto& m = r.mended;
     if (proposal.rewritten) return "written another way: " + rules_of(*proposal.rewritten);
     return fmt::format("{} of its {} operations in {}{}", proposal.wider->size(), m.operations, name_of_wider(m.wider),
@@ -331,12 +329,11 @@ std::string in_words(const MendResult& r) {
         fmt::format("{}: {}\n{} in {} keeps {}.\n", r.request.id(), choice::in_words(requirement),
                     r.request.row.form->info->name, r.request.row.format.name, in_words(m.own, requirement));
     if (!m.set)
-        text +=
-            fmt::format("Even with all of its {} operations in {} it does not meet the requirement: {}.\n{}",
-                        m.operations, name_of_wider(m.wider), in_words(m.all, requirement), obstruction_in_words(r));
-    else text += m.set->operations.empty() ? own_is_enough(r) : set_in_words(r);
-    if (m.set && m.set->operations.empty()) text += probes_in_words(r, m.own_probed);
-    for (std::size_t k = 0; k < m.rewriting.found.size(); ++k) text += rewritten_in_words(r, k);
+        text += fmt::format("Even with all of its {} operations in {} it does not meet the requirement: {}.\n{}",
+                            m.operations, name_of_wider(m.wider), in_words(m.all, requirement), obstruction_text(r));
+    else text += m.set->operations.empty() ? own_is_enough(r) : wider_set_text(r);
+    if (m.set && m.set->operations.empty()) text += probes_text(r, m.own_probed);
+    for (std::size_t k = 0; k < m.rewriting.found.size(); ++k) text += rewritten_text(r, k);
     if (!r.catalogue.empty()) {
         const auto meet =
             std::ranges::count_if(r.catalogue_quality, [&](const RowQuality& w) { return w.meets(requirement); });
@@ -345,7 +342,7 @@ std::string in_words(const MendResult& r) {
             r.request.row.format.name, r.catalogue.front().form->info->name,
             in_words(r.catalogue_quality.front(), requirement), r.catalogue.size(), meet);
     }
-    text += prices_in_words(r);
+    text += prices_text(r);
     return text +
            fmt::format("Tried {} on all {}.\n", scene::toml::counted(m.tried, "candidate"),
                        scene::toml::counted(
