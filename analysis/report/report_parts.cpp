@@ -226,7 +226,7 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
         sheet.finish(summaries);
     });
     const offset::OffsetSummary& summary = summaries.front();
-    part.words = output::offset::row_in_words(study, 0, summary);
+    part.words = output::offset::summary_lines(study, 0, summary);
     part.table = page::offset_table(study, summary);
     for (std::size_t k = 0; k < study.strategies.size(); ++k) {
         part.strategies.push_back(output::offset::short_name(*study.strategies[k]));

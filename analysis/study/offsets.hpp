@@ -65,7 +65,7 @@ struct OffsetWords {
 
     static void say(const Study& study, const Summaries& summaries, bool) {
         for (std::size_t r = 0; r < study.rows.size(); ++r)
-            for (const std::string& line : output::offset::row_in_words(study, r, summaries[r]))
+            for (const std::string& line : output::offset::summary_lines(study, r, summaries[r]))
                 fmt::print("  {}\n", line);
         if (summaries.front().points == 0)
             fmt::print(

@@ -231,7 +231,7 @@ std::vector<StrategyRow> OffsetView::summary_rows(const OffsetStudy& study,
     return rows;
 }
 
-std::vector<std::string> row_in_words(const OffsetStudy& study, std::size_t r, const OffsetSummary& summary) {
+std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r, const OffsetSummary& summary) {
     std::vector<std::string> lines;
     if (summary.points == 0) return lines;
     const measure::offset::OffsetRow& row = study.rows[r];

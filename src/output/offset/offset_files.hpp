@@ -58,8 +58,8 @@ struct OffsetView {
 /// Findings for row `r` of a study, one sentence per line. For each side: the largest of the smallest safe offsets,
 /// and the strategies that are right for every ray. Then the cheapest strategy that is right on both sides (`none`,
 /// which leaves the point as it is, is a strategy too). Empty if no point counts.
-[[nodiscard]] std::vector<std::string> row_in_words(const measure::offset::OffsetStudy& study, std::size_t r,
-                                                    const measure::offset::OffsetSummary& summary);
+[[nodiscard]] std::vector<std::string> summary_lines(const measure::offset::OffsetStudy& study, std::size_t r,
+                                                     const measure::offset::OffsetSummary& summary);
 
 /// A strategy at a value on the axis.
 struct AlongRow {
