@@ -113,8 +113,7 @@ std::vector<Primitive<double>> primitives_given(const RayFileOptions& o, const s
                                                 const Format& format) {
     if (scene) return scene::rays::stored_beside_mesh(*scene, format.parameters);
     std::vector<Primitive<double>> primitives;
-    for (const auto& [shape, text] : o.primitives.given())
-        primitives.push_back(primitive_in_words(shape, text, format));
+    for (const auto& [shape, text] : o.primitives.given()) primitives.push_back(primitive_phrase(shape, text, format));
     return primitives;
 }
 

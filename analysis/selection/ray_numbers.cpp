@@ -108,7 +108,7 @@ Placement<double> placement_in(const std::string& text, const char* option, cons
 
 }  // namespace
 
-Primitive<double> primitive_in_words(Shape shape, const std::string& words, const std::optional<Format>& as) {
+Primitive<double> primitive_phrase(Shape shape, const std::string& words, const std::optional<Format>& as) {
     const std::size_t at = std::min(words.find('@'), words.size());
     const std::string text = words.substr(0, at), option = "--" + std::string(name_of(shape));
     Primitive<double> primitive(shape);

@@ -56,7 +56,7 @@ double stored_number(const Real& x);
 /// A primitive from its numbers, `CX,CY,CZ,R`. After them may stand `@` and the twelve numbers of a matrix, row by row,
 /// or `@/` and those of a stored inverse. All are read by `numbers_of`. Throws InputError, which names the option of
 /// the shape.
-Primitive<double> primitive_in_words(Shape shape, const std::string& words, const std::optional<Format>& as);
+Primitive<double> primitive_phrase(Shape shape, const std::string& words, const std::optional<Format>& as);
 
 /// Parses `WxH`, in pixels. Throws InputError for other texts.
 std::pair<int, int> parse_size(const std::string& text);

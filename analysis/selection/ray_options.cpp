@@ -250,7 +250,7 @@ void require_range(const RayOptions& words, const Range<double>& range) {
 SelectedRay of_own_primitives(const RayOptions& words, const TestedForm& given) {
     std::vector<Primitive<double>> primitives;
     for (const auto& [shape, text] : words.primitives.given())
-        primitives.push_back(primitive_in_words(shape, text, format_of(words.as)));
+        primitives.push_back(primitive_phrase(shape, text, format_of(words.as)));
     const bool placed =
         std::ranges::any_of(primitives, [](const auto& primitive) { return primitive.placed.has_value(); });
     const auto is_for = [&given](const Primitive<double>& primitive) {
