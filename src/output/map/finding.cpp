@@ -58,7 +58,7 @@ std::string share_in_words(std::uint64_t n, std::uint64_t of, const char* rays) 
 
 }  // namespace
 
-std::string fault_in_words(const FormSummary& s) {
+std::string wrong_decision_text(const FormSummary& s) {
     struct Fault {
         Outcome outcome;
         std::uint64_t of;
@@ -84,7 +84,7 @@ std::string finding_in_words(const EvaluationRequest& request, const std::vector
     if (best.kept < 0) return "";
     const std::string kept = fmt::format("{} of {} bits in {}", bits_text(best.kept), format.parameters.precision,
                                          format.name),
-                      fault = fault_in_words(*worst.summary);
+                      fault = wrong_decision_text(*worst.summary);
     if (forms.size() > 1 && fault.empty() && best.kept - worst.kept < 1)
         return fmt::format("{} keep {} of {} bits in {}",
                            forms.size() == 2 ? "Both forms" : fmt::format("All {} forms", forms.size()),

@@ -16,6 +16,6 @@ namespace lostbits::output::map {
 
 /// `misses 45 % of the true hits`, `returns NaN for 3 of 4096 rays`: the most frequent kind of wrong decision; empty if
 /// all are right.
-[[nodiscard]] std::string fault_in_words(const measure::evaluate::FormSummary& summary);
+[[nodiscard]] std::string wrong_decision_text(const measure::evaluate::FormSummary& summary);
 
 }  // namespace lostbits::output::map
