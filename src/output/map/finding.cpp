@@ -48,7 +48,7 @@ std::vector<FoundForm> forms_of(const EvaluationRequest& request, const std::vec
 }
 
 /// `45 % of the empty rays`, `3 of the 4096 empty rays`; 100 % only if it is all of them
-std::string share_in_words(std::uint64_t n, std::uint64_t of, const char* rays) {
+std::string count_and_share_text(std::uint64_t n, std::uint64_t of, const char* rays) {
     const double share = 100 * static_cast<double>(n) / static_cast<double>(of);
     return n == of       ? fmt::format("all {} {}", of, rays)
            : share < 0.5 ? fmt::format("{} of the {} {}", n, of, rays)
@@ -71,8 +71,8 @@ std::string wrong_decision_text(const FormSummary& s) {
                                {Outcome::not_a_number, s.rays, "returns NaN for", "rays"},
                                {Outcome::wrong_primitive, s.true_hits, "hits the wrong primitive on", "true hits"}})
         if (2 * s.count(fault.outcome) > wrong)
-            return fmt::format("{} {}", fault.does, share_in_words(s.count(fault.outcome), fault.of, fault.rays));
-    return fmt::format("decides {} wrongly", share_in_words(wrong, s.rays, "rays"));
+            return fmt::format("{} {}", fault.does, count_and_share_text(s.count(fault.outcome), fault.of, fault.rays));
+    return fmt::format("decides {} wrongly", count_and_share_text(wrong, s.rays, "rays"));
 }
 
 std::string finding_in_words(const EvaluationRequest& request, const std::vector<FormSummary>& summaries) {
