@@ -116,7 +116,7 @@ const measure::metric::Distribution& metric_of(const TradeRequest& request, cons
 }
 
 /// Conditions under which the times were measured.
-std::string timed_in_words(const TradeRequest& request, const TradeResult& result) {
+std::string timing_text(const TradeRequest& request, const TradeResult& result) {
     if (!request.scene)
         return "Time per ray of the set `easy`, of which every second ray hits, with the working set `l1` (half of the "
                "first-level cache). The times are of this run, and vary from run to run.\n";
@@ -287,7 +287,7 @@ std::string trade_in_words(const TradeRequest& request, const TradeResult& resul
                             scene::toml::counted(result.accuracy(s, 0).rays, "ray"));
         text += ranking_text(request, result, all) + cheapest_text(request, all) + "\n";
     }
-    return text + timed_in_words(request, result);
+    return text + timing_text(request, result);
 }
 
 TradeFiles::TradeFiles(const TradeRequest& request, const std::filesystem::path& folder)
