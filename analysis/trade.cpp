@@ -113,7 +113,7 @@ Exit run(const TradeOptions& o, const Common& common) {
     complete(owner);
     progress.finish();
     if (!common.quiet)
-        fmt::print("{}\n{}\n", output::speed::trade_in_words(request, result), (folder / "pareto.csv").string());
+        fmt::print("{}\n{}\n", output::speed::trade_text(request, result), (folder / "pareto.csv").string());
     return Exit::done;
 }
 

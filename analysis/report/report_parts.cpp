@@ -250,7 +250,7 @@ page::TradePart trade_part(Shape shape, const std::vector<TestedForm>& rows, Sto
     const measure::speed::TradeResult result = measure::speed::run_trade(request);
     page::TradePart part{std::string(shape_names[static_cast<std::size_t>(shape)]),
                          page::trade_json(request, result),
-                         output::speed::trade_in_words(request, result),
+                         output::speed::trade_text(request, result),
                          {}};
     const auto sets = measure::speed::ray_sets(shape);
     for (std::size_t s = 0; s < sets.size(); ++s)

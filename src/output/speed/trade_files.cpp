@@ -278,7 +278,7 @@ std::string cheapest_text(const TradeRequest& request, const std::vector<measure
 
 }  // namespace
 
-std::string trade_in_words(const TradeRequest& request, const TradeResult& result) {
+std::string trade_text(const TradeRequest& request, const TradeResult& result) {
     std::string text;
     const auto sets = measure::speed::trade_sets(request);
     for (std::size_t s = 0; s < sets.size(); ++s) {
@@ -326,7 +326,7 @@ void TradeFiles::write_pareto(const TradeResult& result) {
 void TradeFiles::finish(const TradeResult& result) {
     write_times(result);
     write_pareto(result);
-    file::write_file(folder_ / "trade.txt", trade_in_words(request_, result));
+    file::write_file(folder_ / "trade.txt", trade_text(request_, result));
     table::close_tables(folder_,
                         request_.scene ? fmt::format("Speed against accuracy on {}", request_.scene->id)
                                        : fmt::format("Speed against accuracy of the {} forms",

@@ -83,7 +83,7 @@ std::vector<measure::speed::ParetoPoint> pareto_points_of(const measure::speed::
 
 /// For each set of rays: a table of the forms by time, and the cheapest that keeps each number of bits. Then how the
 /// times were measured.
-std::string trade_in_words(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result);
+std::string trade_text(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result);
 
 /// Titles of the axes of the picture, here and on the page.
 inline constexpr const char *time_title = "time per ray of the easy set, ns",
