@@ -72,16 +72,16 @@ std::vector<std::string> forms_in_name(const std::string& name) {
     return forms;
 }
 
-std::optional<MadeName> made_name(const std::string& name) {
-    using Kind = MadeName::Kind;
+std::optional<ComposedName> made_name(const std::string& name) {
+    using Kind = ComposedName::Kind;
     if (name.ends_with(contracted_suffix))
-        return MadeName{Kind::contracted,
-                        name.substr(0, name.size() - contracted_suffix.size()),
-                        std::string(contracted_suffix.substr(1)),
-                        {}};
+        return ComposedName{Kind::contracted,
+                            name.substr(0, name.size() - contracted_suffix.size()),
+                            std::string(contracted_suffix.substr(1)),
+                            {}};
     const std::size_t at = name.find_last_of("@^");
     if (at == std::string::npos) return std::nullopt;
-    MadeName found{name[at] == '^' ? Kind::box : Kind::space, name.substr(0, at), name.substr(at + 1), {}};
+    ComposedName found{name[at] == '^' ? Kind::box : Kind::space, name.substr(0, at), name.substr(at + 1), {}};
     if (found.kind == Kind::space && found.last.starts_with(generator_prefix)) {
         found.kind = Kind::generator;
         found.last.erase(0, generator_prefix.size());
@@ -93,20 +93,20 @@ std::optional<MadeName> made_name(const std::string& name) {
     return found;
 }
 
-std::vector<const Intersector*> rows_of(const MadeName& name, const NamedParts& parts) {
+std::vector<const Intersector*> rows_of(const ComposedName& name, const NamedParts& parts) {
     std::vector<const Intersector*> all;
     for (const Intersector* const form : parts.forms(name.form)) {
         switch (name.kind) {
-            case MadeName::Kind::contracted: all.push_back(&parts.contracted(without_generator(*form))); break;
-            case MadeName::Kind::generator:
+            case ComposedName::Kind::contracted: all.push_back(&parts.contracted(without_generator(*form))); break;
+            case ComposedName::Kind::generator:
                 for (const RayGenerator* const generator : parts.ray_generators(name.last))
                     all.push_back(&with_generator(*generator, *form));
                 break;
-            case MadeName::Kind::space:
+            case ComposedName::Kind::space:
                 for (const auto* const space : parts.transform_methods(name.last))
                     all.push_back(&intersect::transform::through(*space, without_generator(*form)));
                 break;
-            case MadeName::Kind::box: {
+            case ComposedName::Kind::box: {
                 const auto box_methods = name.box_method ? parts.box_methods(*name.box_method)
                                                          : std::vector{&intersect::bounding_box::usual_box_method()};
                 for (const Intersector* const box : parts.forms(name.last))

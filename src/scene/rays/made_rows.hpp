@@ -40,14 +40,14 @@ std::vector<std::string> forms_in_name(const std::string& name);
 
 /// A name of a composed row, split before its last part: FORM@TRANSFORM, FORM@ray-METHOD, FORM^BOX, FORM^BOX~METHOD or
 /// FORM+fma.
-struct MadeName {
+struct ComposedName {
     enum class Kind { space, generator, box, contracted } kind;
     std::string form;                       ///< may be such a name itself
     std::string last;                       ///< the transform, the ray generator, or the form of boxes; "fma"
     std::optional<std::string> box_method;  ///< the method to compute the bounding box, if one is named
 };
 /// Returns nothing for a name without an @ or a ^ that does not end with +fma.
-std::optional<MadeName> made_name(const std::string& name);
+std::optional<ComposedName> made_name(const std::string& name);
 
 /// Functions that find each part of a name: one for a name, several for a glob. They throw for unknown names.
 struct NamedParts {
@@ -61,6 +61,6 @@ struct NamedParts {
     std::function<const intersect::table::Intersector&(const intersect::table::Intersector&)> contracted;
 };
 /// Returns every row of that name, ordered by the form, then the box, then the other part.
-std::vector<const intersect::table::Intersector*> rows_of(const MadeName& name, const NamedParts& parts);
+std::vector<const intersect::table::Intersector*> rows_of(const ComposedName& name, const NamedParts& parts);
 
 }  // namespace lostbits::scene::rays
