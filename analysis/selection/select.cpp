@@ -71,7 +71,7 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& glo
     std::vector<const Intersector*> forms, sets;
     for (const std::string& word : globs) {
         const bool of_several = names_set(word);
-        if (!of_several && !scene::rays::made_name(word)) {
+        if (!of_several && !scene::rays::split_composed_name(word)) {
             alone.push_back(word);
             continue;
         }

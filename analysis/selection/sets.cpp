@@ -221,7 +221,7 @@ const Intersector& plain_set(Shapes shapes) {
 
 Forms made_named(const std::string& word, const char* option) {
     using Kind = scene::rays::ComposedName::Kind;
-    const auto name = scene::rays::made_name(word).value();
+    const auto name = scene::rays::split_composed_name(word).value();
     const bool is_box = name.kind == Kind::box, is_contracted = name.kind == Kind::contracted;
     if (is_contracted && name.form.empty())
         throw InputError(fmt::format(

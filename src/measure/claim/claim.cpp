@@ -109,7 +109,7 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
         rows, [&form](const intersect::table::Intersector& row) { return row.info->name == form; });
     if (found != rows.end()) return *found;
     const std::vector<std::string> names = scene::rays::forms_in_name(form);
-    if (const auto made = scene::rays::made_name(form); made && names.size() == 1) {
+    if (const auto made = scene::rays::split_composed_name(form); made && names.size() == 1) {
         return *rows_of(*made, {.forms = [&](const std::string& name) { return std::vector{&form_named(claim, name)}; },
                                 .transform_methods =
                                     [&](const std::string& name) {

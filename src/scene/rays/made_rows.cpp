@@ -72,7 +72,7 @@ std::vector<std::string> forms_in_name(const std::string& name) {
     return forms;
 }
 
-std::optional<ComposedName> made_name(const std::string& name) {
+std::optional<ComposedName> split_composed_name(const std::string& name) {
     using Kind = ComposedName::Kind;
     if (name.ends_with(contracted_suffix))
         return ComposedName{Kind::contracted,

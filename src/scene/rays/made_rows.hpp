@@ -47,7 +47,7 @@ struct ComposedName {
     std::optional<std::string> box_method;  ///< the method to compute the bounding box, if one is named
 };
 /// Returns nothing for a name without an @ or a ^ that does not end with +fma.
-std::optional<ComposedName> made_name(const std::string& name);
+std::optional<ComposedName> split_composed_name(const std::string& name);
 
 /// Functions that find each part of a name: one for a name, several for a glob. They throw for unknown names.
 struct NamedParts {
