@@ -75,7 +75,7 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& glo
             alone.push_back(word);
             continue;
         }
-        for (const Intersector* const set : of_several ? sets_named(word, option) : made_named(word, option))
+        for (const Intersector* const set : of_several ? sets_named(word, option) : select_composed(word, option))
             add_once(sets, set);
     }
     forms = select_rows(intersect::table::intersectors(), alone, "form", option);

@@ -36,8 +36,8 @@ void add_once(std::vector<T>& all, const std::type_identity_t<T>& one) {
 
 /// The forms whose names match any of the patterns (`sphere.*`, `*press*`), in the order of the catalogue. After them
 /// come the sets of words such as `sphere.press+box.*` (`sets_named`) and the rows of words such as `sphere.*@pbrt` and
-/// `sphere.*^box.signs` (`made_named`). Throws InputError, which names the `option` and suggests a name, for an unknown
-/// name, and NothingSelected for a pattern that matches nothing.
+/// `sphere.*^box.signs` (`select_composed`). Throws InputError, which names the `option` and suggests a name, for an
+/// unknown name, and NothingSelected for a pattern that matches nothing.
 std::vector<const intersect::table::Intersector*> select_forms(const std::vector<std::string>& globs,
                                                                const char* option = "-i");
 

@@ -219,7 +219,7 @@ const Intersector& plain_set(Shapes shapes) {
     return intersect::table::set_of(parts);
 }
 
-Forms made_named(const std::string& word, const char* option) {
+Forms select_composed(const std::string& word, const char* option) {
     using Kind = scene::rays::ComposedName::Kind;
     const auto name = scene::rays::split_composed_name(word).value();
     const bool is_box = name.kind == Kind::box, is_contracted = name.kind == Kind::contracted;

@@ -49,7 +49,7 @@ std::vector<const intersect::table::Intersector*> sets_named(const std::string& 
 /// The rows of a word such as `sphere.*@pbrt` (a form with a transform) or `sphere.*^box.signs~nearest` (a form behind
 /// a bounding box); a word may have several of these. Its parts are patterns. Throws InputError and NothingSelected as
 /// the selection of each part does.
-std::vector<const intersect::table::Intersector*> made_named(const std::string& word, const char* option);
+std::vector<const intersect::table::Intersector*> select_composed(const std::string& word, const char* option);
 
 /// The rows that -i and -f select, and the words of -i.
 struct SelectedRows {
