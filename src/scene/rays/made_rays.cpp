@@ -71,10 +71,10 @@ CameraNumbers<Real> camera_numbers(const Scene& scene) {
     return c;
 }
 
-MadeRays::MadeRays(const Scene& scene)
+GeneratedRays::GeneratedRays(const Scene& scene)
     : by_(scene.camera.rays), frame_(make_frame<Real>(scene)), numbers_(camera_numbers(scene)) {}
 
-BasicRayBlock<Real> MadeRays::ideal(int y0, int y1) const {
+BasicRayBlock<Real> GeneratedRays::ideal(int y0, int y1) const {
     BasicRayBlock<Real> block;
     block.width = numbers_.width, block.y0 = y0, block.y1 = y1;
     for (int y = y0; y < y1; ++y) {
@@ -88,7 +88,7 @@ BasicRayBlock<Real> MadeRays::ideal(int y0, int y1) const {
     return block;
 }
 
-const CameraNumbers<double>& MadeRays::stored(const FloatFormat& format) const {
+const CameraNumbers<double>& GeneratedRays::stored(const FloatFormat& format) const {
     const std::lock_guard alone(storing_);
     for (const auto& [of, numbers] : stored_)
         if (of == format) return numbers;
@@ -97,7 +97,7 @@ const CameraNumbers<double>& MadeRays::stored(const FloatFormat& format) const {
 }
 
 template <class T>
-RayBlock MadeRays::made(camera::MakeIn<T> make, const FloatFormat& format, int y0, int y1) const {
+RayBlock GeneratedRays::made(camera::MakeIn<T> make, const FloatFormat& format, int y0, int y1) const {
     const CameraNumbers<T> numbers = stored(format).each([](double x) { return T(x); });
     RayBlock block;
     block.width = numbers_.width, block.y0 = y0, block.y1 = y1;
@@ -105,14 +105,14 @@ RayBlock MadeRays::made(camera::MakeIn<T> make, const FloatFormat& format, int y
     return block;
 }
 
-RayBlock MadeRays::in(const FloatFormat& format, int y0, int y1) const {
+RayBlock GeneratedRays::in(const FloatFormat& format, int y0, int y1) const {
     if (format == binary32) return made<float>(by_->f32, format, y0, y1);
     if (format == binary64) return made<double>(by_->f64, format, y0, y1);
     const CurrentFormat::Scope scope(format);
     return made<RoundedAny>(by_->rounded, format, y0, y1);
 }
 
-RecordedRay MadeRays::record(const Format& format, camera::PixelCoordinates at) const {
+RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates at) const {
     Tape whole;
     const auto ray = by_->record(format, stored(format.parameters), at, whole);
     static const std::vector<std::string> names = [] {

@@ -29,10 +29,10 @@ struct RecordedRay {
     bool lead(Tape& form) const;
 };
 
-class MadeRays {
+class GeneratedRays {
 public:
     /// Takes a scene whose camera has a ray generator (`file::with_rays`).
-    explicit MadeRays(const file::Scene& scene);
+    explicit GeneratedRays(const file::Scene& scene);
     /// The exact rays of the pixels of some rows, with length one: from the eye, or from the point where each meets
     /// the near plane.
     [[nodiscard]] BasicRayBlock<Real> ideal(int y0, int y1) const;

@@ -106,7 +106,7 @@ RayBlock make_shared_rays(const Scene& scene, int y0, int y1) {
 
 IdealRayBlock make_own_rays(const Scene& scene, int y0, int y1) {
     if (!scene.camera.rays) return {make_rays<Real>(scene, y0, y1)};
-    const auto made = std::make_shared<const MadeRays>(scene);
+    const auto made = std::make_shared<const GeneratedRays>(scene);
     IdealRayBlock block{made->ideal(y0, y1), made};
     put_range(scene, block);
     return block;

@@ -59,11 +59,11 @@ struct BasicRayBlock {
 
 /// Numbers of a format, held in doubles.
 using RayBlock = BasicRayBlock<double>;
-class MadeRays;
+class GeneratedRays;
 /// The ideal rays. Each takes about 500 bytes; make a few rows at a time.
 struct IdealRayBlock : BasicRayBlock<Real> {
     /// Makes the rays in each format; null: each component is rounded.
-    std::shared_ptr<const MadeRays> made = {};
+    std::shared_ptr<const GeneratedRays> made = {};
 };
 
 /// A set of rays with the primitives at which they are aimed: the input of a step of a sweep.

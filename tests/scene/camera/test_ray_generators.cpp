@@ -126,7 +126,7 @@ TEST_CASE("ray generators give the same rays in machine floats and in emulated f
     for (const RayGenerator& generator : ray_generators()) {
         CAPTURE(generator.info->name);
         const file::Scene scene = with_rays(plain, generator);
-        const rays::MadeRays made(scene);
+        const rays::GeneratedRays made(scene);
         for (const FloatFormat& format : {binary32, binary64}) {
             const rays::RayBlock native = made.in(format, 0, height);
             const CurrentFormat::Scope scope(format);
@@ -149,7 +149,7 @@ TEST_CASE("the tape of a ray generator gives its rays from the camera's numbers"
     const file::Scene plain = loaded(scene_of("7401.3, 5921.1, 7896.7", "7399, 5930, 7890", "near = 0.1\nfar = 1000"));
     for (const RayGenerator& generator : ray_generators()) {
         const file::Scene scene = with_rays(plain, generator);
-        const rays::MadeRays made(scene);
+        const rays::GeneratedRays made(scene);
         for (const char* name : {"f32", "f64", "fp16"}) {
             CAPTURE(generator.info->name, name);
             const Format format = *find_format(name);
@@ -177,7 +177,7 @@ TEST_CASE("the tape of a ray generator gives its rays from the camera's numbers"
 TEST_CASE("generators that rotate a direction in camera space give the same rays for every camera position") {
     const auto directions = [](const RayGenerator& generator, const std::string& eye, const std::string& look_at) {
         const file::Scene scene = with_rays(loaded(scene_of(eye, look_at, "near = 0.125\nfar = 1024")), generator);
-        const rays::RayBlock block = rays::MadeRays(scene).in(binary32, 0, height);
+        const rays::RayBlock block = rays::GeneratedRays(scene).in(binary32, 0, height);
         return std::vector<std::vector<double>>{block.dx, block.dy, block.dz};
     };
     const std::set<std::string_view> apart{"bevy_view", "nvpro", "godot", "optix", "pbrt", "differentials", "relative"};
@@ -207,7 +207,7 @@ TEST_CASE("no ray is made where w is 0: an infinite far plane, or z = 0 with rev
                                             {"near = 2", "glm"}}) {
         const file::Scene scene =
             with_rays(loaded(scene_of("0, 0, 0", "2, 3, 6", planes_text)), *camera::find_ray_generator(name));
-        const rays::RayBlock block = rays::MadeRays(scene).in(binary32, 0, height);
+        const rays::RayBlock block = rays::GeneratedRays(scene).in(binary32, 0, height);
         for (std::size_t i = 0; i < block.size(); ++i) CHECK_FALSE(std::isfinite(block.dx[i]));
     }
 }
