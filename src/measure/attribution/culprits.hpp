@@ -13,7 +13,7 @@
 #include "measure/attribution/attribution.hpp"
 #include "measure/attribution/rerun.hpp"
 #include "scene/file/scene.hpp"
-#include "scene/rays/made_rays.hpp"
+#include "scene/rays/generated_rays.hpp"
 #include "scene/rays/rays.hpp"
 
 namespace lostbits::measure::attribution {

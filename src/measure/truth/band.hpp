@@ -14,7 +14,7 @@
 #include "number/real.hpp"
 #include "scene/file/scene.hpp"
 #include "scene/rays/camera.hpp"
-#include "scene/rays/made_rays.hpp"
+#include "scene/rays/generated_rays.hpp"
 #include "scene/rays/rays.hpp"
 
 namespace lostbits::measure::truth {

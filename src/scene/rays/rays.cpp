@@ -5,7 +5,7 @@
 #include "number/rounded.hpp"
 #include "scene/file/stretch.hpp"
 #include "scene/rays/camera.hpp"
-#include "scene/rays/made_rays.hpp"
+#include "scene/rays/generated_rays.hpp"
 #include "scene/rays/primitive_list.hpp"
 #include "scene/toml/round.hpp"
 

@@ -10,7 +10,7 @@
 #include "catch.hpp"
 #include "number/real.hpp"
 #include "scene/camera/ray_generators.hpp"
-#include "scene/rays/made_rays.hpp"
+#include "scene/rays/generated_rays.hpp"
 #include "scene/scene_text.hpp"
 
 namespace test_ray_generators {

@@ -1,4 +1,4 @@
-#include "scene/rays/made_rays.hpp"
+#include "scene/rays/generated_rays.hpp"
 
 #include <cmath>
 
