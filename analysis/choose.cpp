@@ -201,7 +201,7 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const Ow
 Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
     const auto scene = selection::load_one_scene({{o.subjects.front()}, o.size, o.variant, o.set, common.stop},
                                                  selection::data_folder(common.data));
-    selection::refuse_made_rays({scene}, "choose");
+    selection::refuse_generated_rays({scene}, "choose");
     ChoiceRequest request = request_of(o, common.stop);
     request.scene = &scene;
     request.rows = rows_of(o, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });

@@ -164,7 +164,7 @@ scene::file::Scene scene_of(const MendOptions& o, const std::filesystem::path& d
     selection::SceneChoice named = o.changes;
     named.names = o.subjects;
     scene::file::Scene scene = selection::load_one_scene(named, data);
-    selection::refuse_made_rays({scene}, "mend");
+    selection::refuse_generated_rays({scene}, "mend");
     return scene;
 }
 

@@ -74,7 +74,7 @@ std::vector<scene::file::Scene> scenes_of_primitives(const selection::SharedOpti
                                                      const Common& common, void (*require)(const scene::file::Scene&)) {
     using scene::file::Scene;
     auto scenes = selection::load_scenes(shared.scenes, selection::data_folder(common.data));
-    selection::refuse_made_rays(scenes, name);
+    selection::refuse_generated_rays(scenes, name);
     selection::refuse_generators(rows, name);
     for (const Scene& scene : scenes) require(scene);
     const auto met = selection::drop_unfitting(

@@ -91,7 +91,7 @@ std::unique_ptr<lostbits_result> study_of(const scene::file::Scene& scene, const
     Selection chosen(&given);
     std::erase_if(chosen.rows, [](const TestedForm& row) { return !Words::takes(*row.form); });
     selection::refuse_generators(chosen.rows, Words::name);
-    selection::refuse_made_rays({scene}, Words::name);
+    selection::refuse_generated_rays({scene}, Words::name);
     Words::require(scene);
     chosen.keep_those_for("scene " + scene.id,
                           [&scene](Shapes of) { return selection::are_primitives(of) && scene.meets(of); });
@@ -128,7 +128,7 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     const TestedForm& row = the_one_row(chosen, "mend repairs one form in one format");
     if (selection::is_emulated(row.format)) throw InputError("mend works in f32 and f64 only; name one of them");
     selection::refuse_generators({row.form}, "mend");
-    selection::refuse_made_rays({scene}, "mend");
+    selection::refuse_generated_rays({scene}, "mend");
     measure::repair::MendRequest request{
         .scene = &scene, .row = row, .requirement = requirement, .two_words = two_words};
     request.limit.stop = running.stop();

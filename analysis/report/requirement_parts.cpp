@@ -89,7 +89,7 @@ MendWork mend_of(const std::string& word, const std::string& size, const std::fi
     });
     if (rows.size() != 1) said.refuse(form + " is not one form for the primitives of that scene");
     selection::refuse_generators({rows.front().form}, "mend");
-    selection::refuse_made_rays({scene}, "mend");
+    selection::refuse_generated_rays({scene}, "mend");
     MendWork work{std::move(scene), said.requirement, rows.front()};
     // Refuses a form that filters here, before anything is measured.
     static_cast<void>(measure::repair::recorded({.scene = &work.scene, .row = work.row}));

@@ -156,7 +156,7 @@ void refuse_generators(const std::vector<measure::evaluate::TestedForm>& rows, c
 void refuse_contracted(const std::vector<measure::evaluate::TestedForm>& rows, const char* command);
 
 /// Throws InputError for a scene whose rays are made in each format, in a command that rounds exact rays.
-void refuse_made_rays(const std::vector<scene::file::Scene>& scenes, const char* command);
+void refuse_generated_rays(const std::vector<scene::file::Scene>& scenes, const char* command);
 
 /// Prints on stderr which lengths of the scene vanish or overflow in a format and, if a row marches, which constants of
 /// its march do.

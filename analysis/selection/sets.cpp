@@ -296,7 +296,7 @@ void refuse_contracted(const std::vector<TestedForm>& rows, const char* command)
     }
 }
 
-void refuse_made_rays(const std::vector<scene::file::Scene>& scenes, const char* command) {
+void refuse_generated_rays(const std::vector<scene::file::Scene>& scenes, const char* command) {
     for (const scene::file::Scene& scene : scenes)
         if (scene.camera.rays)
             throw InputError(
