@@ -335,7 +335,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     if (form.is_template()) {
         form.record(format, in.ray(*form.info), target, x.range.tmax, x.tape);
         const auto made = ray.recorded_ray(format);
-        x.made_ray = made.has_value();
+        x.is_generated_ray = made.has_value();
         x.names = names_of_inputs(form, target, made && made->lead(x.tape) ? &*made : nullptr);
         put_range_behind(x.tape, x.names, form.of(x.shape), format, x.range);
         for (const TapeNode& n : x.tape.nodes) {
@@ -384,7 +384,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
 Explanation explain(const Intersector& form, const Format& format, const OneRay& ray,
                     std::span<const Intersector* const> beside, const std::optional<PixelOf>& pixel) {
     Explanation x = explain_alone(form, format, ray);
-    if (!x.made_ray || !pixel) {
+    if (!x.is_generated_ray || !pixel) {
         const OneRay::Inputs in = ray.inputs(form, format);
         const auto primitives = primitives_around(x, in, ray.truth(*form.info).object);
         const auto near = neighbours_of(ray, in, format.parameters, primitives);

@@ -45,7 +45,7 @@ struct Explanation {
     std::vector<std::string> names = {};  ///< names of the inputs, in the tape's order
     std::vector<double> inputs = {};      ///< as the form received them
     Range<double> range = {};             ///< range of the ray, in the format and in the unit of the form's t
-    bool made_ray = false;                ///< a camera makes the ray: the true ray is ideal, the form's is computed
+    bool is_generated_ray = false;        ///< a camera makes the ray: the true ray is ideal, the form's is computed
     /// Direction of the ray, if the form received it normalised and rounded
     std::optional<Vec<double>> given = {};
     bool rounded_inputs = false;                     ///< the format cannot represent the ray or a primitive as given

@@ -203,7 +203,7 @@ namespace {
 /// The numbers that the envelope perturbs: those of the problem as it is stored, before any step of the form.
 std::string each_input(const Explanation& x) {
     const bool placed = x.form->of(x.shape).is_placed;
-    if (x.made_ray) return "half an ulp in each number of the ideal ray and of the primitive";
+    if (x.is_generated_ray) return "half an ulp in each number of the ideal ray and of the primitive";
     return placed ? "half an ulp in each number of ray, primitive and matrix as the world stores them"
                   : "half an ulp in each input";
 }
@@ -222,12 +222,12 @@ bool another_does_better(const Explanation& x) {
 /// Text for a loss within the envelope. The envelope does not bound other forms on the same exact numbers.
 std::string within_envelope(const Explanation& x) {
     const bool placed = x.form->of(x.shape).is_placed;
-    const char* const who = placed       ? "transform and form lose"
-                            : x.made_ray ? "making the ray and the form lose"
-                                         : "the formula loses";
+    const char* const who = placed               ? "transform and form lose"
+                            : x.is_generated_ray ? "making the ray and the form lose"
+                                                 : "the formula loses";
     const char* const others = another_does_better(x) ? " Other forms do better (see below)." : "";
-    if (x.rounded_inputs && !x.made_ray) return "; input rounding alone explains this loss.";
-    if (x.made_ray || x.form->info->direction == intersect::Direction::unit || !rounding_explains(x))
+    if (x.rounded_inputs && !x.is_generated_ray) return "; input rounding alone explains this loss.";
+    if (x.is_generated_ray || x.form->info->direction == intersect::Direction::unit || !rounding_explains(x))
         return fmt::format("; {} no more than that.{}", who, others);
     return fmt::format(
         "; {} is ill-conditioned in {}, and {} no more. The inputs are exact: wider arithmetic on them helps.{}",
