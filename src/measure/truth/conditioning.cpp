@@ -21,13 +21,13 @@ using intersect::Convention;
 namespace {
 
 /// Problem as a list of numbers: those of the origin, the direction, the primitive and its matrix.
-struct Given {
+struct FlatProblem {
     Shape shape;
     std::variant<std::vector<double>, std::vector<Real>> numbers;
     std::optional<Placement<int>> placed;  ///< its kind, without its numbers
 
     template <class S>
-    Given(const Ray<S>& ray, const Primitive<S>& primitive) : shape(primitive.shape) {
+    FlatProblem(const Ray<S>& ray, const Primitive<S>& primitive) : shape(primitive.shape) {
         auto& all = numbers.emplace<std::vector<S>>();
         for (const Vec<S>& v : {ray.origin, ray.direction}) all.insert(all.end(), {v.x, v.y, v.z});
         all.insert(all.end(), primitive.used().begin(), primitive.used().end());
@@ -49,7 +49,7 @@ struct Problem {
     Ray<Sensitive<E>> ray;
     Primitive<Sensitive<E>> primitive;
 
-    explicit Problem(const Given& given) : primitive(given.shape) {
+    explicit Problem(const FlatProblem& given) : primitive(given.shape) {
         const auto lift_all = [&](const auto& numbers) {
             for (const auto& n : numbers) x.push_back(lift<E>(n));
         };
@@ -75,7 +75,8 @@ struct Sensitivity {
 
 /// Sensitivity at one precision; empty if the precision is too low.
 template <class E>
-std::optional<Sensitivity<E>> sensitivity(const Given& given, Convention convention, const Range<double>& of_ray) {
+std::optional<Sensitivity<E>> sensitivity(const FlatProblem& given, Convention convention,
+                                          const Range<double>& of_ray) {
     using Kind = typename Sensitivity<E>::Kind;
     const Problem<E> problem(given);
     const auto range = range_over<Sensitive<E>, E>(of_ray);
@@ -158,7 +159,7 @@ typename Asked::Answer answer_of(const Ray<S>& ray, const Primitive<S>& primitiv
                                  Range<double> range) {
     if (convention.endless) range.tmax = HUGE_VAL;
     convention = convention_in(range, convention);
-    const Given given(ray, primitive);
+    const FlatProblem given(ray, primitive);
     if (const auto quick = asked_of<Asked>(sensitivity<Ball>(given, convention, range))) return *quick;
     for (int bits = 384; bits <= 24576; bits *= 4) {
         const Interval::Precision precision(bits);
