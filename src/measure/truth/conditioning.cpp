@@ -105,7 +105,7 @@ std::optional<double> close_enough(const Interval& k) {
     return mpfr_get_d(k.lower(), MPFR_RNDN);
 }
 
-struct OfCondition {
+struct ConditionQuery {
     using Answer = double;
     static double none() { return missing; }
     static double endless() { return std::numeric_limits<double>::infinity(); }
@@ -124,7 +124,7 @@ double width_of(const Interval& x) {
     return x.is_bounded() ? mpfr_get_d(x.upper(), MPFR_RNDU) - mpfr_get_d(x.lower(), MPFR_RNDD) : HUGE_VAL;
 }
 
-struct OfGradient {
+struct GradientQuery {
     using Answer = std::vector<double>;
     static Answer none() { return {}; }
     static Answer endless() { return {}; }
@@ -142,46 +142,46 @@ struct OfGradient {
     }
 };
 
-/// Answer that `Asked` computes from a sensitivity; empty if the precision is too low for it.
-template <class Asked, class E>
-std::optional<typename Asked::Answer> asked_of(const std::optional<Sensitivity<E>>& found) {
+/// Answer that `Query` computes from a sensitivity; empty if the precision is too low for it.
+template <class Query, class E>
+std::optional<typename Query::Answer> query_answer(const std::optional<Sensitivity<E>>& found) {
     if (!found) return std::nullopt;
     switch (found->kind) {
-        case Sensitivity<E>::Kind::miss: return Asked::none();
-        case Sensitivity<E>::Kind::endless: return Asked::endless();
+        case Sensitivity<E>::Kind::miss: return Query::none();
+        case Sensitivity<E>::Kind::endless: return Query::endless();
         case Sensitivity<E>::Kind::known: break;
     }
-    return Asked::of(*found);
+    return Query::of(*found);
 }
 
-template <class Asked, class S>
-typename Asked::Answer answer_of(const Ray<S>& ray, const Primitive<S>& primitive, Convention convention,
+template <class Query, class S>
+typename Query::Answer answer_of(const Ray<S>& ray, const Primitive<S>& primitive, Convention convention,
                                  Range<double> range) {
     if (convention.endless) range.tmax = HUGE_VAL;
     convention = convention_in(range, convention);
     const FlatProblem given(ray, primitive);
-    if (const auto quick = asked_of<Asked>(sensitivity<Ball>(given, convention, range))) return *quick;
+    if (const auto quick = query_answer<Query>(sensitivity<Ball>(given, convention, range))) return *quick;
     for (int bits = 384; bits <= 24576; bits *= 4) {
         const Interval::Precision precision(bits);
-        if (const auto found = asked_of<Asked>(sensitivity<Interval>(given, convention, range))) return *found;
+        if (const auto found = query_answer<Query>(sensitivity<Interval>(given, convention, range))) return *found;
     }
     // If no precision settles a problem, it divides by a root that is exactly zero: a tangent.
-    return Asked::endless();
+    return Query::endless();
 }
 
 }  // namespace
 
 double condition(const Ray<double>& ray, const Primitive<double>& primitive, Convention convention,
                  const Range<double>& range) {
-    return answer_of<OfCondition>(ray, primitive, convention, range);
+    return answer_of<ConditionQuery>(ray, primitive, convention, range);
 }
 double condition(const Ray<Real>& ray, const Primitive<Real>& primitive, Convention convention,
                  const Range<double>& range) {
-    return answer_of<OfCondition>(ray, primitive, convention, range);
+    return answer_of<ConditionQuery>(ray, primitive, convention, range);
 }
 std::vector<double> gradient(const Ray<double>& ray, const Primitive<double>& primitive, Convention convention,
                              const Range<double>& range) {
-    return answer_of<OfGradient>(ray, primitive, convention, range);
+    return answer_of<GradientQuery>(ray, primitive, convention, range);
 }
 
 void Band::find_condition() {
