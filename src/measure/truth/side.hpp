@@ -296,10 +296,10 @@ Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, inters
 /// x = u + v √d, and sums and products of such numbers. A distance m lies at x = b + a m/√d2, and d2 x is such a
 /// number.
 template <class E>
-struct WithRoot {
+struct QuadraticSurd {
     E u, v, d;
 
-    friend WithRoot operator*(const WithRoot& a, const WithRoot& b) {
+    friend QuadraticSurd operator*(const QuadraticSurd& a, const QuadraticSurd& b) {
         return {a.u * b.u + a.v * b.v * a.d, a.u * b.v + a.v * b.u, a.d};
     }
     [[nodiscard]] std::optional<int> sign() const { return sign_of_sum<E>(u, v * d, d); }
@@ -315,11 +315,11 @@ std::optional<int> side_of(const QuarticSpan<E>& s, const E& m, Length length, c
     if (met.at == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
     const EnclosedRoots<E>& roots = met.roots;
     if (length == Length::parameter) return roots.order(met.root, s.place(m));
-    const WithRoot<E> x{s.b * s.d2, s.a * m, s.d2};
+    const QuadraticSurd<E> x{s.b * s.d2, s.a * m, s.d2};
     return roots.order(
         met.root, [&](const E& p) { return sign_of_sum<E>(p - s.b, -(s.a * m), s.d2); },
         [&] {
-            WithRoot<E> y{roots.simple.leading(), E(0), s.d2};
+            QuadraticSurd<E> y{roots.simple.leading(), E(0), s.d2};
             E power(1);
             for (int i = roots.simple.degree - 1; i >= 0; --i) {
                 power = power * s.d2;
