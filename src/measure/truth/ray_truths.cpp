@@ -19,7 +19,7 @@ namespace lostbits::measure::truth {
 namespace {
 
 /// Truths that columns cannot hold, with the indices of their rays, and counts of the stages that settled the truths.
-struct Leftover {
+struct UnsettledTruths {
     StageCounts counts;
     std::vector<std::pair<std::size_t, Truth>> whole;
 };
@@ -31,7 +31,7 @@ public:
     static constexpr bool two_words = !std::is_same_v<S, double>;
 
     BlockSearch(const RaysAndPrimitives<S>& problems, TruthLimit limit, std::size_t begin, std::size_t end,
-                RayTruths& out, Leftover& rest)
+                RayTruths& out, UnsettledTruths& rest)
         : problems_(problems),
           limit_(limit),
           begin_(begin),
@@ -320,7 +320,7 @@ private:
     std::size_t begin_, count_;
     WordColumns<S> rays_;
     RayTruths& out_;
-    Leftover& rest_;
+    UnsettledTruths& rest_;
     intersect::simd::Isa isa_;
     bool ranged_;
     std::vector<std::uint8_t> open_;  ///< 1: columns do not settle the ray
@@ -338,7 +338,7 @@ template <class S>
 StageCounts find_all(const RaysAndPrimitives<S>& problems, TruthLimit limit, RayTruths& out) {
     const std::size_t n = problems.rays.size();
     out.resize(n);
-    tbb::combinable<Leftover> rests;
+    tbb::combinable<UnsettledTruths> rests;
     const auto find = [&](std::size_t begin, std::size_t end) {
         intersect::process::require_standard("the truth of rays");
         BlockSearch<S>(problems, limit, begin, end, out, rests.local()).find();
@@ -352,7 +352,7 @@ StageCounts find_all(const RaysAndPrimitives<S>& problems, TruthLimit limit, Ray
     }
     StageCounts counts;
     out.whole.clear();
-    rests.combine_each([&](const Leftover& rest) {
+    rests.combine_each([&](const UnsettledTruths& rest) {
         counts += rest.counts;
         out.whole.insert(out.whole.end(), rest.whole.begin(), rest.whole.end());
     });
