@@ -172,7 +172,7 @@ void Band::find_truth_of_all() {
                : find_truths(RaysAndPrimitives<double>{shared_, shared_primitives_, index, paired_}, limit_, truths_);
 }
 
-const Truth& Band::truth_apart(std::size_t i, Convention convention) const {
+const Truth& Band::special_truth(std::size_t i, Convention convention) const {
     const std::size_t key = key_of(i, convention);
     const auto known = truths_apart_.find(key);
     if (known != truths_apart_.end()) return known->second;
@@ -219,7 +219,7 @@ bool Band::needs_special_truth(std::size_t i, Convention convention) const {
 
 Truth Band::truth(std::size_t i, Convention convention) const {
     if (convention.is_special() && needs_special_truth(i, convention)) return find_truth_of(i, convention);
-    return truths_.may_differ(i, convention) ? truth_apart(i, convention) : truths_[i];
+    return truths_.may_differ(i, convention) ? special_truth(i, convention) : truths_[i];
 }
 
 FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {

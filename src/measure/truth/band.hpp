@@ -122,7 +122,7 @@ private:
     [[nodiscard]] bool needs_special_truth(std::size_t i, intersect::Convention convention) const;
     /// Truth of a ray for which `truths().may_differ`. It is found when it is first asked for, since few forms have
     /// such a convention.
-    [[nodiscard]] const Truth& truth_apart(std::size_t i, intersect::Convention convention) const;
+    [[nodiscard]] const Truth& special_truth(std::size_t i, intersect::Convention convention) const;
     template <class Function>
     auto with_ray(std::size_t i, Function&& function) const {
         return ideal_ ? function((*ideal_)[i], ideal_primitives_) : function(shared_[i], shared_primitives_);

@@ -211,7 +211,7 @@ double Band::condition(std::size_t i, Convention convention) const {
     const std::size_t key = key_of(i, convention);
     const auto known = conditions_apart_.find(key);
     if (known != conditions_apart_.end()) return known->second;
-    const Truth& truth = truth_apart(i, convention);
+    const Truth& truth = special_truth(i, convention);
     return conditions_apart_.emplace(key, condition_of(i, truth.decision, truth.object, plain_part(convention)))
         .first->second;
 }
