@@ -167,7 +167,7 @@ public:
             to += most_lanes;
         });
     }
-    [[nodiscard]] bool have_ranges_of_their_own() const { return ranged_; }
+    [[nodiscard]] bool has_own_ranges() const { return ranged_; }
     /// Runs a stage on `count` problems from `begin` on. The findings are written from where `found` points to.
     void settle(const stages::ShapeStage<S>& stage, std::size_t lanes, std::size_t begin, std::size_t count,
                 const stages::RawFindings& found) const {

@@ -55,7 +55,7 @@ public:
           out_(out),
           stages_(stages::stages_of(problems.shape, intersect::simd::current_isa())),
           in_place_(problems) {
-        const bool are_plain = !in_place_.have_ranges_of_their_own() && !problems.matrix.placed;
+        const bool are_plain = !in_place_.has_own_ranges() && !problems.matrix.placed;
         ties_ = are_plain && problems.ray_low[0].empty() ? stages_.ties : stages::ShapeStage<double>();
     }
 
@@ -103,7 +103,7 @@ private:
         auto& gathered = Gathered<double>::of_thread();
         const std::vector<std::size_t> which = std::exchange(open_, {});
         auto raw = gathered.gather(problems_, which, stages_.lanes);
-        raw.ranged = in_place_.have_ranges_of_their_own();
+        raw.ranged = in_place_.has_own_ranges();
         const stages::RawLength length = wanted(raw.out);
         raw.out.t = raw.out.distance = {};
         wanted(raw.out) = length;
