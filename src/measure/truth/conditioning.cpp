@@ -227,7 +227,7 @@ double Band::reach_of(std::size_t i, const Truth& found, Convention convention, 
             tmin > 0 && intersect::answers_0_inside(primitive.shape, convention.of(primitive.shape).inside) &&
             std::ldexp(found.t.hi, static_cast<int>(found.t.exponent)) == tmin;
         return lostbits::measure::truth::reach(ray, primitive, answer, length, format, perturbed,
-                                               begins_inside ? MovedBy::entered_faces : MovedBy::every_face);
+                                               begins_inside ? AnswerFaces::entered_faces : AnswerFaces::every_face);
     });
 }
 

@@ -127,10 +127,10 @@ struct Slab {
     Differentiated from_low, from_high, across;
     bool is_along = false;
 
-    [[nodiscard]] double moved(const Perturbable& problem, MovedBy moved_by = MovedBy::every_face) const {
+    [[nodiscard]] double moved(const Perturbable& problem, AnswerFaces moved_by = AnswerFaces::every_face) const {
         if (is_along) return 0;
         const AllValues speed(across.value());
-        const bool all = moved_by == MovedBy::every_face;
+        const bool all = moved_by == AnswerFaces::every_face;
         const double low = all || speed.high > 0 ? moved_quotient(problem, from_low, across) : 0,
                      high = all || speed.low < 0 ? moved_quotient(problem, from_high, across) : 0;
         return std::max(low, high);
@@ -162,7 +162,7 @@ AlongSlabs along_slabs(const Perturbable& problem) {
 /// it moves at most as far as any plane that can become that one.
 template <class Shape>
 double moved_between_corners(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray,
-                             MovedBy moved_by) {
+                             AnswerFaces moved_by) {
     const AlongSlabs along = along_slabs(problem);
     double most = 0;
     for (int i = 0; i < 3; ++i) {
@@ -243,7 +243,7 @@ private:
 /// - along an axis with caps: t is on a root or a cap, and moves as far as either can come to where it is;
 /// - other shapes: by the span alone.
 template <class Shape>
-double moved_at(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray, MovedBy moved_by) {
+double moved_at(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray, AnswerFaces moved_by) {
     if constexpr (requires { s.lo; }) return moved_between_corners(problem, s, ray, moved_by);
     else if constexpr (requires { s.start; }) return PiecesAlongAxis(problem, s, ray).moved();
     else if constexpr (requires { s.base; }) {
@@ -253,7 +253,7 @@ double moved_at(const Perturbable& problem, const Shape& s, const Ray<Differenti
     } else return moved_root(problem, s.span(ray));
 }
 
-double reach_of(const ProblemNumbers& numbers, const Certified& answer, MovedBy moved_by) {
+double reach_of(const ProblemNumbers& numbers, const Certified& answer, AnswerFaces moved_by) {
     const Perturbable problem(numbers);
     const WithinErrors at = problem.of(answer);
     const double root = problem.with_ray_from(
@@ -267,11 +267,11 @@ double reach_of(const ProblemNumbers& numbers, const Certified& answer, MovedBy 
 }  // namespace
 
 double reach(const Ray<double>& ray, const Primitive<double>& primitive, const Certified& answer, Length length,
-             const FloatFormat& format, Perturbed perturbed, MovedBy moved_by) {
+             const FloatFormat& format, Perturbed perturbed, AnswerFaces moved_by) {
     return reach_of(ProblemNumbers(ray, primitive, format, perturbed, length), answer, moved_by);
 }
 double reach(const Ray<Real>& ray, const Primitive<Real>& primitive, const Certified& answer, Length length,
-             const FloatFormat& format, Perturbed perturbed, MovedBy moved_by) {
+             const FloatFormat& format, Perturbed perturbed, AnswerFaces moved_by) {
     return reach_of(ProblemNumbers(ray, primitive, format, perturbed, length), answer, moved_by);
 }
 

@@ -22,7 +22,7 @@ inline constexpr std::size_t place_in_matrix(std::size_t k) { return k < 9 ? k /
 
 /// Faces of a box that the answer can come from. A ray that begins inside at tmin answers max(tmin, largest entry):
 /// where that is tmin, no face that the ray leaves moves it.
-enum class MovedBy : std::uint8_t { every_face, entered_faces };
+enum class AnswerFaces : std::uint8_t { every_face, entered_faces };
 
 /// Bound of |t' − t|, or of how far the distance moves, for every problem within those errors whose answer is the same
 /// root: the near root or the far one, the same face. It is never too small; reach.cpp has the inequalities. `answer`
@@ -31,9 +31,9 @@ enum class MovedBy : std::uint8_t { every_face, entered_faces };
 /// the rim, or its origin the surface. The inputs do not decide then, and the bound does not cover those answers.
 double reach(const Ray<double>& ray, const Primitive<double>& primitive, const Certified& answer, Length length,
              const FloatFormat& format, Perturbed perturbed = Perturbed::componentwise,
-             MovedBy moved_by = MovedBy::every_face);
+             AnswerFaces moved_by = AnswerFaces::every_face);
 double reach(const Ray<Real>& ray, const Primitive<Real>& primitive, const Certified& answer, Length length,
              const FloatFormat& format, Perturbed perturbed = Perturbed::componentwise,
-             MovedBy moved_by = MovedBy::every_face);
+             AnswerFaces moved_by = AnswerFaces::every_face);
 
 }  // namespace lostbits::measure::truth
