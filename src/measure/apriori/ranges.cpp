@@ -20,7 +20,7 @@ namespace lostbits::measure::apriori {
 
 namespace {
 
-SeenErrors see_one(const Asking& a, const std::vector<double>& inputs) {
+ObservedErrors see_one(const Asking& a, const std::vector<double>& inputs) {
     const BoundedPart& part = a.parts.part_of(inputs);
     const Ray<double> ray = tape::ray_of(inputs);
     const Primitive<double> primitive = tape::primitive_of(inputs, a.like);
@@ -29,7 +29,7 @@ SeenErrors see_one(const Asking& a, const std::vector<double>& inputs) {
     if (tape[tape.outputs.hit].value == 0) return {};
     const auto exact = answer::without_rounding(a.form, ray, intersect::Target<double>(primitive));
     if (!exact) return {};
-    SeenErrors seen{.hits = 1};
+    ObservedErrors seen{.hits = 1};
     if (part.bound.misses) seen.share = HUGE_VAL;  // the bound says that there is no hit
     if (!(part.bound.error < HUGE_VAL)) return seen;
     seen.bounded_hits = 1;
@@ -156,7 +156,7 @@ void sum_up(RangesBound& r, const std::vector<std::pair<const BoundedPart*, doub
 
 }  // namespace
 
-void SeenErrors::append(const SeenErrors& after) {
+void ObservedErrors::append(const ObservedErrors& after) {
     hits += after.hits;
     bounded_hits += after.bounded_hits;
     error = std::fmax(error, after.error);
@@ -166,14 +166,14 @@ void SeenErrors::append(const SeenErrors& after) {
     wider += after.wider;
 }
 
-SeenErrors see(const Asking& asking, const std::vector<std::vector<double>>& rays) {
-    std::vector<SeenErrors> each(rays.size());
+ObservedErrors see(const Asking& asking, const std::vector<std::vector<double>>& rays) {
+    std::vector<ObservedErrors> each(rays.size());
     intersect::process::in_parallel(std::size_t{0}, rays.size(), [&](std::size_t i) {
         asking.stop.check();
         each[i] = see_one(asking, rays[i]);
     });
-    SeenErrors all;
-    for (const SeenErrors& one : each) all.append(one);
+    ObservedErrors all;
+    for (const ObservedErrors& one : each) all.append(one);
     return all;
 }
 

@@ -16,7 +16,7 @@
 namespace lostbits::measure::apriori {
 
 /// Errors that rays show: |t^ − t| of hits with and without rounding, in units of t.
-struct SeenErrors {
+struct ObservedErrors {
     std::uint64_t hits = 0, bounded_hits = 0;  ///< pairs of a ray and a primitive; those of them in boxes with a bound
     double error = 0;                          ///< largest error in a box with a bound
     double share = 0;                ///< largest ratio of an error to the bound of its box; above 1, a bound is wrong
@@ -24,7 +24,7 @@ struct SeenErrors {
     double running = 0;              ///< largest running bound of these
     std::uint64_t wider = 0;         ///< rays whose running bound is larger than the bound of their box
 
-    void append(const SeenErrors& after);
+    void append(const ObservedErrors& after);
 };
 
 /// Form, format and parts whose bounds are checked; `like` is the primitive of the ranges.
@@ -37,7 +37,7 @@ struct Asking {
 };
 
 /// Errors of these inputs, all of which lie in the ranges.
-SeenErrors see(const Asking& asking, const std::vector<std::vector<double>>& rays);
+ObservedErrors see(const Asking& asking, const std::vector<std::vector<double>>& rays);
 
 /// Draws inputs in the `boxes` boxes with the largest bounds, `each` in each. Each number is one of the format.
 std::vector<std::vector<double>> drawn(const Asking& asking, std::size_t boxes, int each);
@@ -85,9 +85,9 @@ struct RangesBound {
     std::size_t boxes = 0;
     double largest = 0, largest_ulps = 0;  ///< over the boxes with a bound
     std::vector<Quantile> quantiles;       ///< for 50, 90 and 99 % of what is not missed; infinite where unknown
-    std::vector<double> shares;  ///< contributions by node, in ulps, in the box with the largest bound in ulps
-    SeenErrors given, drawn;     ///< errors of the given rays, and of rays drawn where bounds are largest
-    std::size_t rays = 0;        ///< of the scene or the step
+    std::vector<double> shares;   ///< contributions by node, in ulps, in the box with the largest bound in ulps
+    ObservedErrors given, drawn;  ///< errors of the given rays, and of rays drawn where bounds are largest
+    std::size_t rays = 0;         ///< of the scene or the step
 };
 
 /// Bounds the errors of each primitive of the scene separately. The box of inputs is the bounding box of all rays as

@@ -9,9 +9,9 @@
 
 namespace lostbits::output::attribution {
 using measure::apriori::InputBox;
+using measure::apriori::ObservedErrors;
 using measure::apriori::RangesBound;
 using measure::apriori::RangesRequest;
-using measure::apriori::SeenErrors;
 using measure::attribution::TapeText;
 
 namespace {
@@ -47,7 +47,7 @@ std::string ranges_block(const RangesBound& r) {
     return text;
 }
 
-std::string seen_text(const SeenErrors& seen, const std::string& what) {
+std::string seen_text(const ObservedErrors& seen, const std::string& what) {
     if (seen.bounded_hits == 0) return fmt::format("None of {} hits where there is a bound.\n", what);
     std::string text =
         fmt::format("Of {}, {} hit and {} of these lie where there is a bound: the worst is off by {:.3g}", what,
@@ -71,7 +71,7 @@ std::string operations_block(const RangesBound& r) {
     return text;
 }
 
-Json seen_json(const SeenErrors& seen) {
+Json seen_json(const ObservedErrors& seen) {
     return {{"hits", seen.hits},
             {"bounded_hits", seen.bounded_hits},
             {"error", json_number(seen.error)},

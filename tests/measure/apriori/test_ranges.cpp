@@ -26,10 +26,10 @@ using namespace lostbits;
 using intersect::table::Intersector;
 using measure::apriori::bound_over_ranges;
 using measure::apriori::InputBox;
+using measure::apriori::ObservedErrors;
 using measure::apriori::RangesBound;
 using measure::apriori::RangesRequest;
 using measure::apriori::see;
-using measure::apriori::SeenErrors;
 using measure::apriori::Subdivided;
 using measure::apriori::TapeBound;
 using test::form_named;
@@ -56,7 +56,7 @@ InputBox around(const std::vector<double>& inputs, Random& random, const FloatFo
 
 /// One box around a hostile ray, in up to eight parts.
 void check_box(const Intersector& form, const Format& format, const test::HostileRay& x, Random& random,
-               SeenErrors& all) {
+               ObservedErrors& all) {
     static const intersect::process::StopToken never;
     const auto inputs = measure::tape::inputs_of(x.ray, x.primitive, x.tmax);
     const Tape tape = measure::tape::tape_of(form, format);
@@ -73,7 +73,7 @@ void check_box(const Intersector& form, const Format& format, const test::Hostil
                                                      : rounding::to_format(between, 0, format.parameters));
         }
     }
-    const SeenErrors seen = see({form, format, parts, x.primitive, never}, rays);
+    const ObservedErrors seen = see({form, format, parts, x.primitive, never}, rays);
     INFO(form.info->name << " in " << format.name);
     CHECK(seen.share <= 1 + 0x1p-40);
     all.append(seen);
@@ -84,7 +84,7 @@ void check_form(const char* name, std::size_t distributions, const Draw& draw) {
     for (const char* const format_name : {"f32", "f64"}) {
         const Format format = *find_format(format_name);
         Random random(7);
-        SeenErrors all;
+        ObservedErrors all;
         for (int i = 0; i < test::draws(40, 20); ++i)
             for (std::size_t distribution = 0; distribution < distributions; ++distribution)
                 check_box(form_named(name), format, draw(format, distribution, random), random, all);
@@ -145,7 +145,7 @@ TEST_CASE("a bound over the ranges of a scene exceeds the errors of its rays and
         const auto scene = scene_named(id);
         const RangesBound r = bound_of(form, scene);
         INFO(form << " on " << id);
-        for (const SeenErrors& seen : {r.given, r.drawn}) {
+        for (const ObservedErrors& seen : {r.given, r.drawn}) {
             CHECK(seen.bounded_hits > 0);
             CHECK(seen.share <= 1 + 0x1p-40);
             CHECK(seen.error <= r.largest);
