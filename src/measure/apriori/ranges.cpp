@@ -20,7 +20,7 @@ namespace lostbits::measure::apriori {
 
 namespace {
 
-ObservedErrors see_one(const Asking& a, const std::vector<double>& inputs) {
+ObservedErrors see_one(const BoundQuery& a, const std::vector<double>& inputs) {
     const BoundedPart& part = a.parts.part_of(inputs);
     const Ray<double> ray = tape::ray_of(inputs);
     const Primitive<double> primitive = tape::primitive_of(inputs, a.like);
@@ -166,7 +166,7 @@ void ObservedErrors::append(const ObservedErrors& after) {
     wider += after.wider;
 }
 
-ObservedErrors see(const Asking& asking, const std::vector<std::vector<double>>& rays) {
+ObservedErrors see(const BoundQuery& asking, const std::vector<std::vector<double>>& rays) {
     std::vector<ObservedErrors> each(rays.size());
     intersect::process::in_parallel(std::size_t{0}, rays.size(), [&](std::size_t i) {
         asking.stop.check();
@@ -177,7 +177,7 @@ ObservedErrors see(const Asking& asking, const std::vector<std::vector<double>>&
     return all;
 }
 
-std::vector<std::vector<double>> drawn(const Asking& asking, std::size_t boxes, int each) {
+std::vector<std::vector<double>> drawn(const BoundQuery& asking, std::size_t boxes, int each) {
     auto leaves = asking.parts.leaves();
     std::erase_if(leaves, [](const BoundedPart* p) { return p->bound.misses || !(p->bound.error < HUGE_VAL); });
     std::ranges::stable_sort(
@@ -225,7 +225,7 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
         for (const BoundedPart* const part : divided.back().leaves())
             leaves.emplace_back(part, part->share / static_cast<double>(primitives));
         std::erase_if(rays, [&](const std::vector<double>& ray) { return !holds(r.ranges.back(), ray); });
-        const Asking asking{*request.form, request.format, divided.back(), primitive, request.limit.stop};
+        const BoundQuery asking{*request.form, request.format, divided.back(), primitive, request.limit.stop};
         r.given.append(see(asking, rays));
         r.drawn.append(see(asking, drawn(asking, drawn_boxes, drawn_rays)));
     }

@@ -28,7 +28,7 @@ struct ObservedErrors {
 };
 
 /// Form, format and parts whose bounds are checked; `like` is the primitive of the ranges.
-struct Asking {
+struct BoundQuery {
     const intersect::table::Intersector& form;
     const Format& format;
     const Subdivided& parts;
@@ -37,10 +37,10 @@ struct Asking {
 };
 
 /// Errors of these inputs, all of which lie in the ranges.
-ObservedErrors see(const Asking& asking, const std::vector<std::vector<double>>& rays);
+ObservedErrors see(const BoundQuery& asking, const std::vector<std::vector<double>>& rays);
 
 /// Draws inputs in the `boxes` boxes with the largest bounds, `each` in each. Each number is one of the format.
-std::vector<std::vector<double>> drawn(const Asking& asking, std::size_t boxes, int each);
+std::vector<std::vector<double>> drawn(const BoundQuery& asking, std::size_t boxes, int each);
 
 /// Range that replaces the scene's for the input of this name (`intersect::table::input_names`).
 struct GivenRange {
