@@ -78,7 +78,7 @@ private:
     std::deque<truth::FormatInputs> inputs_;
 };
 
-InputBox hull_of(const std::vector<std::vector<double>>& rays) {
+InputBox input_box_of(const std::vector<std::vector<double>>& rays) {
     InputBox box;
     for (const double x : rays.front()) box.push_back({x, x});
     for (const auto& ray : rays) {
@@ -218,7 +218,7 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
         const Primitive<double> primitive = given.primitive(s);
         auto rays = given.at(s);
         r.rays = rays.size();
-        r.ranges.push_back(hull_of(rays));
+        r.ranges.push_back(input_box_of(rays));
         put_asked(r.ranges.back(), request, r.names);
         divided.emplace_back(bound, r.ranges.back(), std::max<std::size_t>(request.boxes / primitives, 1),
                              request.limit.stop);
