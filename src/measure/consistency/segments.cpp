@@ -55,11 +55,11 @@ std::optional<Vec<double>> seen_point(const FormOnBand& on, std::size_t i) {
                        at(ray.origin.z, ray.direction.z));
 }
 
-bool is_ray(const SegmentInTwoWays& s) {
+bool is_ray(const SegmentRays& s) {
     return truth::is_proper(s.by_difference) && truth::is_proper(s.by_unit) && std::isfinite(s.unit_end);
 }
 
-CheckResult check_result_of_segment(const FormOnBand& on, const SegmentInTwoWays& s, bool first, bool second) {
+CheckResult check_result_of_segment(const FormOnBand& on, const SegmentRays& s, bool first, bool second) {
     if (first == second) return CheckResult::agree;
     const intersect::Convention convention = on.row.convention();
     const auto one =
@@ -73,12 +73,12 @@ CheckResult check_result_of_segment(const FormOnBand& on, const SegmentInTwoWays
 template <class From>
 void compare_segments(const FormOnBand& on, const From& from, EndOfSegment end, PixelCheckResults& out) {
     std::vector<std::size_t> pixels;
-    std::vector<SegmentInTwoWays> segments;
+    std::vector<SegmentRays> segments;
     RayBlock first, second;
     for (std::size_t i = 0; i < on.pixels(); ++i) {
         const auto q = seen_point(on, i);
         if (!q) continue;
-        const SegmentInTwoWays s = write_segment(from(i), *q, on.row.format, end);
+        const SegmentRays s = write_segment(from(i), *q, on.row.format, end);
         if (!is_ray(s)) continue;
         pixels.push_back(i);
         segments.push_back(s);
@@ -89,7 +89,7 @@ void compare_segments(const FormOnBand& on, const From& from, EndOfSegment end, 
     }
     const auto one = meets_before_end(on, first), other = meets_before_end(on, second);
     for (std::size_t k = 0; k < pixels.size(); ++k) {
-        const SegmentInTwoWays& s = segments[k];
+        const SegmentRays& s = segments[k];
         out.set(pixels[k], check_result_of_segment(on, s, one[k] != 0, other[k] != 0), [&] {
             return TwoRays{0, on.shown(s.by_difference, s.difference_end), on.shown(s.by_unit, s.unit_end)};
         });
@@ -133,16 +133,16 @@ Truth::Decision truly_meets_before(const Ray<double>& ray, double end, std::span
     return unresolved ? Truth::Decision::unresolved : Truth::Decision::miss;
 }
 
-SegmentInTwoWays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, EndOfSegment end) {
+SegmentRays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, EndOfSegment end) {
     return with_number(format, [&]<class T>() {
         const Vec<T> from = lift_vec<T>(p), way = lift_vec<T>(q) - from;
         const T size = length(way);
         T share(1);
         if (end == EndOfSegment::shortened) share = T(1) - T(1) / T(10000);
-        return SegmentInTwoWays{.by_difference = {p, as_doubles(way)},
-                                .difference_end = as_double(share),
-                                .by_unit = {p, as_doubles(unit_of<T>(way))},
-                                .unit_end = as_double(share * size)};
+        return SegmentRays{.by_difference = {p, as_doubles(way)},
+                           .difference_end = as_double(share),
+                           .by_unit = {p, as_doubles(unit_of<T>(way))},
+                           .unit_end = as_double(share * size)};
     });
 }
 

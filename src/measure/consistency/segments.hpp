@@ -14,7 +14,7 @@ namespace lostbits::measure::consistency {
 /// End of a segment: at q, or at 1 − 1e-4 of the way, as pbrt's shadow rays end (its ShadowEpsilon).
 enum class EndOfSegment : std::uint8_t { whole, shortened };
 
-struct SegmentInTwoWays {
+struct SegmentRays {
     Ray<double> by_difference;  ///< direction q − p, rounded once
     double difference_end = 1;
     Ray<double>
@@ -23,7 +23,7 @@ struct SegmentInTwoWays {
 };
 
 /// Writes a segment in both ways. p and q are numbers of the format.
-SegmentInTwoWays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, EndOfSegment end);
+SegmentRays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, EndOfSegment end);
 
 /// True decision for a ray with this end and any of the primitives: a sphere counts at 0 < t < end, a closed (or open)
 /// box at 0 ≤ t ≤ end (or <). For boxes, whose forms take the end, the convention on touching decides.
