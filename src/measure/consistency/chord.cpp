@@ -34,7 +34,7 @@ std::optional<double> within(const Interval& x, double error) {
 }
 
 template <class E>
-std::optional<ChordError> error_of(const EitherEnd& ends, const ChordAnswer& told, bool distances, double ulp) {
+std::optional<ChordError> error_of(const ReversedRays& ends, const ChordAnswer& told, bool distances, double ulp) {
     const auto forth = chord_of<E>(ends.forth, ends.primitive), back = chord_of<E>(ends.back, ends.primitive);
     if (!forth || !back) return std::nullopt;
     const E size = distances ? length(lift_vec<E>(ends.forth.direction)) : E(1);
@@ -89,7 +89,7 @@ std::optional<std::size_t> primitive_of(const FormOnBand& on, std::size_t i) {
 }
 
 /// The segment of a pixel; q is its end, rounded to the format. Nothing if there is no primitive.
-std::optional<EitherEnd> segment_of(const FormOnBand& on, std::size_t i) {
+std::optional<ReversedRays> segment_of(const FormOnBand& on, std::size_t i) {
     const auto k = primitive_of(on, i);
     if (!k) return std::nullopt;
     const Ray<double> ray = on.inputs.rays[i];
@@ -104,7 +104,7 @@ std::optional<EitherEnd> segment_of(const FormOnBand& on, std::size_t i) {
             way[axis] = as_double(end - static_cast<T>(p[axis]));
         }
     });
-    const EitherEnd ends{{p, way}, {q, Vec<double>(-way.x, -way.y, -way.z)}, on.inputs.primitives[*k]};
+    const ReversedRays ends{{p, way}, {q, Vec<double>(-way.x, -way.y, -way.z)}, on.inputs.primitives[*k]};
     if (!truth::is_proper(ends.forth) || !truth::is_proper(ends.back)) return std::nullopt;
     return ends;
 }
@@ -124,8 +124,8 @@ struct FromOneEnd {
           answers(answers_of(on.form, on.is_unit() ? as_unit(rays, on.format()) : rays, primitives)) {}
 };
 
-CheckResult check_result_of_numbers(const FormOnBand& on, const EitherEnd& ends, const ChordAnswer& told, double& apart,
-                                    double& excess) {
+CheckResult check_result_of_numbers(const FormOnBand& on, const ReversedRays& ends, const ChordAnswer& told,
+                                    double& apart, double& excess) {
     const double size = on.is_unit() ? length(ends.forth.direction) : 1;
     const double ulp = std::ldexp(1.0, static_cast<int>(ulp_exponent(on.format(), std::ilogb(size))));
     const auto error = chord_error(ends, told, on.is_unit(), ulp);
@@ -141,7 +141,7 @@ CheckResult check_result_of_numbers(const FormOnBand& on, const EitherEnd& ends,
 
 }  // namespace
 
-std::optional<ChordError> chord_error(const EitherEnd& ends, const ChordAnswer& told, bool distances, double ulp) {
+std::optional<ChordError> chord_error(const ReversedRays& ends, const ChordAnswer& told, bool distances, double ulp) {
     for (const double t : {told.near, told.far, told.near_back, told.far_back}) {
         if (!std::isfinite(t)) return ChordError{HUGE_VAL, HUGE_VAL};
     }
@@ -152,7 +152,7 @@ void check_reverse(const FormOnBand& on, PixelCheckResults& out) {
     out.apart.assign(on.pixels(), truth::missing);
     out.excess.assign(on.pixels(), truth::missing);
     std::vector<std::size_t> pixels;
-    std::vector<EitherEnd> segments;
+    std::vector<ReversedRays> segments;
     std::vector<Primitive<double>> primitives;
     RayBlock there, back;
     for (std::size_t i = 0; i < on.pixels(); ++i) {

@@ -116,7 +116,7 @@ TEST_CASE("a segment written in two ways rounds operation by operation in float"
 
 TEST_CASE("a chord from either end agrees with one worked out by hand", "[measure][consistency]") {
     const double ulp = 0x1p-23;
-    const EitherEnd ends{{{-2, 0, 0}, {4, 0, 0}}, {{2, 0, 0}, {-4, 0, 0}}, unit_sphere};
+    const ReversedRays ends{{{-2, 0, 0}, {4, 0, 0}}, {{2, 0, 0}, {-4, 0, 0}}, unit_sphere};
     const auto right = chord_error(ends, {0.25, 0.75, 0.25, 0.75}, false, ulp);
     REQUIRE(right);
     CHECK(right->apart == 0);
@@ -130,12 +130,12 @@ TEST_CASE("a chord from either end agrees with one worked out by hand", "[measur
     REQUIRE(distances);
     CHECK(distances->apart == 1);
     // p inside: what lies behind it is not compared.
-    const EitherEnd inside{{{0, 0, 0}, {2, 0, 0}}, {{2, 0, 0}, {-2, 0, 0}}, unit_sphere};
+    const ReversedRays inside{{{0, 0, 0}, {2, 0, 0}}, {{2, 0, 0}, {-2, 0, 0}}, unit_sphere};
     const auto ahead = chord_error(inside, {123, 0.5, 0.5, 456}, false, ulp);
     REQUIRE(ahead);
     CHECK(ahead->apart == 0);
     CHECK(std::isinf(chord_error(ends, {NAN, 0.75, 0.25, 0.75}, false, ulp)->excess));
-    const EitherEnd box{{{-2, 0.5, 0.25}, {4, 0, 0}}, {{2, 0.5, 0.25}, {-4, 0, 0}}, unit_box};
+    const ReversedRays box{{{-2, 0.5, 0.25}, {4, 0, 0}}, {{2, 0.5, 0.25}, {-4, 0, 0}}, unit_box};
     CHECK(chord_error(box, {0.25, 0.75, 0.25, 0.75}, false, ulp)->excess == 0);
 }
 
@@ -155,7 +155,7 @@ TEST_CASE("a chord from either end agrees with 256 bits, where rounded ends are 
             way[i] = in_float(q[i] - p[i]);
             back[i] = -way[i];
         }
-        const EitherEnd ends{{p, way}, {q, back}, Primitive<double>(sphere)};
+        const ReversedRays ends{{p, way}, {q, back}, Primitive<double>(sphere)};
         const auto [near, far] = chord_in_real(ends.forth, sphere);
         const auto [near_back, far_back] = chord_in_real(ends.back, sphere);
         // The ends must lie outside, or a side is left out.
