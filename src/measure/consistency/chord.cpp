@@ -115,11 +115,11 @@ RayBlock as_unit(RayBlock rays, const FloatFormat& format) {
 }
 
 /// Segments of a band seen from one end: their truth, and the form's answers.
-struct FromOneEnd {
+struct SegmentsFromEnd {
     truth::Band band;
     AllAnswers answers;
 
-    FromOneEnd(const FormOnBand& on, const RayBlock& rays, const std::vector<Primitive<double>>& primitives)
+    SegmentsFromEnd(const FormOnBand& on, const RayBlock& rays, const std::vector<Primitive<double>>& primitives)
         : band(scene::rays::RayGroup{.rays = rays, .primitives = primitives, .paired = true}),
           answers(answers_of(on.form, on.is_unit() ? as_unit(rays, on.format()) : rays, primitives)) {}
 };
@@ -165,7 +165,7 @@ void check_reverse(const FormOnBand& on, PixelCheckResults& out) {
         back.push(ends->back);
     }
     if (pixels.empty()) return;
-    const FromOneEnd from_p(on, there, primitives), from_q(on, back, primitives);
+    const SegmentsFromEnd from_p(on, there, primitives), from_q(on, back, primitives);
     const bool numbers = on.row.form->info->roots == intersect::Roots::both;
     const AllAnswers &a = from_p.answers, &b = from_q.answers;
     for (std::size_t k = 0; k < pixels.size(); ++k) {
