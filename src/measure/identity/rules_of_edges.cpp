@@ -66,15 +66,15 @@ NodeId determinant(Terms& terms, const Edge& e, std::string_view label) {
 }
 
 /// x and `turned` of select(turned, −x, x).
-struct Turned {
+struct ConditionalNegation {
     NodeId x, turned;
 };
-std::optional<Turned> turned_at(const Terms& terms, NodeId i) {
+std::optional<ConditionalNegation> turned_at(const Terms& terms, NodeId i) {
     const TapeNode& n = terms[i];
     if (n.op != TapeOp::select) return std::nullopt;
     const TapeNode& minus = terms[n.operands[1]];
     if (minus.op != TapeOp::neg || minus.operands[0] != n.operands[2]) return std::nullopt;
-    return Turned{n.operands[2], n.operands[0]};
+    return ConditionalNegation{n.operands[2], n.operands[0]};
 }
 
 }  // namespace
