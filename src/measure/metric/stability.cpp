@@ -8,7 +8,7 @@
 
 namespace lostbits::measure::metric {
 
-using truth::missing, truth::Perturbed, stability::Turned;
+using truth::missing, truth::Perturbed, stability::CountedChange;
 
 namespace {
 
@@ -21,17 +21,17 @@ double backward_error(const Sample& s) { return backward(s, Perturbed::component
 double backward_error_normwise(const Sample& s) { return backward(s, Perturbed::normwise); }
 double decision_margin(const Sample& s) {
     if (!s.primitive || s.march) return missing;
-    return in_roundoffs(
-        stability::decision_margin(*s.ray, *s.primitive, Turned::root, Perturbed::componentwise, s.convention, s.range),
-        s);
+    return in_roundoffs(stability::decision_margin(*s.ray, *s.primitive, CountedChange::root, Perturbed::componentwise,
+                                                   s.convention, s.range),
+                        s);
 }
 
 double wrong_decision(const Sample& s) {
     if (!s.primitive || s.march) return missing;
     if (!answer::is_wrong(s.outcome)) return 0;
     const double u = std::ldexp(1.0, -s.format->parameters.precision);
-    const auto turned = stability::is_turned_within(u, *s.ray, *s.primitive, Turned::decision, Perturbed::componentwise,
-                                                    s.convention, s.range);
+    const auto turned = stability::is_turned_within(u, *s.ray, *s.primitive, CountedChange::decision,
+                                                    Perturbed::componentwise, s.convention, s.range);
     return !turned ? 3 : *turned ? 1 : 2;
 }
 

@@ -145,7 +145,7 @@ bool misses_parts(const Ray<Near>& ray, const Primitive<Near>& primitive) {
 /// The meeting of a ray and a primitive, and whether it changes near the ray.
 class Decision {
 public:
-    Decision(const MarginQuestion& asked, Turned turned) : asked_(asked), turned_(turned), met_(met_after({})) {}
+    Decision(const MarginQuestion& asked, CountedChange turned) : asked_(asked), turned_(turned), met_(met_after({})) {}
 
     /// True if all problems within ε meet the same, with a proof.
     bool holds(double epsilon, const Change& from = {}) {
@@ -260,7 +260,7 @@ private:
     }
 
     const MarginQuestion& asked_;
-    Turned turned_;
+    CountedChange turned_;
     Cases cases_;
     std::optional<SpanDecision> met_;
     std::vector<Cases::Sign> blamed_;
@@ -270,7 +270,7 @@ private:
 
 }  // namespace
 
-Margin margin_of(const Ray<double>& ray, const Primitive<double>& primitive, Turned turned, Perturbed perturbed,
+Margin margin_of(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange turned, Perturbed perturbed,
                  intersect::Convention convention, Range<double> range) {
     if (!is_proper(ray) || !is_proper(primitive)) return {0, 0};
     const MarginQuestion asked(ray, primitive, perturbed, convention, range);
@@ -285,7 +285,7 @@ Margin margin_of(const Ray<double>& ray, const Primitive<double>& primitive, Tur
 }
 
 std::optional<bool> is_turned_within(double epsilon, const Ray<double>& ray, const Primitive<double>& primitive,
-                                     Turned turned, Perturbed perturbed, intersect::Convention convention,
+                                     CountedChange turned, Perturbed perturbed, intersect::Convention convention,
                                      Range<double> range) {
     if (!is_proper(ray) || !is_proper(primitive)) return std::nullopt;
     const MarginQuestion asked(ray, primitive, perturbed, convention, range);
@@ -321,7 +321,7 @@ std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::Primitiv
         const Primitive<double> primitive = primitives[i];
         if (!is_proper(ray) || !is_proper(primitive)) continue;
         const MarginQuestion asked(ray, primitive, Perturbed::componentwise, convention, range);
-        Decision decision(asked, Turned::root);
+        Decision decision(asked, CountedChange::root);
         if (least < HUGE_VAL && decision.holds(least)) continue;
         const double margin =
             largest([&](double epsilon) { return decision.holds(epsilon); }, [&] { return decision.guess(); });
@@ -350,8 +350,8 @@ bool is_off_quartic(const Ray<Near>& ray, const Primitive<Near>& primitive, cons
 
 }  // namespace
 
-double decision_margin(const Ray<double>& ray, const Primitive<double>& primitive, Turned turned, Perturbed perturbed,
-                       intersect::Convention convention, Range<double> range) {
+double decision_margin(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange turned,
+                       Perturbed perturbed, intersect::Convention convention, Range<double> range) {
     const Margin margin = margin_of(ray, primitive, turned, perturbed, convention, range);
     return margin.is_tight() ? margin.proved : missing;
 }

@@ -18,10 +18,10 @@ struct SpanDecision {
     Crossing at = Crossing::begin;
     TorusPass pass = TorusPass::either;
 
-    [[nodiscard]] bool is_same(const SpanDecision& other, Turned turned) const {
+    [[nodiscard]] bool is_same(const SpanDecision& other, CountedChange turned) const {
         if (!(hit == other.hit)) return false;
         const bool other_pass = pass != TorusPass::either && other.pass != TorusPass::either && pass != other.pass;
-        return turned == Turned::decision || (at == other.at && !other_pass);
+        return turned == CountedChange::decision || (at == other.at && !other_pass);
     }
 };
 
@@ -50,8 +50,8 @@ private:
 /// exact to first order.
 class QuarticCases {
 public:
-    QuarticCases(const QuarticSpan<Near>& s, const RangeOfSpan<Near>* range, intersect::Convention asked, Turned turned,
-                 Cases& cases)
+    QuarticCases(const QuarticSpan<Near>& s, const RangeOfSpan<Near>* range, intersect::Convention asked,
+                 CountedChange turned, Cases& cases)
         : span_(s),
           range_(range),
           asked_(asked),
@@ -98,14 +98,14 @@ private:
             }
             if (!maximum) return {Tri::yes, Crossing::near};
             if (x < *maximum) return {Tri::yes, Crossing::near, TorusPass::first};
-            if (turned_ == Turned::decision) return {Tri::yes, Crossing::near};
+            if (turned_ == CountedChange::decision) return {Tri::yes, Crossing::near};
             if (!is_positive_from(begin_.lowest(), *maximum, 1)) return {};
             return {Tri::yes, Crossing::near, TorusPass::second};
         }
         if (end_) {
             const Near at_end = span_.f.at(*end_);
             if (at_end.highest() < 0)
-                return turned_ == Turned::decision || !maximum || end_->highest() < *maximum
+                return turned_ == CountedChange::decision || !maximum || end_->highest() < *maximum
                            ? SpanDecision{Tri::yes, Crossing::near, maximum ? TorusPass::first : TorusPass::either}
                        : is_positive_from(begin_.lowest(), *maximum, 1)
                            ? SpanDecision{Tri::yes, Crossing::near, TorusPass::second}
@@ -129,7 +129,7 @@ private:
                 return is_positive_from(begin_.lowest(), end_->highest(), -1) ? SpanDecision{Tri::no} : SpanDecision{};
             }
         }
-        if (turned_ == Turned::decision || !maximum) return {Tri::yes, Crossing::far};
+        if (turned_ == CountedChange::decision || !maximum) return {Tri::yes, Crossing::far};
         const Near most = span_.f.at(Near(*maximum));
         if (is_ahead(*maximum)) {
             if (most.lowest() > 0) return {Tri::yes, Crossing::far, TorusPass::first};
@@ -190,7 +190,7 @@ private:
     const QuarticSpan<Near>& span_;
     const RangeOfSpan<Near>* range_;
     intersect::Convention asked_;
-    Turned turned_;
+    CountedChange turned_;
     Cases& cases_;
     Turns turns_;
     Near begin_;

@@ -17,7 +17,7 @@ namespace lostbits::measure::stability {
 using truth::Perturbed;
 
 /// Changes that count: of hit or miss alone, or also of the root that is met.
-enum class Turned : std::uint8_t { decision, root };
+enum class CountedChange : std::uint8_t { decision, root };
 
 /// Margins from here on are proved, but the least change may be several times as large.
 inline constexpr double most_tight = 0x1p-10;
@@ -38,18 +38,19 @@ struct Margin {
 
 /// Relative change within which the answer is the same, for every problem: each number x of ray and primitive changes
 /// by at most ε|x| (`componentwise`), or each vector and length v by ε|v| (`normwise`). `proved` is at most 1/2.
-Margin margin_of(const Ray<double>& ray, const Primitive<double>& primitive, Turned turned = Turned::root,
+Margin margin_of(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange turned = CountedChange::root,
                  Perturbed perturbed = Perturbed::componentwise, intersect::Convention convention = {},
                  Range<double> range = {});
 
 /// The proved margin; NaN where it is below 2^-10 and no change of twice its size is found that turns the answer.
-double decision_margin(const Ray<double>& ray, const Primitive<double>& primitive, Turned turned = Turned::root,
-                       Perturbed perturbed = Perturbed::componentwise, intersect::Convention convention = {},
-                       Range<double> range = {});
+double decision_margin(const Ray<double>& ray, const Primitive<double>& primitive,
+                       CountedChange turned = CountedChange::root, Perturbed perturbed = Perturbed::componentwise,
+                       intersect::Convention convention = {}, Range<double> range = {});
 
 /// Decides if a change of at most ε turns the answer: true with an example, false with a proof, otherwise nothing.
 std::optional<bool> is_turned_within(double epsilon, const Ray<double>& ray, const Primitive<double>& primitive,
-                                     Turned turned = Turned::root, Perturbed perturbed = Perturbed::componentwise,
+                                     CountedChange turned = CountedChange::root,
+                                     Perturbed perturbed = Perturbed::componentwise,
                                      intersect::Convention convention = {}, Range<double> range = {});
 
 /// Index of the primitive with the least margin, for a ray that misses all of them: its decision is the nearest.

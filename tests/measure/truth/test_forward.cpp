@@ -16,7 +16,7 @@ namespace test_forward {
 
 using namespace lostbits;
 using measure::stability::backward_error;
-using measure::stability::Turned;
+using measure::stability::CountedChange;
 using measure::truth::Certified;
 using measure::truth::exactly;
 using measure::truth::Perturbed;
@@ -65,7 +65,7 @@ struct Problem {
     /// second is to the first as 2^-e S/r <= m/64 at most, or, of the middle of a sphere, where r² stands for S r, as
     /// 2^-e (S/r)² <= 1/64.
     [[nodiscard]] int certain_within(Perturbed perturbed) const {
-        const double margin = measure::stability::decision_margin(ray, primitive, Turned::root, perturbed);
+        const double margin = measure::stability::decision_margin(ray, primitive, CountedChange::root, perturbed);
         return margin > 0 ? static_cast<int>(std::ceil(6 - 2 * std::log2(margin))) : 1000;
     }
 };

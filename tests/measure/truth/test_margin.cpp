@@ -26,11 +26,11 @@ namespace test_margin {
 using namespace lostbits;
 using namespace test::textbook;
 using measure::stability::backward_error;
+using measure::stability::CountedChange;
 using measure::stability::decision_margin;
 using measure::stability::Margin;
 using measure::stability::margin_of;
 using measure::stability::most_tight;
-using measure::stability::Turned;
 using measure::truth::find_truth;
 using measure::truth::Perturbed;
 using test::Seeded;
@@ -67,9 +67,9 @@ struct Seen {
 
 /// Tests the margin `said`: no change by that part of each number changes the result, neither a random one nor one
 /// towards a zero of one of the functions. `is_tight` if a change that is a fifth larger does.
-template <class N, class Functions, class Same, class Turned>
+template <class N, class Functions, class Same, class CountedChange>
 Seen look(const Problem<N>& problem, double said, std::uint64_t bits, const Functions& functions, const Same& same,
-          const Turned& turned) {
+          const CountedChange& turned) {
     Seen seen;
     const double farther = std::max(1.2 * said, 0x1p-80);
     for (std::size_t k = 0; k < 4; ++k)
@@ -93,7 +93,7 @@ public:
     /// found: not of rays from the surface or at a rim, where two signs decide together, nor where the second order
     /// does, as of one through the middle of a sphere far away.
     void check_margin() {
-        const double margin = margin_of(ray_, primitive_, Turned::decision).proved;
+        const double margin = margin_of(ray_, primitive_, CountedChange::decision).proved;
         const double root = margin_of(ray_, primitive_).proved;
         // Both are searched to 2^(1/16), or to 2 where they are large.
         const bool in_order = root <= margin * (margin < most_tight ? 1.05 : 2);
@@ -226,7 +226,7 @@ TEST_CASE("no change within the margin changes a decision for any shape", "[marg
                 const auto truth = find_truth(ray, primitive);
                 ++asked;
                 for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
-                    const double margin = margin_of(ray, primitive, Turned::decision, perturbed).proved;
+                    const double margin = margin_of(ray, primitive, CountedChange::decision, perturbed).proved;
                     told += margin > 0;
                     const double by = margin * (1 - 0x1p-20) - 0x1p-52;
                     if (by <= 0) continue;
@@ -297,8 +297,8 @@ void attack(Attacked& seen, const test::MarginProblem& problem, Seeded& rng) {
     };
     ++seen.problems;
     for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
-        const Margin margin = margin_of(problem.ray, problem.primitive, Turned::decision, perturbed);
-        const double told = decision_margin(problem.ray, problem.primitive, Turned::decision, perturbed);
+        const Margin margin = margin_of(problem.ray, problem.primitive, CountedChange::decision, perturbed);
+        const double told = decision_margin(problem.ray, problem.primitive, CountedChange::decision, perturbed);
         const bool missing = std::isnan(told);
         if (!(missing || told == margin.proved) || !(margin.proved >= 0 && margin.proved <= 0.5))
             contradict("no margin", margin.proved);
@@ -348,13 +348,13 @@ TEST_CASE("margins of rays across an axis and of tori at a silhouette do not col
                                                Primitive<double>(Tube<double>{{0, 0, 0}, {0, 2, 0}, 1}),
                                                Primitive<double>(Capsule<double>{{0, 0, 0}, {0, 2, 0}, 1})}) {
         INFO(row_of(primitive.shape).name);
-        const Margin margin = margin_of(across, primitive, Turned::decision);
+        const Margin margin = margin_of(across, primitive, CountedChange::decision);
         CHECK(margin.proved > 0.04);
     }
     const Primitive<double> torus = Torus<double>{{0, 0, 0}, {0, 0, 1}, 2, 0.5};
     for (const double inside : {0x1p-12, 0x1p-20}) {
         // z and the minor radius meet: (1/2 - inside)(1 + e) = 1/2 (1 - e).
-        const double margin = decision_margin({{0, -4, 0.5 - inside}, {0, 1, 0}}, torus, Turned::decision);
+        const double margin = decision_margin({{0, -4, 0.5 - inside}, {0, 1, 0}}, torus, CountedChange::decision);
         CHECK(margin < 1.001 * inside);
         CHECK(margin > 0.5 * inside);
     }
@@ -371,8 +371,8 @@ TEST_CASE("whether a change within u changes a decision is found or proved", "[m
     using measure::stability::is_turned_within;
     const Ray<double> ray{{0, 0, 0}, {0, 0, 1}};
     const Sphere<double> grazed{{1 - 0x1p-20, 0, 4}, 1};  // margin 2^-21
-    CHECK(is_turned_within(0x1p-24, ray, grazed, Turned::decision) == false);
-    CHECK(is_turned_within(0x1p-20, ray, grazed, Turned::decision) == true);
+    CHECK(is_turned_within(0x1p-24, ray, grazed, CountedChange::decision) == false);
+    CHECK(is_turned_within(0x1p-20, ray, grazed, CountedChange::decision) == true);
 }
 
 TEST_CASE("the margin of a ray that misses several primitives is the nearest one's", "[margin]") {
@@ -417,7 +417,7 @@ TEST_CASE("margins and backward errors agree with those worked out by hand", "[m
     // Componentwise, the ray along an axis keeps its zeros; normwise, it turns.
     const Box<double> box{{1, -1, 3}, {2, 1, 5}};
     CHECK(decision_margin({{0, 0, 0}, {0, 0, 1}}, box) == 0.5);
-    CHECK(decision_margin({{0, 0, 0}, {0, 0, 1}}, box, Turned::root, Perturbed::normwise) < 0.25);
+    CHECK(decision_margin({{0, 0, 0}, {0, 0, 1}}, box, CountedChange::root, Perturbed::normwise) < 0.25);
     // A t so small or so large that it has no place beside the other numbers.
     CHECK(backward_error({{0, 0, 0}, {0, 0, 0x1p-1000}}, front, 0x1p-1074) >= 0);
     CHECK(backward_error({{0, 0, 0}, {0, 0, 0x1p+1000}}, front, 0x1p-1070) >= 0);
