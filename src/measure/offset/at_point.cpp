@@ -116,24 +116,24 @@ public:
         return all;
     }
 
-    [[nodiscard]] Enough judge(Side side, double e, bool by_form) const {
+    [[nodiscard]] OffsetVerdict judge(Side side, double e, bool by_form) const {
         const T signed_e = side == Side::outside ? static_cast<T>(e) : -static_cast<T>(e);
         const Vec<double> origin = as_doubles(moved<T>(leaving_->p, signed_e, leaving_->n));
         const FarSide& ahead = sides_ahead(side).along_normal;
-        if (!is_finite(origin) || e > (enters(side) ? ahead.wall : ahead.from)) return Enough::too_much;
+        if (!is_finite(origin) || e > (enters(side) ? ahead.wall : ahead.from)) return OffsetVerdict::too_much;
         std::vector<NewRay> all;
         for (std::size_t k = 0; k < count(side); ++k) {
             const Departure<T>& way = ways(side)[k];
             const Ray<double> ray{origin, as_doubles(way.w)};
             if (!is_right(ray, side, sides_ahead(side).of[k]))
-                return e > ahead.from ? Enough::too_much : Enough::too_little;
+                return e > ahead.from ? OffsetVerdict::too_much : OffsetVerdict::too_little;
             if (by_form) all.push_back({.ray = ray, .tmin = 0, .tmax = as_double(way.reach)});
         }
-        if (!by_form) return Enough::enough;
+        if (!by_form) return OffsetVerdict::enough;
         find_faults_by_form(all, side);
         const unsigned wrong = bit_of(Fault::self_hit_by_form) | bit_of(Fault::lost_exit_by_form);
         const bool any = std::ranges::any_of(all, [&](const NewRay& r) { return (r.faults & wrong) != 0; });
-        return any ? Enough::too_little : Enough::enough;
+        return any ? OffsetVerdict::too_little : OffsetVerdict::enough;
     }
 
     [[nodiscard]] double smallest(Side side, bool by_form) const {
@@ -328,8 +328,9 @@ std::vector<NewRay> PointWork::rays(const FormHit& met, const Strategy& strategy
 }
 
 bool PointWork::is_safe(const FormHit& met, Side side, double e, bool by_form) const {
-    return with_number(row_.format,
-                       [&]<class T>() { return TypedPoint<T>(*this, met).judge(side, e, by_form) == Enough::enough; });
+    return with_number(row_.format, [&]<class T>() {
+        return TypedPoint<T>(*this, met).judge(side, e, by_form) == OffsetVerdict::enough;
+    });
 }
 
 std::optional<PointWork::Start> PointWork::start(const FormHit& met) const {

@@ -10,7 +10,7 @@
 namespace lostbits::measure::offset {
 
 /// Verdict on an offset.
-enum class Enough : std::int8_t { too_little, enough, too_much };
+enum class OffsetVerdict : std::int8_t { too_little, enough, too_much };
 
 /// Finds a number e ≥ 0 of the format with judge(e) = enough whose lower neighbour is too little; 0 where that is
 /// enough; infinity where nothing up to `most` is. From `start` on, e is doubled until it is not too little; then the
@@ -18,7 +18,7 @@ enum class Enough : std::int8_t { too_little, enough, too_much };
 /// one component can turn a grazing ray back), it is one of the places where "too little" ends.
 template <class Judge>
 double smallest_enough(const FloatFormat& format, double start, double most, const Judge& judge) {
-    if (judge(0.0) == Enough::enough) return 0;
+    if (judge(0.0) == OffsetVerdict::enough) return 0;
     const std::int64_t binade = std::int64_t{1} << (format.precision - 1);
     const std::int64_t infinity = truth::ordinal(std::numeric_limits<double>::infinity(), format);
     const auto number = [&](std::int64_t n) {
@@ -26,8 +26,8 @@ double smallest_enough(const FloatFormat& format, double start, double most, con
     };
     std::int64_t low = 0, high = truth::ordinal(start, format);
     if (high < 1) high = 1;
-    Enough at_high = judge(number(high));
-    while (at_high == Enough::too_little) {
+    OffsetVerdict at_high = judge(number(high));
+    while (at_high == OffsetVerdict::too_little) {
         low = high;
         high += binade;
         const double e = number(high);
@@ -36,11 +36,11 @@ double smallest_enough(const FloatFormat& format, double start, double most, con
     }
     while (high - low > 1) {
         const std::int64_t middle = low + (high - low) / 2;
-        const Enough at_middle = judge(number(middle));
-        if (at_middle == Enough::too_little) low = middle;
+        const OffsetVerdict at_middle = judge(number(middle));
+        if (at_middle == OffsetVerdict::too_little) low = middle;
         else high = middle, at_high = at_middle;
     }
-    return at_high == Enough::enough ? number(high) : std::numeric_limits<double>::infinity();
+    return at_high == OffsetVerdict::enough ? number(high) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace lostbits::measure::offset

@@ -108,7 +108,7 @@ TEST_CASE("a number with a given index has that index in every format", "[measur
 }
 
 TEST_CASE("bisection finds the least float that is enough, or reports that none is", "[measure][offset]") {
-    using measure::offset::Enough;
+    using measure::offset::OffsetVerdict;
     using measure::offset::smallest_enough;
     Seeded random(11);
     for (const FloatFormat& f : {binary32, binary64, bfloat16}) {
@@ -116,7 +116,9 @@ TEST_CASE("bisection finds the least float that is enough, or reports that none 
             const double least = random.magnitude(-60, 3), most = least * random.uniform(1, 3);
             const double start = random.magnitude(-70, -10);
             const auto judge = [&](double e) {
-                return e < least ? Enough::too_little : e > most ? Enough::too_much : Enough::enough;
+                return e < least  ? OffsetVerdict::too_little
+                       : e > most ? OffsetVerdict::too_much
+                                  : OffsetVerdict::enough;
             };
             const double found = smallest_enough(f, start, 64, judge);
             CAPTURE(least, most, start, found, f.precision);
@@ -127,9 +129,9 @@ TEST_CASE("bisection finds the least float that is enough, or reports that none 
             if (expected > most) CHECK(std::isinf(found));
             else CHECK(found == expected);
         }
-        const auto never = [](double) { return Enough::too_little; };
+        const auto never = [](double) { return OffsetVerdict::too_little; };
         CHECK(std::isinf(smallest_enough(f, 0x1p-20, 64, never)));
-        const auto always = [](double) { return Enough::enough; };
+        const auto always = [](double) { return OffsetVerdict::enough; };
         CHECK(smallest_enough(f, 0x1p-20, 64, always) == 0);
     }
 }
