@@ -8,7 +8,7 @@ namespace lostbits::measure::choice {
 using answer::Outcome;
 using evaluate::TestedForm;
 
-void MeetsAt::band(const evaluate::BandResult& result) {
+void MetPixels::band(const evaluate::BandResult& result) {
     const std::size_t first = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width);
     const std::vector<double>& lost = result.metrics.front();
     // A form that answers no t has no lost bits; NaN counts as no bits kept.
@@ -23,7 +23,7 @@ void MeetsAt::band(const evaluate::BandResult& result) {
     }
 }
 
-std::uint64_t MeetsAt::count() const { return static_cast<std::uint64_t>(std::ranges::count(meets_, true)); }
+std::uint64_t MetPixels::count() const { return static_cast<std::uint64_t>(std::ranges::count(meets_, true)); }
 
 Meetings::Meetings(const ChoiceRequest& request, const std::vector<TestedForm>& of) {
     for (const TestedForm& row : of)
@@ -34,7 +34,7 @@ namespace {
 
 /// A row with its index, in the order in which rows are tried.
 struct Tried {
-    const MeetsAt* meets;
+    const MetPixels* meets;
     int place;  ///< index of the candidate or of the format
 };
 
@@ -72,7 +72,7 @@ std::vector<std::uint64_t> counts_of(const std::vector<int>& places, std::size_t
 
 /// Fills in the members about formats; `meetings` belong to `rows`.
 void find_narrowest(RequirementMap& r, const std::vector<TestedForm>& rows,
-                    const std::vector<const MeetsAt*>& meetings) {
+                    const std::vector<const MetPixels*>& meetings) {
     r.formats = formats_of(rows);
     std::vector<std::vector<Tried>> of_format(r.formats.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -111,7 +111,7 @@ RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vecto
     for (const std::size_t c : by_price(all)) tried.push_back({&meetings.rows[c], static_cast<int>(c)});
     for (std::size_t i = 0; i < request.scene->pixels(); ++i) r.cheapest.push_back(first_at(tried, i));
     r.taken = counts_of(r.cheapest, all.size());
-    for (const MeetsAt& row : meetings.rows) r.met.push_back(row.count());
+    for (const MetPixels& row : meetings.rows) r.met.push_back(row.count());
 
     Meetings emulated(request, request.untimed);
     if (!request.untimed.empty()) {
@@ -123,9 +123,9 @@ RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vecto
     }
     std::vector<TestedForm> rows = request.rows;
     rows.insert(rows.end(), request.untimed.begin(), request.untimed.end());
-    std::vector<const MeetsAt*> of_all;
-    for (const MeetsAt& row : meetings.rows) of_all.push_back(&row);
-    for (const MeetsAt& row : emulated.rows) of_all.push_back(&row);
+    std::vector<const MetPixels*> of_all;
+    for (const MetPixels& row : meetings.rows) of_all.push_back(&row);
+    for (const MetPixels& row : emulated.rows) of_all.push_back(&row);
     find_narrowest(r, rows, of_all);
     r.none_meets = static_cast<std::uint64_t>(std::ranges::count(r.narrowest, RequirementMap::none));
     r.unknown = static_cast<std::uint64_t>(std::ranges::count(r.narrowest, RequirementMap::unresolved));

@@ -12,9 +12,9 @@ namespace lostbits::measure::choice {
 /// Pixels at which a row meets the requirement: its decision is right and, where the ray hits, t keeps the required
 /// bits within the tolerance. The requirement's shares (`wrong`, `quantile`) are about many pixels and do not apply to
 /// one. The metrics of the request are those of the requirement.
-class MeetsAt {
+class MetPixels {
 public:
-    MeetsAt(std::size_t pixels, const Requirement& requirement, int precision)
+    MetPixels(std::size_t pixels, const Requirement& requirement, int precision)
         : requirement_(requirement), precision_(precision), meets_(pixels), unresolved_(pixels) {}
 
     void band(const evaluate::BandResult& result);
@@ -29,9 +29,9 @@ private:
     std::vector<bool> meets_, unresolved_;
 };
 
-/// One `MeetsAt` for each row of the request, in the form that `evaluate_rows` takes.
+/// One `MetPixels` for each row of the request, in the form that `evaluate_rows` takes.
 struct Meetings {
-    std::vector<MeetsAt> rows;
+    std::vector<MetPixels> rows;
     explicit Meetings(const ChoiceRequest& request, const std::vector<evaluate::TestedForm>& of);
     [[nodiscard]] std::vector<evaluate::Show> shows() { return evaluate::shown_to_each(rows); }
 };
