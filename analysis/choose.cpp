@@ -175,7 +175,7 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const Ow
             output::file::Progress& progress, const Common& common,
             std::optional<std::vector<output::choice::MendedCandidate>> mended = {}) {
     measure::choice::TimedRays timed;
-    std::optional<measure::choice::Meetings> meetings;
+    std::optional<measure::choice::MetPixelsByForm> meetings;
     if (request.scene) request.shows = meetings.emplace(request, request.rows).shows();
     const auto all = measure_candidates(request, timed);
     output::choice::ChoiceResult chosen{request, all, timed, cheapest(all, request.requirement)};

@@ -25,7 +25,7 @@ void MetPixels::band(const evaluate::BandResult& result) {
 
 std::uint64_t MetPixels::count() const { return static_cast<std::uint64_t>(std::ranges::count(meets_, true)); }
 
-Meetings::Meetings(const ChoiceRequest& request, const std::vector<TestedForm>& of) {
+MetPixelsByForm::MetPixelsByForm(const ChoiceRequest& request, const std::vector<TestedForm>& of) {
     for (const TestedForm& row : of)
         rows.emplace_back(request.scene->pixels(), request.requirement, row.format.parameters.precision);
 }
@@ -105,7 +105,7 @@ double RequirementMap::least_time(const std::vector<Candidate>& all) const {
 }
 
 RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vector<Candidate>& all,
-                                  const Meetings& meetings) {
+                                  const MetPixelsByForm& meetings) {
     RequirementMap r{.width = request.scene->width, .height = request.scene->height};
     std::vector<Tried> tried;
     for (const std::size_t c : by_price(all)) tried.push_back({&meetings.rows[c], static_cast<int>(c)});
@@ -113,7 +113,7 @@ RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vecto
     r.taken = counts_of(r.cheapest, all.size());
     for (const MetPixels& row : meetings.rows) r.met.push_back(row.count());
 
-    Meetings emulated(request, request.untimed);
+    MetPixelsByForm emulated(request, request.untimed);
     if (!request.untimed.empty()) {
         evaluate::EvaluationRequest asked{
             .scene = request.scene, .rows = request.untimed, .metrics = request.requirement.metrics()};

@@ -30,9 +30,9 @@ private:
 };
 
 /// One `MetPixels` for each row of the request, in the form that `evaluate_rows` takes.
-struct Meetings {
+struct MetPixelsByForm {
     std::vector<MetPixels> rows;
-    explicit Meetings(const ChoiceRequest& request, const std::vector<evaluate::TestedForm>& of);
+    explicit MetPixelsByForm(const ChoiceRequest& request, const std::vector<evaluate::TestedForm>& of);
     [[nodiscard]] std::vector<evaluate::Show> shows() { return evaluate::shown_to_each(rows); }
 };
 
@@ -59,6 +59,6 @@ struct RequirementMap {
 /// `meetings` belong to the request's rows, in their order, and are filled. `untimed` rows are in emulated formats and
 /// have no time: they are measured here, and count only among the formats.
 RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vector<Candidate>& all,
-                                  const Meetings& meetings);
+                                  const MetPixelsByForm& meetings);
 
 }  // namespace lostbits::measure::choice

@@ -60,7 +60,7 @@ Asked require(const scene::file::Scene& scene, const std::vector<TestedForm>& ro
               double bits, const std::vector<TestedForm>& untimed = {}) {
     Asked asked{.request = {.scene = &scene, .rows = rows, .untimed = untimed}, .all = {}, .requirement_map = {}};
     asked.request.requirement.bits = bits;
-    Meetings meetings(asked.request, rows);
+    MetPixelsByForm meetings(asked.request, rows);
     asked.request.shows = meetings.shows();
     const auto quality = quality_of(asked.request);
     for (std::size_t r = 0; r < rows.size(); ++r) {

@@ -22,11 +22,11 @@ namespace {
 using intersect::AtOrigin;
 
 /// Triangles that every ray of a scene truly meets, for both values of `at_origin`, found without an index.
-class Meetings {
+class MetPixelsByForm {
 public:
     using Met = std::map<std::size_t, Truth>;
 
-    explicit Meetings(const scene::file::Scene& scene) {
+    explicit MetPixelsByForm(const scene::file::Scene& scene) {
         const measure::truth::Band band(scene, 0, scene.height);
         const std::size_t triangles = scene::rays::PrimitiveList(scene::rays::shared_primitives(scene)).size();
         for (const AtOrigin word : {AtOrigin::hit, AtOrigin::miss}) met_[word].resize(band.pixels());
@@ -59,7 +59,8 @@ int facing_of(const Ray<double>& ray, const Primitive<double>& triangle) {
 /// Recounts the outcomes of a band from every triangle asked alone.
 class Recount {
 public:
-    Recount(const measure::evaluate::TestedForm& row, const Meetings& meetings) : row_(row), meetings_(meetings) {}
+    Recount(const measure::evaluate::TestedForm& row, const MetPixelsByForm& meetings)
+        : row_(row), meetings_(meetings) {}
 
     void band(const measure::evaluate::BandResult& result) {
         const auto& in = *result.inputs;
@@ -74,7 +75,7 @@ public:
             }
             wrong += !(result.convention == intersect::Convention(result.convention.at_origin));
             const std::size_t place = static_cast<std::size_t>(result.y0 * result.width) + i;
-            const Meetings::Met& met = meetings_.of(place, result.convention.at_origin);
+            const MetPixelsByForm::Met& met = meetings_.of(place, result.convention.at_origin);
             const Outcome outcome = result.outcomes[i];
             ++counts[outcome];
             const auto truly =
@@ -148,7 +149,7 @@ public:
 
 private:
     const measure::evaluate::TestedForm& row_;
-    const Meetings& meetings_;
+    const MetPixelsByForm& meetings_;
 };
 
 scene::file::Scene smaller(const char* name, std::initializer_list<std::pair<std::string, std::string>> changes) {
@@ -172,7 +173,7 @@ TEST_CASE("outcomes of meshes agree with triangles asked one by one", "[outcome]
                                  "triangle.havel_herout", "triangle.filtered"})
             request.rows.push_back(test::row(form, "f32"));
         std::vector<Recount> again;
-        const Meetings meetings(scene);
+        const MetPixelsByForm meetings(scene);
         for (const auto& row : request.rows) again.emplace_back(row, meetings);
         const auto summaries = measure::evaluate::evaluate_rows(request, measure::evaluate::shown_to_each(again));
         for (std::size_t r = 0; r < again.size(); ++r) {
