@@ -33,17 +33,18 @@ MetPixelsByForm::MetPixelsByForm(const ChoiceRequest& request, const std::vector
 namespace {
 
 /// A row with its index, in the order in which rows are tried.
-struct Tried {
+struct RankedForm {
     const MetPixels* meets;
     int place;  ///< index of the candidate or of the format
 };
 
 /// Index of the first row that meets the requirement at the pixel.
-int first_at(const std::vector<Tried>& tried, std::size_t pixel) {
-    for (const Tried& t : tried) {
+int first_at(const std::vector<RankedForm>& tried, std::size_t pixel) {
+    for (const RankedForm& t : tried) {
         if (t.meets->meets(pixel)) return t.place;
     }
-    const bool unknown = std::ranges::any_of(tried, [pixel](const Tried& t) { return t.meets->unresolved(pixel); });
+    const bool unknown =
+        std::ranges::any_of(tried, [pixel](const RankedForm& t) { return t.meets->unresolved(pixel); });
     return unknown ? RequirementMap::unresolved : RequirementMap::none;
 }
 
@@ -74,7 +75,7 @@ std::vector<std::uint64_t> counts_of(const std::vector<int>& places, std::size_t
 void find_narrowest(RequirementMap& r, const std::vector<TestedForm>& rows,
                     const std::vector<const MetPixels*>& meetings) {
     r.formats = formats_of(rows);
-    std::vector<std::vector<Tried>> of_format(r.formats.size());
+    std::vector<std::vector<RankedForm>> of_format(r.formats.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const auto place = std::ranges::find(r.formats, computes_in(rows[k])) - r.formats.begin();
         of_format[static_cast<std::size_t>(place)].push_back({meetings[k], static_cast<int>(place)});
@@ -107,7 +108,7 @@ double RequirementMap::least_time(const std::vector<Candidate>& all) const {
 RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vector<Candidate>& all,
                                   const MetPixelsByForm& meetings) {
     RequirementMap r{.width = request.scene->width, .height = request.scene->height};
-    std::vector<Tried> tried;
+    std::vector<RankedForm> tried;
     for (const std::size_t c : by_price(all)) tried.push_back({&meetings.rows[c], static_cast<int>(c)});
     for (std::size_t i = 0; i < request.scene->pixels(); ++i) r.cheapest.push_back(first_at(tried, i));
     r.taken = counts_of(r.cheapest, all.size());
