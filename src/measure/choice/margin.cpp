@@ -70,7 +70,7 @@ namespace {
 
 /// True if the stored scene is still the ideal one: for nine rays of ten, the decision is the same and t agrees within
 /// a tenth.
-bool is_as_meant(const truth::Band& stored, const truth::Band& meant) {
+bool matches_ideal_scene(const truth::Band& stored, const truth::Band& meant) {
     const auto t_of = [](const truth::Band& band, std::size_t i) {
         return band.truth(i, {}).is_hit() ? band.rounded_truth(i, binary64, intersect::Direction::any, {}) : HUGE_VAL;
     };
@@ -155,7 +155,7 @@ std::optional<Found> look_at_scene(const ChoiceRequest& request, const evaluate:
     ideal.inputs = scene::file::Inputs::own;
     culling::Culler ideal_culler(ideal);
     const truth::Band meant(ideal, 0, ideal.height, request.limit, &ideal_culler);
-    return Found{there->value, quality, is_as_meant(band, meant)};
+    return Found{there->value, quality, matches_ideal_scene(band, meant)};
 }
 
 std::optional<Found> look_at_rays(const ChoiceRequest& request, const evaluate::TestedForm& row, const IdealRays& rays,
@@ -165,7 +165,7 @@ std::optional<Found> look_at_rays(const ChoiceRequest& request, const evaluate::
     const truth::Band band(stored(there->rays, request.rays->format.parameters), request.limit);
     const RowQuality quality = quality_on(band, row, request.requirement);
     request.progress(band.pixels());
-    return Found{there->value, quality, is_as_meant(band, there->rays.band(request.limit))};
+    return Found{there->value, quality, matches_ideal_scene(band, there->rays.band(request.limit))};
 }
 
 }  // namespace
