@@ -197,11 +197,11 @@ Question question_at(const Ray<double>& ray, const Primitive<double>& primitive)
 }
 
 /// Rays at edges and vertices of meshes, and what passes.
-struct Light {
+struct EdgeRayCounts {
     std::array<std::size_t, 2> asked{}, passed{};  ///< at edges, at vertices
     std::string first;
 
-    void add(const Light& more) {
+    void add(const EdgeRayCounts& more) {
         for (std::size_t k = 0; k < 2; ++k) asked[k] += more.asked[k], passed[k] += more.passed[k];
         if (first.empty()) first = more.first;
     }
@@ -228,9 +228,9 @@ bool any_hit(const Trial& trial, std::span<const Question> questions, std::span<
     return false;
 }
 
-/// Light passes if the form claims no triangle that faces the ray. Those around the edge or vertex are asked in one
-/// batch, the others only if it claims none of these. Each scale has rays of its own.
-Light light_at_scale(const Trial& trial, std::size_t scale) {
+/// EdgeRayCounts passes if the form claims no triangle that faces the ray. Those around the edge or vertex are asked in
+/// one batch, the others only if it claims none of these. Each scale has rays of its own.
+EdgeRayCounts light_at_scale(const Trial& trial, std::size_t scale) {
     constexpr int attempts = 768, rays_of_mesh = 16;
     rays::Random random(scale + 1);
     std::vector<RayAtMeshEdge> all;
@@ -245,7 +245,7 @@ Light light_at_scale(const Trial& trial, std::size_t scale) {
         questions.insert(questions.end(), around.begin(), around.end());
     }
     const std::vector<Reply> replies = ask(trial.form, questions);
-    Light light;
+    EdgeRayCounts light;
     std::size_t first = 0;
     for (const RayAtMeshEdge& drawn : all) {
         const auto around = std::span(questions).subspan(first, drawn.around.size());
@@ -267,11 +267,11 @@ Light light_at_scale(const Trial& trial, std::size_t scale) {
 }
 
 void try_mesh(Trial& trial) {
-    const Light plain = light_at_scale(trial, 0);
-    Light all = plain;
+    const EdgeRayCounts plain = light_at_scale(trial, 0);
+    EdgeRayCounts all = plain;
     std::string beyond = all_scales;
     for (std::size_t scale = 1; scale < scale_powers.size(); ++scale) {
-        const Light found = light_at_scale(trial, scale);
+        const EdgeRayCounts found = light_at_scale(trial, scale);
         if (20 * found.all_passed() > found.all_asked() + 60 * plain.all_passed()) {
             beyond = words_about_scale(scale_powers[scale], found.all_passed(), found.all_asked());
             break;
