@@ -243,7 +243,7 @@ std::vector<FromSurface> from_surface(const Trial& trial) {
         const Question q = along(trial.shape, z, direction);
         rays.push_back({q, trial.ask(q), goes_in});
     };
-    const double in = way_in(trial.shape);
+    const double in = entry_sign(trial.shape);
     add(-2, in, true), add(-2, -in, false);
     if (is_crossed_twice(trial.shape)) add(2, -1, true), add(2, 1, false);
     return rays;
@@ -298,7 +298,7 @@ void try_at_origin(Trial& trial) {
 
 void try_close(Trial& trial) {
     const double ahead = trial.contract.bits == 32 ? 0x1p-15 : 0x1p-30;
-    const double in = way_in(trial.shape);
+    const double in = entry_sign(trial.shape);
     const Reply r = trial.ask(along(trial.shape, -2 - in * ahead, in));
     const std::string surface = "a surface " + text_of(ahead) + " ahead ";
     if (r.hit == 1 && std::fabs(r.near) <= 4 * ahead) return trial.kept(surface + "is met");

@@ -173,14 +173,14 @@ inline bool is_crossed_twice(Shape shape) {
 
 /// Sign of the z direction in which a ray from afar enters a shape around the origin: 1, unless (0, 0, -5) lies in it,
 /// which happens only if the shape has no end.
-inline double way_in(Shape shape) {
+inline double entry_sign(Shape shape) {
     const auto ends = ends_of(along(shape, -5, 1), shape);
     return ends && ends->near < 0 && ends->far >= 0 ? -1 : 1;
 }
 
 /// The plainest ray at a shape: it starts outside, `distance` from the origin, and enters along the z axis.
 inline Question entering(Shape shape, double distance = 5, double direction = 1, double half = 2) {
-    const double way = way_in(shape);
+    const double way = entry_sign(shape);
     return along(shape, -way * distance, way * direction, 0, half);
 }
 
