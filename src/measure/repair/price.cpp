@@ -143,7 +143,7 @@ void run_compiler(const intersect::process::ProgramArguments& words, const MendR
 /// Loads a library that this program compiled. A failure is an EnvironmentError: its cause is the machine, not the
 /// user's input.
 template <class Load>
-auto load_made(const fs::path& library, const Load& load) {
+auto load_compiled(const fs::path& library, const Load& load) {
     try {
         return load(library);
     } catch (const InputError& refused) {
@@ -199,8 +199,9 @@ std::vector<intersect::external::Formula> compile_and_load(const MendRequest& re
     }
     link.insert(link.end(), {"-o", library, flags("form.flags")});
     run_compiler(link, request);
-    auto formulas = are_placed(forms) ? load_made(library, [&](const fs::path& at) { return placed_rows(at, forms); })
-                                      : load_made(library, external::load_formulas);
+    auto formulas = are_placed(forms)
+                        ? load_compiled(library, [&](const fs::path& at) { return placed_rows(at, forms); })
+                        : load_compiled(library, external::load_formulas);
     for (std::size_t k = 0; k < forms.size(); ++k) {
         const evaluate::TestedForm& from = forms[k].from;
         MendRequest asked = request;
