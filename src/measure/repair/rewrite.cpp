@@ -59,7 +59,7 @@ private:
         std::vector<Candidate> fresh;
         for (const std::size_t k : promising()) {
             all_[k].expanded = true;
-            for (Candidate& one : made_from(all_[k])) fresh.push_back(std::move(one));
+            for (Candidate& one : candidates_from(all_[k])) fresh.push_back(std::move(one));
         }
         std::vector<Tape> tapes;
         std::erase_if(fresh, [&](Candidate& one) {
@@ -100,7 +100,7 @@ private:
     }
 
     /// Candidates that are one rewrite away from this one. Rewrites of what loses most bits come first.
-    std::vector<Candidate> made_from(const Candidate& from) {
+    std::vector<Candidate> candidates_from(const Candidate& from) {
         std::vector<NodeId> origins;
         const Tape tape = terms_.tape(from.outputs, &origins);
         const std::vector<int> culprits = sample_.culprits(tape);
