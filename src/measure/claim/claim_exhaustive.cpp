@@ -153,12 +153,12 @@ ClaimResult judge_tally(const Claim& claim, std::size_t row, const ExhaustiveReq
 }
 
 /// Claims about one range of one ray. The truth of a float is found once for all of them.
-struct OfRange {
+struct RangeClaims {
     ExhaustiveFile file;
     ClaimsOn<SweepSubject> claims = {};
 };
 
-void measure_range(const OfRange& of, truth::TruthLimit limit) {
+void measure_range(const RangeClaims& of, truth::TruthLimit limit) {
     ExhaustiveRequest request{.sweep = of.file, .limit = limit};
     std::vector<std::size_t> rows;
     for (const auto& asked : of.claims) rows.push_back(place_or_added(request.rows, float_row(asked.claim, of.file)));
@@ -174,7 +174,7 @@ void measure_range(const OfRange& of, truth::TruthLimit limit) {
 void measure_exhaustive(const ClaimsOn<SweepSubject>& claims, const std::filesystem::path& path,
                         const ClaimRequest& run) {
     const ExhaustiveFile whole(path, run.data_dir, run.stop);
-    std::vector<OfRange> together;
+    std::vector<RangeClaims> together;
     for (const auto& asked : claims) {
         const auto& [claim, on, result] = asked;
         const auto* const range = on.part_if<SweepSubject::EveryFloat>();
@@ -182,12 +182,12 @@ void measure_exhaustive(const ClaimsOn<SweepSubject>& claims, const std::filesys
             scene::toml::fail(claim.where,
                               "sweep \"" + on.name + "\" tries every float; write `exhaustive = true` in claim.given");
         ExhaustiveFile file = narrowed(claim, *range, whole);
-        const auto same = std::ranges::find_if(together, [&file](const OfRange& of) {
+        const auto same = std::ranges::find_if(together, [&file](const RangeClaims& of) {
             return of.file.rays.front().name == file.rays.front().name && of.file.ranges() == file.ranges();
         });
-        (same != together.end() ? *same : together.emplace_back(OfRange{std::move(file)})).claims.push_back(asked);
+        (same != together.end() ? *same : together.emplace_back(RangeClaims{std::move(file)})).claims.push_back(asked);
     }
-    for (const OfRange& of : together) measure_range(of, {.stop = run.stop});
+    for (const RangeClaims& of : together) measure_range(of, {.stop = run.stop});
 }
 
 }  // namespace lostbits::measure::claim
