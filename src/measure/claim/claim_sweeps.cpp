@@ -77,13 +77,13 @@ std::vector<double> place_on(const ClaimOn<SweepSubject>& asked, const scene::sw
 }
 
 /// Claims about one position on the axes of a sweep, or about its onsets.
-struct OnAxes {
+struct AxesClaims {
     const ClaimsOn<SweepSubject>& claims;
     const ClaimColumns& columns;
     const std::vector<std::size_t>& rows;  ///< row of each claim, among those of the request
 };
 
-void measure_place(const OnAxes& on, const sweep::SweepRequest& request, const std::vector<double>& place) {
+void measure_place(const AxesClaims& on, const sweep::SweepRequest& request, const std::vector<double>& place) {
     const auto summaries = sweep::run_place(request, place);
     for (std::size_t k = 0; k < on.claims.size(); ++k) {
         const auto& [claim, subject, result] = on.claims[k];
@@ -95,7 +95,7 @@ void measure_place(const OnAxes& on, const sweep::SweepRequest& request, const s
     }
 }
 
-void measure_onsets(const OnAxes& on, sweep::SweepRequest request) {
+void measure_onsets(const AxesClaims& on, sweep::SweepRequest request) {
     for (std::size_t k = 0; k < on.claims.size(); ++k) {
         const Claim& claim = on.claims[k].claim;
         request.only.push_back({on.rows[k], claim.onset, claim.statistic, claim.threshold});
