@@ -39,9 +39,10 @@ struct Candidate {
     bool expanded = false;
 };
 
-class Writing {
+class RewriteSearch {
 public:
-    Writing(const MendRequest& request, const Tape& form, const RowQuality& own, Judge& judge, const SearchLimit& limit)
+    RewriteSearch(const MendRequest& request, const Tape& form, const RowQuality& own, Judge& judge,
+                  const SearchLimit& limit)
         : request_(request), limit_(limit), form_(form), terms_(form), judge_(judge), sample_(request) {
         if (request.row.form->info->direction == intersect::Direction::unit) unit_ = direction_of(terms_);
         all_.push_back({.outputs = terms_.outputs(), .quality = own, .work = work_of(form)});
@@ -231,7 +232,7 @@ std::size_t work_of(const Tape& tape) {
 
 Rewriting rewrite(const MendRequest& request, const Tape& form, const RowQuality& own, Judge& judge,
                   const SearchLimit& limit) {
-    return Writing(request, form, own, judge, limit).done();
+    return RewriteSearch(request, form, own, judge, limit).done();
 }
 
 }  // namespace lostbits::measure::repair
