@@ -140,9 +140,9 @@ public:
     [[nodiscard]] Obstruction without_rounding(const Tape& tape) const;
 
 private:
-    /// Right answer of a ray. `t`: correctly rounded to a double, or the distance for a form that asks for directions
-    /// of length one.
-    struct Right {
+    /// CorrectAnswer answer of a ray. `t`: correctly rounded to a double, or the distance for a form that asks for
+    /// directions of length one.
+    struct CorrectAnswer {
         truth::Truth::Decision decision;
         double t;
         Range<double> range;
@@ -153,7 +153,7 @@ private:
     Requirement requirement_;
     truth::TruthLimit limit_;
     std::vector<std::vector<double>> inputs_, exact_inputs_;  ///< inputs of each ray, in the order of the tape's inputs
-    std::vector<Right> right_;
+    std::vector<CorrectAnswer> right_;
 };
 
 /// Tape with other inputs and all values that follow from them, rounded to the format or not rounded.
