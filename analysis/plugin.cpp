@@ -47,7 +47,7 @@ const char* word_of(Observation::Verdict verdict) {
     switch (verdict) {
         case Observation::Verdict::kept: return "kept";
         case Observation::Verdict::broken: return "BROKEN";
-        case Observation::Verdict::told: break;
+        case Observation::Verdict::noted: break;
     }
     return "note";
 }

@@ -244,8 +244,8 @@ TEST_CASE("contract: answers that change with each call allow no verdict on batc
     std::set<std::string> judged;
     bool noted = false;
     for (const Observation& f : try_contract(form)) {
-        if (f.verdict != Observation::Verdict::told) judged.insert(f.subject);
-        noted = noted || (f.subject == "again" && f.verdict == Observation::Verdict::told);
+        if (f.verdict != Observation::Verdict::noted) judged.insert(f.subject);
+        noted = noted || (f.subject == "again" && f.verdict == Observation::Verdict::noted);
     }
     CHECK(judged.contains("again"));
     CHECK(noted);
@@ -311,7 +311,7 @@ TEST_CASE("contract: hits lost where the parts of a surface meet are found and l
         return std::min({length(p - t.a), length(p - t.b), length(p - t.c)}) < 1e-3 * t.unit();
     };
     const Observation vertex = edges_of(losing(Shape::triangle, at_vertex));
-    CHECK(vertex.verdict == told);
+    CHECK(vertex.verdict == noted);
     CHECK(vertex.words.find("at a vertex of triangles") != std::string::npos);
 }
 
@@ -324,7 +324,7 @@ TEST_CASE("contract: the first scale that fails is named", "[external]") {
         };
         const Observation found = edges_of(solved_by(shape, with_epsilon));
         INFO(row_of(shape).name << ": " << found.words);
-        CHECK(found.verdict == told);
+        CHECK(found.verdict == noted);
         CHECK(found.words.find("the first of nine scales that fails is 2^-45") != std::string::npos);
     }
     CHECK(edges_of(solved_by(Shape::capsule, right)).verdict == kept);
@@ -338,13 +338,13 @@ TEST_CASE("contract: contraction makes a watertight test leak", "[external]") {
     const auto passing = [](const intersect::table::Intersector& row) {
         const Observation found = edges_of(renamed(row, 32));
         INFO(found.words);
-        CHECK(found.verdict == told);
+        CHECK(found.verdict == noted);
         return found.words.starts_with("no ray") ? 0 : std::stoi(found.words);
     };
     const auto& woop = row_named("triangle.woop");
     CHECK(passing(woop) <= 1);  // 3e5 edges away, where a vertex is rounded by a hundredth of an edge
     CHECK(passing(measure::tape::contracted_row(woop)) >= 10);
-    CHECK(edges_of(renamed(row_named("triangle.undivided"), 64)).verdict == told);
+    CHECK(edges_of(renamed(row_named("triangle.undivided"), 64)).verdict == noted);
 }
 
 TEST_CASE("contract: ten wrong forms of each shape are detected", "[external]") {

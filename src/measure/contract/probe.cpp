@@ -211,7 +211,7 @@ void try_direction(Trial& trial) {
             "say LB_UNIT (unit_direction, direction=unit)");
     const std::string gives = "a direction twice as long gives t = " + text_of(twice.near);
     const double right = ends_of(q, trial.shape)->near;
-    if (!is_answer(plain.near, right)) return trial.told(gives + "; the t for length 1 is wrong already");
+    if (!is_answer(plain.near, right)) return trial.noted(gives + "; the t for length 1 is wrong already");
     trial.broken(gives + " where " + text_of(right / 2) + " is right" +
                  (is_unchanged ? "" : ": its length changes t, but not as a divisor; the formula may assume length 1"));
 }
@@ -240,7 +240,7 @@ std::optional<Question> away_from(Shape shape) {
 
 void try_behind(Trial& trial) {
     const std::optional<Question> q = away_from(trial.shape);
-    if (!q) return trial.told("no ray along the z axis has " + with_article(trial.shape) + " behind it");
+    if (!q) return trial.noted("no ray along the z axis has " + with_article(trial.shape) + " behind it");
     const Reply behind = trial.ask(*q);
     if (trial.contract.roots == Roots::near_only && behind.hit == 1 && behind.near < 0)
         return trial.kept("a primitive behind the ray gets t = " + text_of(behind.near) + ", which counts as a miss");
@@ -261,7 +261,7 @@ void try_behind(Trial& trial) {
 void try_aside(Trial& trial) {
     Question q = along(trial.shape, -5, 1);
     q.ray = {0, 0, -10, 0.6, 0, 0.8};  // through the planes of a box, beside it
-    if (ends_of(q, trial.shape)) return trial.told("no ray passes by " + with_article(trial.shape));
+    if (ends_of(q, trial.shape)) return trial.noted("no ray passes by " + with_article(trial.shape));
     const Reply by = trial.ask(q);
     const bool is_nan = trial.tells_t && by.hit == 1 && std::isnan(by.near);
     trial.hold(by.hit == 0, "a ray that passes by misses",
@@ -278,7 +278,7 @@ void try_end(Trial& trial) {
     const ShapeRow& row = row_of(trial.shape);
     const std::string ends = "a ray that ends before the " + std::string(row.name);
     if (!row.takes_tmax && !trial.says(LB_RANGE)) {
-        if (!before) trial.told(ends + " misses; maps and sweeps give " + std::string(row.plural) + " no ends");
+        if (!before) trial.noted(ends + " misses; maps and sweeps give " + std::string(row.plural) + " no ends");
         return;
     }
     if (trial.says(LB_NO_END))
@@ -330,12 +330,12 @@ void try_odd(Trial& trial, const char* name, const std::string& what, const Ques
         try {
             r = trial.ask(q);
         } catch (const EnvironmentError& refused) {
-            return trial.told(what + ": refused: " + refused.what());
+            return trial.noted(what + ": refused: " + refused.what());
         }
         std::string says = r.hit == 1 ? "hit" : r.hit == 0 ? "miss" : "nothing";
         if (r.hit == 1 && trial.tells_t) says += " at t = " + text_of(r.near);
         if (r.hit > 1) trial.broken(what + ": `hit` is not written");
-        else trial.told(what + ": " + says);
+        else trial.noted(what + ": " + says);
     });
 }
 
@@ -364,7 +364,7 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     trial.probe("answers", try_hit_is_written);
     trial.probe("again", try_again);
     if (trial.breaks("again")) {
-        trial.told("the probes batches, primitives and threads compare repeated answers, so they are left out");
+        trial.noted("the probes batches, primitives and threads compare repeated answers, so they are left out");
     } else {
         trial.probe("batches", try_batches);
         trial.probe("primitives", try_primitives);
@@ -401,7 +401,7 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     if (!trial.says_broken()) trial.probe("rays", try_rays);  // otherwise the mistake is known already
     probe_of_t("edges", try_edges, !trial.breaks("facing"));  // half of its rays come from behind
     if (!held_back.empty())
-        trial.probe("t", [&](Trial& t) { t.told("what follows from a wrong t is not judged: " + held_back); });
+        trial.probe("t", [&](Trial& t) { t.noted("what follows from a wrong t is not judged: " + held_back); });
     try_odd_numbers(trial);
     return std::move(trial.findings);
 }

@@ -13,7 +13,7 @@ struct Observation {
     enum class Verdict {
         kept,    ///< it keeps the promise
         broken,  ///< it does something else
-        told     ///< nothing was promised; what it does is worth knowing
+        noted    ///< nothing was promised; what it does is worth knowing
     };
     std::string subject;  ///< `direction`, `roots`, `touching`, …
     Verdict verdict;

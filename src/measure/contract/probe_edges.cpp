@@ -109,7 +109,7 @@ void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution)
                 "{} of {} rays are answered wrongly that cross the surface near a place where its parts meet; the "
                 "first is {}{}",
                 plain.wrong, plain.asked, plain.first, oblique ? "; where axes lie along x, y or z it is right" : "");
-            return plain.is_many() && !oblique ? trial.broken(words) : trial.told(words);
+            return plain.is_many() && !oblique ? trial.broken(words) : trial.noted(words);
         }
         for (const int power : scale_powers)
             if (const Wrong found = wrong_at_scale(trial, places, power); found.is_many() && beyond.empty())
@@ -118,7 +118,7 @@ void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution)
     const std::string words =
         fmt::format("{} rays at places of {} ({}) get the right answer", asked, row_of(trial.shape).plural, names);
     if (beyond.empty()) trial.kept(words + all_scales);
-    else trial.told(words + beyond);
+    else trial.noted(words + beyond);
 }
 
 Vec<double> in_format(const Vec<double>& v, int bits) { return bits == 32 ? rays::stored(v) : v; }
@@ -280,7 +280,7 @@ void try_mesh(Trial& trial) {
     }
     const bool everywhere = beyond == all_scales;
     if (all.all_passed() > 0)
-        return trial.told(fmt::format(
+        return trial.noted(fmt::format(
             "{} of {} rays at edges and {} of {} at vertices of closed meshes pass between the triangles: it claims "
             "none of them; the first is {}{}",
             all.passed[0], all.asked[0], all.passed[1], all.asked[1], all.first, everywhere ? "" : beyond));
@@ -289,7 +289,7 @@ void try_mesh(Trial& trial) {
         "closed meshes{}",
         all.asked[0], all.asked[1], beyond);
     if (everywhere) trial.kept(words);
-    else trial.told(words);
+    else trial.noted(words);
 }
 
 }  // namespace

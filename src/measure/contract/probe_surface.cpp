@@ -67,7 +67,7 @@ void try_interval(Trial& trial, const FromInside& inside) {
         trial.hold(trial.contract.inside == Inside::miss, "a ray from inside misses",
                    "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)");
     } else if (answer == RightAnswer::near && right) {
-        if (clipped) trial.told("from inside, near is behind: it is not clipped to the ray");
+        if (clipped) trial.noted("from inside, near is behind: it is not clipped to the ray");
         else trial.kept("from inside, near is behind and far ahead");
     } else if (answer == RightAnswer::zero && right) {
         if (clipped || zero_is_right) trial.kept("from inside, near is 0 and far ahead: clipped to the ray");
@@ -189,15 +189,15 @@ void try_touching(Trial& trial) {
         }
     }
     if (hits > 0 && hits < asked)
-        return trial.told(what + " hits in " + std::to_string(hits) + " of " + std::to_string(asked) +
-                          " places: rounding decides, or the side that it is on");
+        return trial.noted(what + " hits in " + std::to_string(hits) + " of " + std::to_string(asked) +
+                           " places: rounding decides, or the side that it is on");
     const bool promised = trial.contract.touching == Touching::hit, hit = hits > 0;
     const double beside = trial.contract.bits == 32 ? 0x1p-20 : 0x1p-49;  // eight numbers of the format
     Question next = q;
     next.ray[0] += hit ? beside : -beside;
     if (hit != promised && (trial.ask(next).hit == 1) == hit)
-        return trial.told(what + (hit ? " hits, and so does one " : " misses, and so does one ") + text_of(beside) +
-                          (hit ? " outside" : " inside") + ": rounding decides");
+        return trial.noted(what + (hit ? " hits, and so does one " : " misses, and so does one ") + text_of(beside) +
+                           (hit ? " outside" : " inside") + ": rounding decides");
     trial.hold(
         hit == promised, what + (hit ? " hits" : " misses"),
         what + (hit ? " hits; say LB_HIT (touching=hit)" : " misses; say LB_MISS (touching_misses, touching=miss)"));
@@ -314,7 +314,7 @@ Observation observe_state(const intersect::external::ForeignForm& form) {
         loaded.empty() ? "" : "loading its library leaves the processor with " + loaded + ", and it runs in that state";
     const std::string noted = intersect::external::change_noted(intersect::external::name_in_messages(form));
     if (!noted.empty()) return {"state", Observation::Verdict::broken, noted + (where.empty() ? "" : "; " + where)};
-    if (!where.empty()) return {"state", Observation::Verdict::told, where + ", as for its users; nothing else does"};
+    if (!where.empty()) return {"state", Observation::Verdict::noted, where + ", as for its users; nothing else does"};
     return {"state", Observation::Verdict::kept, "it computes with rounding to nearest and with subnormal numbers"};
 }
 

@@ -238,9 +238,9 @@ void try_scale(Trial& trial) {
         for (int k = 1; k <= most; ++k) {
             const auto [is_right, right, taken] = answer_at(i, std::ldexp(1, k));
             if (!is_right)
-                return trial.told("where all lengths are 2^" + std::to_string(k) + " times as large, it answers " +
-                                  words_of(trial, taken) + " where " + words_of(trial, right) +
-                                  " is right: it seems to have a greatest t or size");
+                return trial.noted("where all lengths are 2^" + std::to_string(k) + " times as large, it answers " +
+                                   words_of(trial, taken) + " where " + words_of(trial, right) +
+                                   " is right: it seems to have a greatest t or size");
         }
     }
     trial.kept("right where all lengths are 2^-" + std::to_string(most) + " to 2^" + std::to_string(most) +
@@ -260,7 +260,7 @@ void try_rays(Trial& trial) {
             if (found.wrong == 0) continue;
             const bool oblique = !upright && has_axis(trial.shape);
             if (found.is_many() && !oblique) return trial.broken(words_about(found, aim));
-            trial.told(words_about(found, aim) + (oblique ? "; where axes lie along x, y or z it is right" : ""));
+            trial.noted(words_about(found, aim) + (oblique ? "; where axes lie along x, y or z it is right" : ""));
             if (oblique) return;
         }
     }
