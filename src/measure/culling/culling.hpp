@@ -161,7 +161,7 @@ public:
     /// Index for the truth of the primitives as given. May be null, as may those of a format: test every primitive
     /// then.
     [[nodiscard]] const PrimitiveIndex* for_truth() const { return truth_.get(); }
-    /// Indices for forms in a format that receive `primitives`, and for the truth of those. Made on first use.
+    /// Indices for forms in a format that receive `primitives`, and for the truth of those. LazyIndices on first use.
     std::shared_ptr<const PrimitiveIndex> for_forms(const FloatFormat& format,
                                                     const scene::rays::PrimitiveList<double>& primitives);
     std::shared_ptr<const PrimitiveIndex> for_own_truth(const FloatFormat& format,
@@ -174,14 +174,14 @@ private:
     std::shared_ptr<const PrimitiveIndex> truth_;
     enum class For : std::uint8_t { forms, own_truth };
     /// Indices that are made when they are first asked for.
-    struct Made {
+    struct LazyIndices {
         std::mutex making;
         std::map<std::tuple<For, int, int, int>, std::shared_ptr<const PrimitiveIndex>> indices;
     };
     std::shared_ptr<const PrimitiveIndex> index_for(For use, const FloatFormat& format,
                                                     const scene::rays::PrimitiveList<double>& primitives) const;
     const Culler* of_all_ = nullptr;
-    std::unique_ptr<Made> made_ = std::make_unique<Made>();
+    std::unique_ptr<LazyIndices> made_ = std::make_unique<LazyIndices>();
 };
 
 /// True if a ray may start in the primitive or on it. False only if bounds on all roundings prove that it does not;
