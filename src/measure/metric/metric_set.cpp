@@ -99,13 +99,13 @@ void refuse_unknown_label(const Metric& metric, const std::vector<const Intersec
 
 const Metric* MetricSet::find(std::string_view name) {
     if (const Metric* const row = find_metric(name)) return row;
-    const auto known = std::ranges::find(made_, name, &Made::name);
+    const auto known = std::ranges::find(made_, name, &OwnedMetric::name);
     if (known != made_.end()) return &known->row;
     const auto kind = std::ranges::find_if(
         labelled, [&](const Metric& m) { return name.starts_with(m.name) && name.size() > m.name.size(); });
     if (kind == std::end(labelled)) return nullptr;
     if (kind->needs == needs_nothing) return of_number(*kind, name);
-    Made& made = made_.emplace_back();
+    OwnedMetric& made = made_.emplace_back();
     made.name = name;
     made.layer = std::string(kind->layer) + made.name.substr(kind->name.size());
     made.row = *kind;
@@ -121,10 +121,10 @@ const Metric* MetricSet::of_number(const Metric& kind, std::string_view name) {
         throw InputError("--metric " + std::string(name) +
                          ": write a finite number of at least 0 after the colon, such as " + std::string(kind.name) +
                          (kind.value == beyond ? "0.001" : "16"));
-    if (std::ranges::find(made_, column, [](const Made& made) { return made.row.name; }) != made_.end())
+    if (std::ranges::find(made_, column, [](const OwnedMetric& made) { return made.row.name; }) != made_.end())
         throw InputError("--metric " + std::string(name) +
                          ": this metric takes one number a run; measure the other one in a run of its own");
-    Made& made = made_.emplace_back();
+    OwnedMetric& made = made_.emplace_back();
     made.name = name;
     made.row = kind;
     made.row.name = column;
@@ -135,7 +135,7 @@ const Metric* MetricSet::of_number(const Metric& kind, std::string_view name) {
 }
 
 const Metric* MetricSet::culprit_of(const std::vector<std::string>& operations) {
-    Made& made = made_.emplace_back();
+    OwnedMetric& made = made_.emplace_back();
     made.operations = operations;
     made.categories.emplace_back(no_culprit);
     made.categories.insert(made.categories.end(), made.operations.begin(), made.operations.end());

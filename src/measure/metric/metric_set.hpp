@@ -36,13 +36,13 @@ public:
 private:
     const Metric* of_number(const Metric& kind, std::string_view name);
 
-    struct Made {
+    struct OwnedMetric {
         std::string name, layer, meaning;
         std::vector<std::string> operations;
         std::vector<std::string_view> categories;
         Metric row;
     };
-    std::deque<Made> made_;  // rows stay where they are
+    std::deque<OwnedMetric> made_;  // rows stay where they are
 };
 
 }  // namespace lostbits::measure::metric
