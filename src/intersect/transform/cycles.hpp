@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::transform {
 
-struct CyclesTransform : MadeUnit {
+struct CyclesTransform : NormalisingMethod {
     static constexpr TransformMethodInfo info{
         .name = "cycles",
         .title = "M^-1 o and M^-1 d, made unit; t over its length",

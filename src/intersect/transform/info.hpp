@@ -55,7 +55,7 @@ struct SameT {
 };
 
 /// Base of methods that normalise: d' = d/|d|, each component a quotient; t = t'/|d|.
-struct MadeUnit {
+struct NormalisingMethod {
     template <Number T>
     static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {
         const T size = named("|d'|", length(ray.direction));
