@@ -193,7 +193,7 @@ BoxedRowParts made_of(const Intersector& row) { return parts_in(rows().parts_of(
 bool has_box(const Intersector& row) {
     if (row.is_set()) return std::ranges::any_of(row.parts, [](const Intersector* part) { return has_box(*part); });
     if (made_of(row).form != nullptr) return true;
-    const auto placed = transform::made_of(row);
+    const auto placed = transform::transformed_parts_of(row);
     return placed.form != nullptr && has_box(*placed.form);
 }
 
@@ -210,7 +210,7 @@ std::vector<std::string> names_on_tape(const Intersector& row, const Target<doub
             for (const char* const number : {"lo.x", "lo.y", "lo.z", "hi.x", "hi.y", "hi.z"})
                 names.push_back(text(in_world ? "world_box." : "box.", number));
             now = made.form;
-        } else if (const auto placed = transform::made_of(*now); placed.form != nullptr) {
+        } else if (const auto placed = transform::transformed_parts_of(*now); placed.form != nullptr) {
             in_world = false;
             now = placed.form;
         } else {
@@ -221,14 +221,14 @@ std::vector<std::string> names_on_tape(const Intersector& row, const Target<doub
 
 const Intersector& innermost(const Intersector& row) {
     if (const BoxedRowParts made = made_of(row); made.form != nullptr) return innermost(*made.form);
-    const auto placed = transform::made_of(row);
+    const auto placed = transform::transformed_parts_of(row);
     return placed.form != nullptr ? innermost(*placed.form) : row;
 }
 
 const Intersector& with_other_form(const Intersector& row, const Intersector& form) {
     if (const BoxedRowParts made = made_of(row); made.form != nullptr)
         return behind(*made.method, *made.box, with_other_form(*made.form, form));
-    const auto placed = transform::made_of(row);
+    const auto placed = transform::transformed_parts_of(row);
     return placed.form != nullptr ? transform::through(*placed.space, with_other_form(*placed.form, form)) : form;
 }
 

@@ -24,10 +24,10 @@ Rows& rows() {
     return all;
 }
 
-Made parts_in(const Parts& parts) {
-    return std::apply([](auto... each) { return Made{each...}; }, parts);
+TransformedFormParts parts_in(const Parts& parts) {
+    return std::apply([](auto... each) { return TransformedFormParts{each...}; }, parts);
 }
-Made of(void* own) { return parts_in(static_cast<const Rows::Made*>(own)->parts); }
+TransformedFormParts of(void* own) { return parts_in(static_cast<const Rows::Made*>(own)->parts); }
 
 template <class S>
 Primitive<S> object_of(const Primitive<S>& primitive, const S& scale) {
@@ -87,7 +87,7 @@ void evaluate_rounded(void* own, const FloatFormat& format, const RayBatch<doubl
 /// Runs in an enclosure. If the determinant is not known to differ from 0, the answer stays open.
 template <auto of_steps, auto kernel, class E>
 Hit<E> enclosed(void* own, const Ray<E>& ray, const Target<E>& target) {
-    const Made row = of(own);
+    const TransformedFormParts row = of(own);
     const Primitive<E>& primitive = target.primitives.front();
     if (!primitive.placed) return (row.form->*kernel)(ray, target);
     const StepsIn<E>& steps = row.space->*of_steps;
@@ -101,8 +101,8 @@ Hit<E> enclosed(void* own, const Ray<E>& ray, const Target<E>& target) {
 
 /// Records the steps and the form. `inside(ray, target, tmax, tape)` records the form in the space of the primitive.
 template <class Inside>
-void record_with(const Made& row, const Format& format, const Ray<double>& ray, const Primitive<double>& primitive,
-                 double tmax, Tape& tape, const Inside& inside) {
+void record_with(const TransformedFormParts& row, const Format& format, const Ray<double>& ray,
+                 const Primitive<double>& primitive, double tmax, Tape& tape, const Inside& inside) {
     tape.clear();
     const auto input = [&](double x) { return tape.add_input(format.parameters, x); };
     WorldNodes world{};
@@ -155,7 +155,7 @@ void record_with(const Made& row, const Format& format, const Ray<double>& ray, 
 
 void record(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
             Tape& tape) {
-    const Made row = of(own);
+    const TransformedFormParts row = of(own);
     const Primitive<double>& primitive = target.primitives.front();
     if (!primitive.placed) return row.form->record(format, ray, target, tmax, tape);
     record_with(row, format, ray, primitive, tmax, tape,
@@ -164,7 +164,7 @@ void record(void* own, const Format& format, const Ray<double>& ray, const Targe
                 });
 }
 void record_all(void* own, const Target<double>& target, Tape& tape) {
-    const Made row = of(own);
+    const TransformedFormParts row = of(own);
     const Primitive<double>& primitive = target.primitives.front();
     if (!primitive.placed) return row.form->record_all(target, tape);
     record_with(row, *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, primitive, HUGE_VAL, tape,
@@ -215,6 +215,6 @@ const Intersector& through(const TransformMethod& space, const Intersector& form
     return rows().row_of({&space, &form}, fill);
 }
 
-Made made_of(const Intersector& row) { return parts_in(rows().parts_of(row)); }
+TransformedFormParts transformed_parts_of(const Intersector& row) { return parts_in(rows().parts_of(row)); }
 
 }  // namespace lostbits::intersect::transform

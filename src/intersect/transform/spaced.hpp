@@ -11,11 +11,11 @@ namespace lostbits::intersect::transform {
 const table::Intersector& through(const TransformMethod& space, const table::Intersector& form);
 
 /// The parts of such a row.
-struct Made {
+struct TransformedFormParts {
     const TransformMethod* space;
     const table::Intersector* form;
 };
 /// The parts of a row; nulls if it was not made here.
-Made made_of(const table::Intersector& row);
+TransformedFormParts transformed_parts_of(const table::Intersector& row);
 
 }  // namespace lostbits::intersect::transform

@@ -75,7 +75,11 @@ class Walk {
 public:
     Walk(const Intersector& row, const Format& format, const Ray<double>& ray, const Primitive<double>& primitive,
          const Range<double>& range)
-        : row_(row), made_(intersect::transform::made_of(row)), format_(format), primitive_(primitive), range_(range) {
+        : row_(row),
+          made_(intersect::transform::transformed_parts_of(row)),
+          format_(format),
+          primitive_(primitive),
+          range_(range) {
         world_ = lift_ray<T>(ray);
         exact_world_ = {exactly(world_.origin), exactly(world_.direction)};
         plain_ = primitive;
@@ -139,7 +143,7 @@ private:
     }
 
     const Intersector& row_;
-    intersect::transform::Made made_;
+    intersect::transform::TransformedFormParts made_;
     const Format& format_;
     const Primitive<double>& primitive_;
     Range<double> range_;
@@ -223,7 +227,7 @@ Levels levels_of(const Intersector& row, const Format& format, const Ray<double>
             if (!evaluate_one(*behind.box, format, at.ray, box, at.range.tmax))
                 lose(at.primitive.placed ? Level::world_box : Level::box);
             now = behind.form;
-        } else if (const auto through = intersect::transform::made_of(*now); through.form != nullptr) {
+        } else if (const auto through = intersect::transform::transformed_parts_of(*now); through.form != nullptr) {
             if (at.primitive.placed) {
                 at = object_of(*through.space, format, at);
                 const auto words = now->info->convention().of(primitive.shape);

@@ -156,7 +156,7 @@ private:
     /// primitive |det A| times as large, so its ray is divided by that factor here.
     void put_object_point(Leaving<T>& found) const {
         const auto& steps = intersect::transform::steps_in<T>(
-            *intersect::transform::made_of(
+            *intersect::transform::transformed_parts_of(
                  intersect::bounding_box::without_world_boxes(work_.row_.form->of(found.primitive.shape)))
                  .space);
         const Placement<T> placed = *std::exchange(found.primitive.placed, std::nullopt);

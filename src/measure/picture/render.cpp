@@ -139,7 +139,8 @@ private:
     template <class T>
     [[nodiscard]] Vec<T> normal_under_matrix(const Primitive<T>& primitive, const Ray<double>& ray, double t) const {
         const auto& steps = intersect::transform::steps_in<T>(
-            *intersect::transform::made_of(intersect::bounding_box::without_world_boxes(row_.form->of(primitive.shape)))
+            *intersect::transform::transformed_parts_of(
+                 intersect::bounding_box::without_world_boxes(row_.form->of(primitive.shape)))
                  .space);
         const auto maps = steps.maps(*primitive.placed);
         const auto in = steps.to_object(maps, lift_ray<T>(ray));

@@ -202,7 +202,7 @@ RowQuality own_quality(const MendRequest& request, const Tape& tape, Judge& judg
 
 std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& row) {
     std::vector<evaluate::TestedForm> rows;
-    const auto made = intersect::transform::made_of(*row.form);
+    const auto made = intersect::transform::transformed_parts_of(*row.form);
     for (const auto& form : intersect::table::catalogue()) {
         if (form.shape != row.form->shape || !form.exists_in(row.format)) continue;
         rows.push_back({made.form ? &intersect::transform::through(*made.space, form) : &form, row.format});
