@@ -29,13 +29,13 @@ Rows& rows() {
     return all;
 }
 
-BoxedRowParts parts_in(const Parts& parts) {
-    return std::apply([](auto... each) { return BoxedRowParts{each...}; }, parts);
+BoxedFormParts parts_in(const Parts& parts) {
+    return std::apply([](auto... each) { return BoxedFormParts{each...}; }, parts);
 }
-BoxedRowParts of(void* own) { return parts_in(static_cast<const Rows::Made*>(own)->parts); }
+BoxedFormParts of(void* own) { return parts_in(static_cast<const Rows::Made*>(own)->parts); }
 
 template <class S>
-Primitive<S> box_around(const BoxedRowParts& row, const Format& format, const Primitive<S>& primitive) {
+Primitive<S> box_around(const BoxedFormParts& row, const Format& format, const Primitive<S>& primitive) {
     const BoundingBox<double> box =
         row.method->in(format, transformed(primitive, [](const S& x) { return static_cast<double>(x); }));
     return lift_primitive<S>(Primitive<double>(box));
@@ -57,7 +57,7 @@ struct Decisions {
 /// Runs the form and the box form on a batch. A ray hits if both hit. The target has one primitive for all rays, or one
 /// for each ray.
 template <class S, class OfBox, class OfForm>
-void evaluate(const BoxedRowParts& row, const Format& format, const OfBox& box, const OfForm& form,
+void evaluate(const BoxedFormParts& row, const Format& format, const OfBox& box, const OfForm& form,
               const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
     form(rays, target, hits);
     std::vector<Primitive<S>> boxes;
@@ -72,7 +72,7 @@ void evaluate(const BoxedRowParts& row, const Format& format, const OfBox& box, 
 /// Does the same in native arithmetic; in packs of rays if all of them share one primitive.
 template <class S>
 void evaluate_natively(void* own, const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
-    const BoxedRowParts row = of(own);
+    const BoxedFormParts row = of(own);
     static const Format format = *find_format(std::same_as<S, float> ? "f32" : "f64");
     const bool one = target.primitives.size() == 1;
     const auto kernel = [one](const Intersector& form) {
@@ -98,7 +98,7 @@ Hit<Interval> interval(void* own, const Ray<Interval>& ray, const Target<Interva
 
 /// Records the box form, then the form. `inside(row, target, tape)` records one of them.
 template <class Inside>
-void record_with(const BoxedRowParts& row, const Format& format, const Ray<double>& ray, const Target<double>& target,
+void record_with(const BoxedFormParts& row, const Format& format, const Ray<double>& ray, const Target<double>& target,
                  double tmax, Tape& tape, const Inside& inside) {
     tape.clear();
     const bool every_loop = tape.every_loop;
@@ -145,7 +145,7 @@ std::string text(auto... parts) {
 }
 
 void fill(Rows::Made& made) {
-    const BoxedRowParts parts = of(&made);
+    const BoxedFormParts parts = of(&made);
     const Info &form = *parts.form->info, &box = *parts.box->info;
     const BoxMethodInfo& box_method = *parts.method->info;
     made.name = text(form.name, "^", box.name);
@@ -188,7 +188,7 @@ const Intersector& behind(const BoxMethod& method, const Intersector& box, const
     return rows().row_of({&method, &box, &form}, fill);
 }
 
-BoxedRowParts made_of(const Intersector& row) { return parts_in(rows().parts_of(row)); }
+BoxedFormParts made_of(const Intersector& row) { return parts_in(rows().parts_of(row)); }
 
 bool has_box(const Intersector& row) {
     if (row.is_set()) return std::ranges::any_of(row.parts, [](const Intersector* part) { return has_box(*part); });
@@ -198,7 +198,7 @@ bool has_box(const Intersector& row) {
 }
 
 const Intersector& without_world_boxes(const Intersector& row) {
-    const BoxedRowParts made = made_of(row);
+    const BoxedFormParts made = made_of(row);
     return made.form != nullptr && row.is_placed ? without_world_boxes(*made.form) : row;
 }
 
@@ -206,7 +206,7 @@ std::vector<std::string> names_on_tape(const Intersector& row, const Target<doub
     std::vector<std::string> names = table::input_names(row, target);
     const Intersector* now = &row;
     for (bool in_world = !target.primitives.empty() && target.primitives.front().placed;;) {
-        if (const BoxedRowParts made = made_of(*now); made.form != nullptr) {
+        if (const BoxedFormParts made = made_of(*now); made.form != nullptr) {
             for (const char* const number : {"lo.x", "lo.y", "lo.z", "hi.x", "hi.y", "hi.z"})
                 names.push_back(text(in_world ? "world_box." : "box.", number));
             now = made.form;
@@ -220,13 +220,13 @@ std::vector<std::string> names_on_tape(const Intersector& row, const Target<doub
 }
 
 const Intersector& innermost(const Intersector& row) {
-    if (const BoxedRowParts made = made_of(row); made.form != nullptr) return innermost(*made.form);
+    if (const BoxedFormParts made = made_of(row); made.form != nullptr) return innermost(*made.form);
     const auto placed = transform::transformed_parts_of(row);
     return placed.form != nullptr ? innermost(*placed.form) : row;
 }
 
 const Intersector& with_other_form(const Intersector& row, const Intersector& form) {
-    if (const BoxedRowParts made = made_of(row); made.form != nullptr)
+    if (const BoxedFormParts made = made_of(row); made.form != nullptr)
         return behind(*made.method, *made.box, with_other_form(*made.form, form));
     const auto placed = transform::transformed_parts_of(row);
     return placed.form != nullptr ? transform::through(*placed.space, with_other_form(*placed.form, form)) : form;

@@ -24,12 +24,12 @@ const table::Intersector& behind(const BoxMethod& method, const table::Intersect
                                  const table::Intersector& form);
 
 /// The parts of such a row.
-struct BoxedRowParts {
+struct BoxedFormParts {
     const BoxMethod* method;
     const table::Intersector *box, *form;
 };
 /// Parts of a row; nulls if it was not made here.
-BoxedRowParts made_of(const table::Intersector& row);
+BoxedFormParts made_of(const table::Intersector& row);
 
 /// True if a row is behind a box, in the space of its primitive or in the world; for a set, if any of its forms is.
 bool has_box(const table::Intersector& row);

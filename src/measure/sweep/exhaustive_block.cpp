@@ -165,7 +165,7 @@ private:
     }
 
     const evaluate::TestedForm& row_;
-    intersect::bounding_box::BoxedRowParts behind_;
+    intersect::bounding_box::BoxedFormParts behind_;
     /// The last box; still right where the axis does not change the primitive.
     std::optional<BoundingBox<float>> same_;
 };
