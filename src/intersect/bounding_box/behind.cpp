@@ -172,7 +172,7 @@ std::string refusal(const Intersector& box, const Intersector& form) {
         return "a form that marches takes all primitives at once, so no single one has a bounding box; leave ^BOX out";
     if (!has_bounding_box(form.shape))
         return text("there is no bounding box around ", with_article(form.shape), ", which has no end; leave ^BOX out");
-    if (box.is_set() || box.shape != bounding_box_shape || box.is_placed || made_of(box).form != nullptr)
+    if (box.is_set() || box.shape != bounding_box_shape || box.is_placed || boxed_parts_of(box).form != nullptr)
         return text(box.info->name, " is not a form of boxes; write one after the ^, such as box.signs");
     if (box.info->direction == Direction::unit && form.info->direction != Direction::unit)
         return text(box.info->name, " needs unit directions, but ", form.info->name,
@@ -188,17 +188,17 @@ const Intersector& behind(const BoxMethod& method, const Intersector& box, const
     return rows().row_of({&method, &box, &form}, fill);
 }
 
-BoxedFormParts made_of(const Intersector& row) { return parts_in(rows().parts_of(row)); }
+BoxedFormParts boxed_parts_of(const Intersector& row) { return parts_in(rows().parts_of(row)); }
 
 bool has_box(const Intersector& row) {
     if (row.is_set()) return std::ranges::any_of(row.parts, [](const Intersector* part) { return has_box(*part); });
-    if (made_of(row).form != nullptr) return true;
+    if (boxed_parts_of(row).form != nullptr) return true;
     const auto placed = transform::transformed_parts_of(row);
     return placed.form != nullptr && has_box(*placed.form);
 }
 
 const Intersector& without_world_boxes(const Intersector& row) {
-    const BoxedFormParts made = made_of(row);
+    const BoxedFormParts made = boxed_parts_of(row);
     return made.form != nullptr && row.is_placed ? without_world_boxes(*made.form) : row;
 }
 
@@ -206,7 +206,7 @@ std::vector<std::string> names_on_tape(const Intersector& row, const Target<doub
     std::vector<std::string> names = table::input_names(row, target);
     const Intersector* now = &row;
     for (bool in_world = !target.primitives.empty() && target.primitives.front().placed;;) {
-        if (const BoxedFormParts made = made_of(*now); made.form != nullptr) {
+        if (const BoxedFormParts made = boxed_parts_of(*now); made.form != nullptr) {
             for (const char* const number : {"lo.x", "lo.y", "lo.z", "hi.x", "hi.y", "hi.z"})
                 names.push_back(text(in_world ? "world_box." : "box.", number));
             now = made.form;
@@ -220,13 +220,13 @@ std::vector<std::string> names_on_tape(const Intersector& row, const Target<doub
 }
 
 const Intersector& innermost(const Intersector& row) {
-    if (const BoxedFormParts made = made_of(row); made.form != nullptr) return innermost(*made.form);
+    if (const BoxedFormParts made = boxed_parts_of(row); made.form != nullptr) return innermost(*made.form);
     const auto placed = transform::transformed_parts_of(row);
     return placed.form != nullptr ? innermost(*placed.form) : row;
 }
 
 const Intersector& with_other_form(const Intersector& row, const Intersector& form) {
-    if (const BoxedFormParts made = made_of(row); made.form != nullptr)
+    if (const BoxedFormParts made = boxed_parts_of(row); made.form != nullptr)
         return behind(*made.method, *made.box, with_other_form(*made.form, form));
     const auto placed = transform::transformed_parts_of(row);
     return placed.form != nullptr ? transform::through(*placed.space, with_other_form(*placed.form, form)) : form;

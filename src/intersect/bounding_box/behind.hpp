@@ -29,7 +29,7 @@ struct BoxedFormParts {
     const table::Intersector *box, *form;
 };
 /// Parts of a row; nulls if it was not made here.
-BoxedFormParts made_of(const table::Intersector& row);
+BoxedFormParts boxed_parts_of(const table::Intersector& row);
 
 /// True if a row is behind a box, in the space of its primitive or in the world; for a set, if any of its forms is.
 bool has_box(const table::Intersector& row);

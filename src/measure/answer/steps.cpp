@@ -221,7 +221,7 @@ Levels levels_of(const Intersector& row, const Format& format, const Ray<double>
     };
     const Intersector* now = &row;
     for (;;) {
-        if (const auto behind = intersect::bounding_box::made_of(*now); behind.form != nullptr) {
+        if (const auto behind = intersect::bounding_box::boxed_parts_of(*now); behind.form != nullptr) {
             const BoundingBox<double> box = behind.method->in(format, at.primitive);
             found.boxes.push_back({at.ray, box});
             if (!evaluate_one(*behind.box, format, at.ray, box, at.range.tmax))

@@ -148,7 +148,7 @@ void find_better(Explanation& x, const OneRay& ray, const Surroundings& around,
     if (const auto made = intersect::transform::transformed_parts_of(*x.form); made.space != nullptr)
         for (const auto& space : intersect::transform::transform_methods())
             all.push_back(&intersect::transform::through(space, *made.form));
-    if (const auto made = intersect::bounding_box::made_of(*x.form); made.form != nullptr)
+    if (const auto made = intersect::bounding_box::boxed_parts_of(*x.form); made.form != nullptr)
         for (const Intersector& box : intersect::table::intersectors(made.box->shape))
             if (intersect::external::is_safe_to_run(box))
                 all.push_back(&intersect::bounding_box::behind(*made.method, box, *made.form));

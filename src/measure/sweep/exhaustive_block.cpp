@@ -144,7 +144,7 @@ private:
 class BoxOfRow {
 public:
     explicit BoxOfRow(const evaluate::TestedForm& row)
-        : row_(row), behind_(intersect::bounding_box::made_of(*row.form)) {}
+        : row_(row), behind_(intersect::bounding_box::boxed_parts_of(*row.form)) {}
 
     [[nodiscard]] bool is_asked() const { return row_.form->shape == bounding_box_shape || behind_.form != nullptr; }
     /// Number of u by which tmax must grow for the slabs of `box.signs` to overlap at float i: the metric `padding`.
