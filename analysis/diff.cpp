@@ -68,7 +68,7 @@ std::vector<std::string> only_in(const std::set<std::string>& one, const std::se
 /// in the commands that made two folders: `--set sphere[0].radius=1.0001 only in after`. Empty if a folder does not
 /// record its command.
 std::vector<std::string> made_differently(const fs::path& a, const fs::path& b) {
-    const auto left = output::file::ResultFolder::made_by_in(a), right = output::file::ResultFolder::made_by_in(b);
+    const auto left = output::file::ResultFolder::last_run_in(a), right = output::file::ResultFolder::last_run_in(b);
     if (!left || !right) return {};
     Settings of_a = settings_of(left->command), of_b = settings_of(right->command);
     std::vector<std::string> lines;

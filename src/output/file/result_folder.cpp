@@ -95,8 +95,8 @@ std::string kind_of(const std::string& command) {
 
 }  // namespace
 
-std::optional<Provenance> ResultFolder::made_by_in(const fs::path& folder) {
-    const auto all = made_in(folder);
+std::optional<Provenance> ResultFolder::last_run_in(const fs::path& folder) {
+    const auto all = listed_runs(folder);
     if (all.empty()) return {};
     return all.front().by;
 }
@@ -120,7 +120,7 @@ ResultFolder::ResultFolder(fs::path folder, Provenance made_by, Rules rules)
     if (!fs::is_directory(folder_, ignored))
         throw EnvironmentError(fmt::format("{}: cannot create the folder: {}; choose another -o", folder.string(),
                                            error ? error.message() : "a file has that name"));
-    for (Made& made : made_in(folder_)) {
+    for (ListedRun& made : listed_runs(folder_)) {
         if (rules_.shared && kind_of(made.by.command) != kind_of(made_by_.command)) others_.push_back(std::move(made));
         else earlier_.merge(made.files);
     }
@@ -177,7 +177,7 @@ void ResultFolder::refuse_strange_list() const {
     std::error_code ignored;
     const fs::path list = folder_ / list_name;
     const auto status = fs::symlink_status(list, ignored);
-    if (!fs::exists(status) || (fs::is_regular_file(status) && !made_in(folder_).empty())) return;
+    if (!fs::exists(status) || (fs::is_regular_file(status) && !listed_runs(folder_).empty())) return;
     throw InputError(
         list.string() +
         ": is not a list of results, and this run would replace it with its own; move it away, or choose another "
@@ -191,7 +191,7 @@ void ResultFolder::refuse_strange(const std::string& name) {
     if (!fs::exists(status)) return;
     const bool elsewhere =
         name_in(fs::canonical(folder_, ignored), fs::weakly_canonical(path.parent_path(), ignored) / "x").empty();
-    const auto lists = [&name](const Made& made) { return made.files.contains(name); };
+    const auto lists = [&name](const ListedRun& made) { return made.files.contains(name); };
     const std::lock_guard lock(mutex_);
     const bool own = earlier_.contains(name) || files_.contains(name) || std::ranges::any_of(others_, lists);
     if (own && !elsewhere && !fs::is_symlink(status)) return;
@@ -296,7 +296,7 @@ void ResultFolder::forget(const std::string& name) {
 }
 
 void ResultFolder::write_list() {
-    for (Made& other : others_) {
+    for (ListedRun& other : others_) {
         for (const std::string& name : files_) other.files.erase(name);
     }
     write_file(folder_ / list_name, list_text({made_by_, files_}, others_));

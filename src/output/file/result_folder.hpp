@@ -43,7 +43,7 @@ class ResultFolder {
 public:
     using Rules = ResultFolderRules;
     /// The files of one run.
-    struct Made {
+    struct ListedRun {
         Provenance by;
         std::set<std::string> files;
     };
@@ -63,7 +63,7 @@ public:
     void complete();
 
     /// The run that made the folder, by its list; nothing if there is no list or it is not one of ours.
-    [[nodiscard]] static std::optional<Provenance> made_by_in(const std::filesystem::path& folder);
+    [[nodiscard]] static std::optional<Provenance> last_run_in(const std::filesystem::path& folder);
 
     /// A sentence that says that the results of a folder are not complete, and what to do; empty if they are complete.
     [[nodiscard]] static std::string unfinished_in(const std::filesystem::path& folder);
@@ -92,7 +92,7 @@ private:
     Rules rules_;
     std::vector<std::filesystem::path> made_;  // folders that were not there, deepest first
     std::set<std::string> earlier_, files_;
-    std::vector<Made> others_;  // files of other commands, if the folder is shared
+    std::vector<ListedRun> others_;  // files of other commands, if the folder is shared
     std::mutex mutex_;
     bool begun_ = false;
     int lock_ = -1, marker_ = -1;
@@ -103,9 +103,10 @@ private:
 inline constexpr const char* list_name = "manifest.json";
 /// The runs and files on the list of a folder, the last run first; nothing if there is no list or it is not one of
 /// ours.
-[[nodiscard]] std::vector<ResultFolder::Made> made_in(const std::filesystem::path& folder);
+[[nodiscard]] std::vector<ResultFolder::ListedRun> listed_runs(const std::filesystem::path& folder);
 /// The contents of a list.
-[[nodiscard]] std::string list_text(const ResultFolder::Made& last, const std::vector<ResultFolder::Made>& others);
+[[nodiscard]] std::string list_text(const ResultFolder::ListedRun& last,
+                                    const std::vector<ResultFolder::ListedRun>& others);
 
 /// Called by AtomicFile when a file is about to get its final name.
 void note_result(const std::filesystem::path& path);
