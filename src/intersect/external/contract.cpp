@@ -12,7 +12,7 @@ namespace lostbits::intersect::external {
 namespace {
 
 /// "sphere., box. or sdf."
-std::string shipped_rooms() {
+std::string shipped_prefixes() {
     std::string words;
     for (const std::string_view& name : shape_names)
         words += (words.empty() ? "" : &name == &shape_names.back() ? " or " : ", ") + std::string(name) + '.';
@@ -119,7 +119,7 @@ void require_sense(const Contract& c, const std::string& library) {
     const std::size_t dot = c.name.find('.');
     if (dot == std::string::npos || std::ranges::find(shape_names, c.name.substr(0, dot)) != shape_names.end())
         throw InputError(from + ": a name is LIBRARY.FORM, such as \"mylib.sphere\"; names that begin with " +
-                         shipped_rooms() + " belong to the forms that ship with lostbits");
+                         shipped_prefixes() + " belong to the forms that ship with lostbits");
     require_line(c.title, "title", from);
     require_line(c.source, "source", from);
     if (process::FloatingPoint ignored; !process::FloatingPoint::read(c.state, ignored))
