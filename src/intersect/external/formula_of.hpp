@@ -100,7 +100,7 @@ void run_pack(const simd::RawBatch<S>& batch) {
 }
 
 template <class Form, std::size_t width>
-simd::RawRow told_pack() {
+simd::RawRow reporting_pack() {
     const simd::RawRow& compiled = compiled_packs<Form>[width];
     return {compiled.f32 ? ReportingCall<Form, run_pack<Form, width, float>>::run : nullptr,
             compiled.f64 ? ReportingCall<Form, run_pack<Form, width, double>>::run : nullptr};
@@ -182,7 +182,10 @@ Formula formula_of() {
         first[0] = &first_form<Form, float>;
         if constexpr (Form::info.formats == Formats::all) first[1] = &first_form<Form, double>;
     }
-    return {row, {told_pack<Form, 0>(), told_pack<Form, 1>(), told_pack<Form, 2>()}, &name_for_messages<Form>, first};
+    return {row,
+            {reporting_pack<Form, 0>(), reporting_pack<Form, 1>(), reporting_pack<Form, 2>()},
+            &name_for_messages<Form>,
+            first};
 }
 
 /// Exports a list of forms from a library.
