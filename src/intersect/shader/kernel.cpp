@@ -94,7 +94,7 @@ std::string fitted(const std::string& original, bool zeros = true) {
 
 /// Declares the names of shader sites and of other stages that the text uses and does not declare. Constants are
 /// directives, after which an `#extension` of the text may still come. Outputs and channels are variables.
-std::string site_words(const std::string& text) {
+std::string site_declarations(const std::string& text) {
     const std::vector<Token> code = code_tokens(tokens_of(text));
     static const std::set<std::string_view> site_types{"float", "int", "vec2", "vec3", "vec4", "sampler2D"};
     std::set<std::string_view> used, declared;
@@ -118,7 +118,7 @@ std::string site_words(const std::string& text) {
 }
 
 /// The usual loop. Its constants are written as decimals that are read back without a change.
-std::string march_words(const Signature& s, const ShaderMarch& march, const std::string& call) {
+std::string march_code(const Signature& s, const ShaderMarch& march, const std::string& call) {
     const auto number = [&s](double x) {
         std::array<char, 40> text{};
         std::snprintf(text.data(), text.size(), "%.17e%s", x, s.doubles ? "LF" : "");
@@ -135,7 +135,7 @@ std::string march_words(const Signature& s, const ShaderMarch& march, const std:
 }
 
 /// The call of the function, and the statements that store its answer.
-std::string call_words(const Signature& s, const ShaderMarch& march) {
+std::string call_code(const Signature& s, const ShaderMarch& march) {
     using Answers = Signature::Answers;
     std::string words, list;
     for (std::size_t k = 0; k < s.arguments.size(); ++k) {
@@ -147,7 +147,7 @@ std::string call_words(const Signature& s, const ShaderMarch& march) {
         list += (k == 0 ? "" : ", ") + s.arguments[k];
     }
     const std::string call = s.function.name + "(" + list + ")";
-    words += s.kind == Signature::Kind::field ? march_words(s, march, call)
+    words += s.kind == Signature::Kind::field ? march_code(s, march, call)
                                               : "    " + s.function.type + " lb_says = " + call + ";\n";
     const auto store = [&words](const std::string& near, const std::string& far) {
         words += "    lb_answers[2u * lb_i] = " + near + ";\n    lb_answers[2u * lb_i + 1u] = " + far + ";\n";
@@ -209,7 +209,7 @@ std::string opening_of_hlsl() {
            device::entry_of(device::Language::hlsl) + "(uint3 gl_GlobalInvocationID : SV_DispatchThreadID) {\n";
 }
 
-std::string main_words(const Signature& s, const ShaderMarch& march, bool hlsl) {
+std::string main_code(const Signature& s, const ShaderMarch& march, bool hlsl) {
     const std::string real = s.doubles ? "double" : "float", v = s.doubles ? "dvec" : "vec";
     const std::string count = std::to_string(row_of(s.shape).numbers);
     std::string words = hlsl ? opening_of_hlsl() : opening(real);
@@ -232,7 +232,7 @@ std::string main_words(const Signature& s, const ShaderMarch& march, bool hlsl) 
     words +=
         "    " + real + " lb_tmax = lb_has_ends != 0u ? lb_ends[lb_i] : " + real + "(uintBitsToFloat(0x7f800000u));\n";
     words += "    " + real + " lb_tmin = lb_has_starts != 0u ? lb_starts[lb_i] : " + real + "(0);\n";
-    return words + call_words(s, march) + "}\n";
+    return words + call_code(s, march) + "}\n";
 }
 
 const std::map<std::string_view, std::string_view>& types_of_doubles() {
@@ -278,15 +278,15 @@ std::string rewritten(const std::string& text, bool to_doubles) {
 
 std::pair<std::string, std::string> without_kernel(const std::string& text) {
     const std::string own = fitted(text, false);
-    return {"#version 450\n" + site_words(own), own};
+    return {"#version 450\n" + site_declarations(own), own};
 }
 
 std::string program_text(const ShaderSource& shader, int bits, int version) {
     const auto line = [](int number) { return "\n#line " + std::to_string(number) + "\n"; };
     Signature signature = shader.signature;
-    if (shader.hlsl) return line(1) + shader.text + line(our_first_line) + main_words(signature, shader.march, true);
+    if (shader.hlsl) return line(1) + shader.text + line(our_first_line) + main_code(signature, shader.march, true);
     std::string text = fitted(shader.text);
-    std::string site = site_words(text);
+    std::string site = site_declarations(text);
     if (signature.doubles != (bits == 64)) {
         const bool to_doubles = bits == 64;
         text = rewritten(text, to_doubles);
@@ -297,7 +297,7 @@ std::string program_text(const ShaderSource& shader, int bits, int version) {
         signature.doubles = to_doubles;
     }
     return "#version " + std::to_string(version) + "\n" + site + line(1) + text + line(our_first_line) +
-           main_words(signature, shader.march, false);
+           main_code(signature, shader.march, false);
 }
 
 }  // namespace lostbits::intersect::shader
