@@ -67,7 +67,7 @@ std::span<const ManyRow> scalar_many_rows() {
             row.info = &Form::info;
             row.takes_tmax = takes_tmax(shape_of<Form>);
             if constexpr (!marches<Form>) row.f32 = run_plain<Form, float>;
-            if constexpr (come_in_many(shape_of<Form>) && Form::info.formats == Formats::all)
+            if constexpr (has_many_kernels(shape_of<Form>) && Form::info.formats == Formats::all)
                 row.f64 = run_plain<Form, double>;
         });
         return filled;

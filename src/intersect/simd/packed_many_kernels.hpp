@@ -70,7 +70,7 @@ template <class Form, class F, class Width>
 template <class Width>
 void fill_many_raw(RawManyRow* row) {
     for_each_form([&row]<class Form>() {
-        constexpr bool f64 = Form::info.formats == Formats::all && come_in_many(shape_of<Form>);
+        constexpr bool f64 = Form::info.formats == Formats::all && has_many_kernels(shape_of<Form>);
         if constexpr (meets<Form, Box>) {
             row->f32 = one_ray_many_boxes<Form, float, Width>;
             if constexpr (f64) row->f64 = one_ray_many_boxes<Form, double, Width>;

@@ -42,7 +42,7 @@ struct RawPrimitives {
 /// True for the shapes that have kernels for many primitives in binary64 too: spheres, as in a flake, and boxes, as in
 /// a hierarchy. The other shapes come in many only in sweeps over every float of a primitive's number, in binary32.
 /// Without a kernel such a sweep takes four to seven times as long.
-constexpr bool come_in_many(Shape shape) { return shape == shape_as<Sphere> || shape == shape_as<Box>; }
+constexpr bool has_many_kernels(Shape shape) { return shape == shape_as<Sphere> || shape == shape_as<Box>; }
 
 struct RawManyRow {
     void (*f32)(const RawPrimitives<float>&);

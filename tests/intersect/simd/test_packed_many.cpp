@@ -126,7 +126,8 @@ void compare(Shape shape) {
 TEMPLATE_TEST_CASE("kernels for one ray and many primitives give the bits of the forms", "[intersect][packed]", float,
                    double) {
     for (const ShapeRow& row : shape_rows)
-        if (std::is_same_v<TestType, float> || intersect::simd::come_in_many(row.shape)) compare<TestType>(row.shape);
+        if (std::is_same_v<TestType, float> || intersect::simd::has_many_kernels(row.shape))
+            compare<TestType>(row.shape);
 }
 
 TEST_CASE("rows for many primitives are the catalogue's binary64 rows, with kernels where the shape has them",
@@ -138,7 +139,7 @@ TEST_CASE("rows for many primitives are the catalogue's binary64 rows, with kern
         CHECK(many.size() == intersect::simd::packed_rows(isa).size());
         for (std::size_t i = 0; i < many.size(); ++i) {
             const bool primitive = is_primitive(rows[i].shape),
-                       has64 = rows[i].native64 && intersect::simd::come_in_many(rows[i].shape);
+                       has64 = rows[i].native64 && intersect::simd::has_many_kernels(rows[i].shape);
             CHECK(many[i].info == rows[i].info);
             CHECK(static_cast<bool>(many[i].f32) == primitive);
             CHECK(static_cast<bool>(many[i].f64) == has64);
