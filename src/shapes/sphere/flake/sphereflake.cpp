@@ -13,7 +13,7 @@ namespace lostbits::scene::sphere {
 namespace {
 
 /// Directions to the nine children, in the parent's (u, v, w).
-const std::array<Vec<double>, 9>& seats() {
+const std::array<Vec<double>, 9>& child_directions() {
     static const auto nine = [] {
         const double half_root3 = std::sqrt(3.0) / 2, height = std::sqrt(2.0 / 3.0), aside = std::sqrt(1.0 / 3.0);
         return std::array<Vec<double>, 9>{{{1, 0, 0},
@@ -36,7 +36,7 @@ void grow(const Sphere<double>& sphere, const Vec<double>& w, int levels,
     const Vec<double> e = std::fabs(w.x) > 0.8 ? Vec<double>(0, 1, 0) : Vec<double>(1, 0, 0);
     const Vec<double> u = unit_of(cross(e, w)), v = cross(w, u);
     const double reach = sphere.radius + sphere.radius / 3;
-    for (const Vec<double>& seat : seats()) {
+    for (const Vec<double>& seat : child_directions()) {
         const Vec<double> away = unit_of(seat.x * u + seat.y * v + seat.z * w);
         grow({sphere.centre + reach * away, sphere.radius / 3}, away, levels - 1, take);
     }
