@@ -134,16 +134,16 @@ private:
         }
         [[nodiscard]] Point on_base() const { return {min(x, base_radius), T(0)}; }
         [[nodiscard]] Point on_top() const { return {min(x, top_radius), height}; }
-        [[nodiscard]] T way_to(const Point& q) const { return sqrt(square(x - q.x) + square(y - q.y)); }
+        [[nodiscard]] T distance_to(const Point& q) const { return sqrt(square(x - q.x) + square(y - q.y)); }
         [[nodiscard]] Point nearest() const {
             const Point cap = nearer(on_base(), on_top());
             return nearer(on_side(), cap);
         }
-        [[nodiscard]] T way_to_nearest() const { return way_to(nearest()); }
+        [[nodiscard]] T way_to_nearest() const { return distance_to(nearest()); }
 
     private:
         [[nodiscard]] Point nearer(const Point& a, const Point& b) const {
-            const auto first = way_to(a) <= way_to(b);
+            const auto first = distance_to(a) <= distance_to(b);
             return {select(first, a.x, b.x), select(first, a.y, b.y)};
         }
     };
