@@ -84,7 +84,7 @@ struct Cone {
     [[nodiscard]] T distance(const Vec<T>& p) const {
         const Profile at(*this, p);
         const T inside = max(at.off_side(), at.off_caps());
-        return select(inside <= T(0), inside, at.way_to_nearest());
+        return select(inside <= T(0), inside, at.distance_to_nearest());
     }
     /// The outward unit normal at the point p of a ray: that of the side or the cap, whichever is nearer to p.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
@@ -139,7 +139,7 @@ private:
             const Point cap = nearer(on_base(), on_top());
             return nearer(on_side(), cap);
         }
-        [[nodiscard]] T way_to_nearest() const { return distance_to(nearest()); }
+        [[nodiscard]] T distance_to_nearest() const { return distance_to(nearest()); }
 
     private:
         [[nodiscard]] Point nearer(const Point& a, const Point& b) const {
