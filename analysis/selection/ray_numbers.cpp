@@ -114,7 +114,7 @@ Primitive<double> primitive_phrase(Shape shape, const std::string& words, const 
     Primitive<double> primitive(shape);
     const std::string what =
         fmt::format("{}; write its {}: {}, {} numbers with commas between them", with_article(shape), key_words(shape),
-                    option_words(shape), primitive.used().size());
+                    option_placeholder(shape), primitive.used().size());
     const auto x = numbers_of(text, {option.c_str(), what.c_str(), primitive.used().size()}, as);
     std::ranges::transform(x, primitive.numbers.begin(), stored_number);
     if (at < words.size()) primitive.placed = placement_in(words.substr(at + 1), option.c_str(), as);

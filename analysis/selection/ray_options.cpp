@@ -355,7 +355,7 @@ void PrimitiveOptions::add_to(const shell::Command& command, const std::string& 
     for (const ShapeRow& row : shape_rows)
         options.push_back(command
                               .add(fmt::format("--{}", row.name), of(row.shape),
-                                   fmt::format("{}: {}", with_article(row.shape), option_words(row.shape)))
+                                   fmt::format("{}: {}", with_article(row.shape), option_placeholder(row.shape)))
                               .below(heading));
     order_ = command.order_of(options);
 }

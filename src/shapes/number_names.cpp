@@ -72,7 +72,7 @@ std::string with_article(Shape shape) {
     return (std::string_view("aeiou").find(name.front()) == std::string_view::npos ? "a " : "an ") + std::string(name);
 }
 
-std::string option_words(Shape shape) {
+std::string option_placeholder(Shape shape) {
     // A shape with several radii names each: RMAJOR, RMINOR.
     const auto word = [](const Key& key, const std::string& part) {
         constexpr std::string_view tail = "_radius";

@@ -25,7 +25,7 @@ std::string with_article(Shape shape);
 std::vector<std::string> number_paths(Shape shape);
 
 /// The placeholder of an option that takes all numbers at once: CX,CY,CZ,R.
-std::string option_words(Shape shape);
+std::string option_placeholder(Shape shape);
 
 /// "centre and radius"
 std::string key_words(Shape shape);

@@ -117,9 +117,9 @@ TEST_CASE("a number outside its limits is reported with its key and value, and s
 }
 
 TEST_CASE("spheres and boxes have the documented names in files and options") {
-    CHECK(option_words(Shape::sphere) == "CX,CY,CZ,R");
-    CHECK(option_words(Shape::box) == "LOX,LOY,LOZ,HIX,HIY,HIZ");
-    CHECK(option_words(Shape::torus) == "CX,CY,CZ,AX,AY,AZ,RMAJOR,RMINOR");
+    CHECK(option_placeholder(Shape::sphere) == "CX,CY,CZ,R");
+    CHECK(option_placeholder(Shape::box) == "LOX,LOY,LOZ,HIX,HIY,HIZ");
+    CHECK(option_placeholder(Shape::torus) == "CX,CY,CZ,AX,AY,AZ,RMAJOR,RMINOR");
     CHECK(number_paths(Shape::sphere).back() == "sphere.radius");
     CHECK(number_names(Shape::box).front() == "lo_x");
     CHECK(column_names(Shape::sphere).front() == "cx");
