@@ -54,7 +54,7 @@ std::vector<Primitive<double>> shared_primitives_of(const lostbits_rays& rays, S
                 throw InputError("primitive " + std::to_string(i) + " has a number that is not finite");
         if (broken)
             throw InputError("primitive " + std::to_string(i) + ": " + std::string(broken->key->name) + " " +
-                             limit_words(shape, *broken->key));
+                             limit_phrase(shape, *broken->key));
         primitives.push_back(primitive);
     }
     return primitives;

@@ -67,7 +67,7 @@ Primitive<Real> primitive_of(Shape shape, const double* numbers, const Scene& sc
     for (const Primitive<double>& held :
          {primitive, shared ? scene::rays::round_primitive(primitive, binary32) : primitive}) {
         if (const auto broken = broken_limit(held))
-            throw InputError(place + ": " + std::string(broken->key->name) + " " + limit_words(shape, *broken->key));
+            throw InputError(place + ": " + std::string(broken->key->name) + " " + limit_phrase(shape, *broken->key));
     }
     return transformed(primitive, [](double x) { return Real(x); });
 }

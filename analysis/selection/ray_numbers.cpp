@@ -113,14 +113,14 @@ Primitive<double> primitive_phrase(Shape shape, const std::string& words, const 
     const std::string text = words.substr(0, at), option = "--" + std::string(name_of(shape));
     Primitive<double> primitive(shape);
     const std::string what =
-        fmt::format("{}; write its {}: {}, {} numbers with commas between them", with_article(shape), key_words(shape),
+        fmt::format("{}; write its {}: {}, {} numbers with commas between them", with_article(shape), key_phrase(shape),
                     option_placeholder(shape), primitive.used().size());
     const auto x = numbers_of(text, {option.c_str(), what.c_str(), primitive.used().size()}, as);
     std::ranges::transform(x, primitive.numbers.begin(), stored_number);
     if (at < words.size()) primitive.placed = placement_in(words.substr(at + 1), option.c_str(), as);
     if (const auto broken = broken_limit(primitive))
         throw InputError(
-            fmt::format("{} {}: {} {}", option, text, broken->key->name, limit_words(shape, *broken->key)));
+            fmt::format("{} {}: {} {}", option, text, broken->key->name, limit_phrase(shape, *broken->key)));
     return primitive;
 }
 

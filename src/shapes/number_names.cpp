@@ -86,7 +86,7 @@ std::string option_placeholder(Shape shape) {
     return words;
 }
 
-std::string key_words(Shape shape) {
+std::string key_phrase(Shape shape) {
     const auto keys = row_of(shape).keys;
     std::string words(keys.front().name);
     for (const Key& key : keys.subspan(1)) words += (&key == &keys.back() ? " and " : ", ") + std::string(key.name);
@@ -99,7 +99,7 @@ std::string key_list(Shape shape) {
     return words;
 }
 
-std::string order_words(const Key& key) {
+std::string order_phrase(const Key& key) {
     const Key& before = *(&key - 1);
     return std::string(before.name) + " <= " + std::string(key.name);
 }
@@ -112,7 +112,7 @@ std::string no_end_words(Shape shape) {
            " take no end and would ignore it; leave it out, or use " + told;
 }
 
-std::string limit_words(Shape shape, const Key& key) {
+std::string limit_phrase(Shape shape, const Key& key) {
     if (key.limit == Key::Limit::positive) return "is not greater than 0; write a positive number";
     if (key.limit == Key::Limit::not_negative) return "is less than 0; write 0 or a positive number";
     if (key.limit == Key::Limit::below_before)
@@ -129,7 +129,7 @@ std::string limit_words(Shape shape, const Key& key) {
         return "equals " + std::string((&key - 1)->name) + "; " + with_article(shape) +
                " has a height, so move one of the two";
     return "is below " + std::string((&key - 1)->name) + " in a component; " + with_article(shape) + " needs " +
-           order_words(key) + " in each";
+           order_phrase(key) + " in each";
 }
 
 }  // namespace lostbits

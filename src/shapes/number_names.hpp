@@ -28,18 +28,18 @@ std::vector<std::string> number_paths(Shape shape);
 std::string option_placeholder(Shape shape);
 
 /// "centre and radius"
-std::string key_words(Shape shape);
+std::string key_phrase(Shape shape);
 
 /// "centre, radius"
 std::string key_list(Shape shape);
 
 /// "lo <= hi", for a key that must be at least the key before it.
-std::string order_words(const Key& key);
+std::string order_phrase(const Key& key);
 
 /// Says why a ray cannot have an end if the forms of the shape do not take tmax.
 std::string no_end_words(Shape shape);
 
 /// Says how a key's limit is broken, as the end of a sentence about the key: "is not greater than 0; …".
-std::string limit_words(Shape shape, const Key& key);
+std::string limit_phrase(Shape shape, const Key& key);
 
 }  // namespace lostbits

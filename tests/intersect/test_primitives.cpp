@@ -113,7 +113,7 @@ TEST_CASE("a number outside its limits is reported with its key and value, and s
     flat.numbers[1] = 2;
     REQUIRE(broken_limit(flat));
     CHECK(broken_limit(flat)->number == 4);
-    CHECK(order_words(*broken_limit(flat)->key) == "lo <= hi");
+    CHECK(order_phrase(*broken_limit(flat)->key) == "lo <= hi");
 }
 
 TEST_CASE("spheres and boxes have the documented names in files and options") {

@@ -92,10 +92,10 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
                            fmt::format("{} of {} must be greater than 0; leave this ray out", broken->key->name, name));
             if (broken->key->limit != Key::Limit::at_least_before)
                 return bad(s, fmt::format("{} {}; or leave this ray out", broken->key->name,
-                                          limit_words(*shape_, *broken->key)));
+                                          limit_phrase(*shape_, *broken->key)));
             const std::size_t before = s - broken->key->count();
             return bad(before, fmt::format("it is above {}, which is {}; {} has {} in each component", called(s), x[s],
-                                           name, order_words(*broken->key)));
+                                           name, order_phrase(*broken->key)));
         }
     }
     for (std::size_t s = slot::matrix; layout_.has_matrix() && s < slot::count; ++s) {

@@ -35,7 +35,8 @@ Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumb
             else numbers.finite(table, key.name, primitive.numbers[i]);
         }
     });
-    if (const auto broken = broken_limit(primitive)) table.fail_at(broken->key->name, limit_words(shape, *broken->key));
+    if (const auto broken = broken_limit(primitive))
+        table.fail_at(broken->key->name, limit_phrase(shape, *broken->key));
     const auto rounded = broken_limit(transformed(primitive, [&](const Real& x) { return numbers.stored(x); }));
     const bool beside = rounded && (rounded->key->limit == Key::Limit::apart_from_before ||
                                     rounded->key->limit == Key::Limit::below_before ||
@@ -107,7 +108,7 @@ std::vector<PrimitiveTable> primitives_in_order(TableReader& file, const Node& w
 std::string tables_of_primitives() {
     std::string words;
     for (const ShapeRow& row : shape_rows)
-        words += "[[" + std::string(row.name) + "]] with " + key_words(row.shape) + ", ";
+        words += "[[" + std::string(row.name) + "]] with " + key_phrase(row.shape) + ", ";
     return words + "[sphereflake] with levels, or [[mesh]] with file or make";
 }
 

@@ -189,7 +189,7 @@ CaseFile::CaseFile(const std::filesystem::path& path) {
             if (const auto broken = broken_limit(primitive))
                 toml::fail(table.where(), "has " + with_article(spec.shape) + " whose " +
                                               std::string(broken->key->name) + " " +
-                                              limit_words(spec.shape, *broken->key));
+                                              limit_phrase(spec.shape, *broken->key));
         }
         cases_.push_back(std::move(c));
     }

@@ -128,7 +128,7 @@ void ExhaustiveFile::check_primitives(TableReader& file, const TableReader& of_a
     const std::string name(name_of(primitive.shape));
     if (primitive_places.empty()) {
         if (const auto broken = broken_limit(primitive))
-            file.table(name).fail_at(broken->key->name, limit_words(primitive.shape, *broken->key));
+            file.table(name).fail_at(broken->key->name, limit_phrase(primitive.shape, *broken->key));
         return;
     }
     // If a limit of lengths holds at two numbers, it holds between them. A normal may be 0 between them, and a point
@@ -138,7 +138,7 @@ void ExhaustiveFile::check_primitives(TableReader& file, const TableReader& of_a
             if (const auto broken = broken_limit(primitive_at(float_at(end))))
                 of_axis.fail_at(end == range.first ? "from" : "to", "leaves a " + name + " whose " +
                                                                         std::string(broken->key->name) + " " +
-                                                                        limit_words(primitive.shape, *broken->key));
+                                                                        limit_phrase(primitive.shape, *broken->key));
         }
     }
 }
