@@ -104,7 +104,7 @@ std::string order_phrase(const Key& key) {
     return std::string(before.name) + " <= " + std::string(key.name);
 }
 
-std::string no_end_words(Shape shape) {
+std::string no_end_reason(Shape shape) {
     std::string told;
     for (const ShapeRow& row : shape_rows)
         if (row.takes_tmax) told += (told.empty() ? "" : ", ") + std::string(row.plural);

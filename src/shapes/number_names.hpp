@@ -37,7 +37,7 @@ std::string key_list(Shape shape);
 std::string order_phrase(const Key& key);
 
 /// Says why a ray cannot have an end if the forms of the shape do not take tmax.
-std::string no_end_words(Shape shape);
+std::string no_end_reason(Shape shape);
 
 /// Says how a key's limit is broken, as the end of a sentence about the key: "is not greater than 0; …".
 std::string limit_phrase(Shape shape, const Key& key);

@@ -186,7 +186,7 @@ ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path, const std::fil
         if (std::ranges::find(rays, ray.name, &NamedRay::name) != rays.end())
             table.fail_at("name",
                           "is \"" + ray.name + "\", which is also the name of another ray; give each its own name");
-        if (!takes_tmax(primitive.shape)) table.reject("tmax", no_end_words(primitive.shape));
+        if (!takes_tmax(primitive.shape)) table.reject("tmax", no_end_reason(primitive.shape));
         else if (table.has("tmax")) ray.tmax = float_in(table, "tmax");
         if (ray.tmax < 0) table.fail_at("tmax", "is below 0, but a ray looks ahead, and no t is left; write 0 or more");
         table.reject_unknown_keys();
