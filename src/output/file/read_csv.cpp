@@ -34,7 +34,7 @@ public:
         cells.clear();
         do {
             const std::string_view cell = at_ < text_.size() && text_[at_] == '"' ? quoted() : plain();
-            cells.push_back(scene::toml::name_of_today(cell));
+            cells.push_back(scene::toml::current_name(cell));
         } while (comma());
         if (at_end()) return;
         if (text_[at_] == '\r') ++at_;

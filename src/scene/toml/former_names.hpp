@@ -29,7 +29,7 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 11> f
      {"torus_family", "torus_rays"}}};
 
 /// Returns the name of today for a former name, and every other text as it is.
-constexpr std::string_view name_of_today(std::string_view name) {
+constexpr std::string_view current_name(std::string_view name) {
     const auto found = std::ranges::find(former_names, name, [](const auto& pair) { return pair.first; });
     return found == former_names.end() ? name : found->second;
 }

@@ -44,7 +44,7 @@ public:
             for (const ::toml::node& item : *array) node.items.push_back(convert(item));
         } else if (const auto* string = from.as_string()) {
             node.kind = Node::Kind::string;
-            node.text = name_of_today(string->get());
+            node.text = current_name(string->get());
         } else if (const auto* integer = from.as_integer()) {
             node.kind = Node::Kind::integer;
             node.integer = integer->get();
