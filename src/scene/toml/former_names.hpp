@@ -35,7 +35,7 @@ constexpr std::string_view current_name(std::string_view name) {
 }
 
 /// The same for a key of a file, or of a path in it.
-constexpr std::string_view table_of_today(std::string_view key) {
+constexpr std::string_view current_table_name(std::string_view key) {
     const auto found = std::ranges::find(former_tables, key, [](const auto& pair) { return pair.first; });
     return found == former_tables.end() ? key : found->second;
 }

@@ -29,7 +29,7 @@ std::vector<Step> steps_of(const Override& change) {
     while (true) {
         const std::size_t end = std::min(path.find_first_of(".[", i), path.size());
         if (end == i) malformed("has an empty key");
-        steps.push_back({false, std::string(table_of_today(std::string_view(path).substr(i, end - i))), 0, end});
+        steps.push_back({false, std::string(current_table_name(std::string_view(path).substr(i, end - i))), 0, end});
         i = end;
         while (i < path.size() && path[i] == '[') {
             std::size_t index = 0;

@@ -33,7 +33,7 @@ public:
         if (const auto* table = from.as_table()) {
             node.kind = Node::Kind::table;
             for (auto&& [key, value] : *table)
-                node.entries.push_back({std::string(table_of_today(key.str())), at(key.source()), convert(value)});
+                node.entries.push_back({std::string(current_table_name(key.str())), at(key.source()), convert(value)});
             // toml++ sorts by name, but overrides apply in the order of writing.
             std::stable_sort(node.entries.begin(), node.entries.end(), [](const Node::Entry& a, const Node::Entry& b) {
                 return std::pair(a.key_where.line, a.key_where.column) <
