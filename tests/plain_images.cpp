@@ -78,7 +78,7 @@ public:
         return covered;
     }
     /// A page is its words, the colours of its marks and its texts.
-    void write_pdf(file::ByteSink& sink, const Canvas& canvas, const FileWords& words) override {
+    void write_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& words) override {
         const auto put = [&sink](const std::string& text) { sink.write(std::as_bytes(std::span(text))); };
         for (const auto& [key, value] : words) put(key + " " + value + "\n");
         for (const CanvasMark& mark : canvas.marks()) {

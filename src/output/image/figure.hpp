@@ -35,6 +35,6 @@ void save_figure(const std::filesystem::path& path, const Canvas& canvas);
 
 /// The drawing as an SVG, with `words` as its metadata. Text is text, in DejaVu Sans if the viewer has it. A field is a
 /// PNG inside.
-[[nodiscard]] std::string svg_text(const Canvas& canvas, const FileWords& words = {});
+[[nodiscard]] std::string svg_text(const Canvas& canvas, const FileMetadata& words = {});
 
 }  // namespace lostbits::output::image

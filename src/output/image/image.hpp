@@ -35,15 +35,15 @@ struct ExrSpec {
 };
 
 /// Texts that a picture records about itself: keyword and text.
-using FileWords = std::vector<std::pair<std::string, std::string>>;
+using FileMetadata = std::vector<std::pair<std::string, std::string>>;
 
 /// The run that made the file, if it is in a run's own folder: `Software`, `lostbits:command`, `lostbits:forms`.
-[[nodiscard]] FileWords words_about(const std::filesystem::path& path);
+[[nodiscard]] FileMetadata words_about(const std::filesystem::path& path);
 
 /// Description of a PNG file.
 struct PngSpec {
     int width = 0, height = 0;
-    FileWords words;  ///< text chunks
+    FileMetadata words;  ///< text chunks
 };
 
 /// Writes one RGB PNG file from top to bottom, 8 bits, sRGB.
@@ -136,7 +136,7 @@ public:
 
     /// Writes a PDF of one page, where a pixel is 1/96 inch and text is text in an embedded font. The same drawing
     /// gives the same bytes. Throws EnvironmentError.
-    virtual void write_pdf(file::ByteSink& sink, const Canvas& canvas, const FileWords& words) = 0;
+    virtual void write_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& words) = 0;
 
     /// `steps` (at least 2) colours of the ramp from low to high: viridis, inferno, magma, plasma or turbo. Throws
     /// InputError for another name.

@@ -224,7 +224,7 @@ constexpr double points_per_pixel = 0.75;  // 72 points and 96 pixels are an inc
 /// A page of a PDF. The bytes go to the sink, whose first error is kept: Cairo calls it from C.
 class PdfPage {
 public:
-    PdfPage(file::ByteSink& sink, const Canvas& canvas, const FileWords& words)
+    PdfPage(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& words)
         : sink_(sink),
           surface_(cairo_pdf_surface_create_for_stream(&PdfPage::take, this, canvas.width() * points_per_pixel,
                                                        canvas.height() * points_per_pixel),
@@ -351,7 +351,7 @@ private:
 
 }  // namespace
 
-void cairo_pdf(file::ByteSink& sink, const Canvas& canvas, const FileWords& words) {
+void cairo_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& words) {
     const KeepsFloatingPoint same;
     const std::lock_guard lock(font_mutex);
     const PdfPage page(sink, canvas, words);

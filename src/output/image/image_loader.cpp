@@ -75,10 +75,10 @@ ImageBackend& image_backend() {
     return *backend;
 }
 
-FileWords words_about(const fs::path& path) {
+FileMetadata words_about(const fs::path& path) {
     const auto provenance = file::provenance_of(path);
     if (!provenance) return {};
-    FileWords words{{"Software", provenance->program}, {"lostbits:command", provenance->command}};
+    FileMetadata words{{"Software", provenance->program}, {"lostbits:command", provenance->command}};
     if (!provenance->forms.empty()) words.emplace_back("lostbits:forms", file::words_of_forms(*provenance));
     return words;
 }

@@ -203,7 +203,7 @@ public:
     std::vector<std::uint8_t> cover(std::span<const Figure> figures, const PixelBox& box) override {
         return cairo_coverage(figures, box);
     }
-    void write_pdf(file::ByteSink& sink, const Canvas& canvas, const FileWords& words) override {
+    void write_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& words) override {
         cairo_pdf(sink, canvas, words);
     }
     std::vector<std::string> exr_parts(const std::filesystem::path& path) override;

@@ -27,7 +27,7 @@ using intersect::process::KeepsFloatingPoint;
 /// Implementations of ImageBackend::render_text, cover and write_pdf.
 [[nodiscard]] TextBitmap cairo_text(std::string_view utf8, int size, bool bold);
 [[nodiscard]] std::vector<std::uint8_t> cairo_coverage(std::span<const Figure> figures, const PixelBox& box);
-void cairo_pdf(file::ByteSink& sink, const Canvas& canvas, const FileWords& words);
+void cairo_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& words);
 
 /// Product of two sizes, or the largest number if it overflows: 2^30 × 2^30 pixels of 16 bytes would wrap to 0.
 inline std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b) {

@@ -184,7 +184,7 @@ private:
 
 }  // namespace
 
-std::string svg_text(const Canvas& canvas, const FileWords& words) {
+std::string svg_text(const Canvas& canvas, const FileMetadata& words) {
     std::string about;
     for (const auto& [keyword, text] : words) about += fmt::format("{}: {}\n", keyword, file::html(text));
     return fmt::format(
