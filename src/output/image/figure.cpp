@@ -23,8 +23,8 @@ void FigureFiles::save(const Canvas& canvas) {
             png->close();
             continue;
         }
-        if (kind == ".pdf") image_backend().write_pdf(*file, canvas, words_about(path));
-        else file->write(svg_text(canvas, words_about(path)));
+        if (kind == ".pdf") image_backend().write_pdf(*file, canvas, metadata_of(path));
+        else file->write(svg_text(canvas, metadata_of(path)));
         file->commit();
     }
 }

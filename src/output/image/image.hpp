@@ -38,7 +38,7 @@ struct ExrSpec {
 using FileMetadata = std::vector<std::pair<std::string, std::string>>;
 
 /// The run that made the file, if it is in a run's own folder: `Software`, `lostbits:command`, `lostbits:forms`.
-[[nodiscard]] FileMetadata words_about(const std::filesystem::path& path);
+[[nodiscard]] FileMetadata metadata_of(const std::filesystem::path& path);
 
 /// Description of a PNG file.
 struct PngSpec {

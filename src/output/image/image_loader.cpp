@@ -75,7 +75,7 @@ ImageBackend& image_backend() {
     return *backend;
 }
 
-FileMetadata words_about(const fs::path& path) {
+FileMetadata metadata_of(const fs::path& path) {
     const auto provenance = file::provenance_of(path);
     if (!provenance) return {};
     FileMetadata words{{"Software", provenance->program}, {"lostbits:command", provenance->command}};
@@ -91,7 +91,7 @@ std::unique_ptr<PngWriter> ImageBackend::open_png(const fs::path& path, int widt
 std::unique_ptr<PngWriter> ImageBackend::open_png(std::unique_ptr<file::AtomicFile> file, int width, int height) {
     const fs::path path = file->path();
     if (width <= 0 || height <= 0) throw std::logic_error(path.string() + ": a PNG without pixels");
-    return make_png(std::move(file), path.string(), {width, height, words_about(path)});
+    return make_png(std::move(file), path.string(), {width, height, metadata_of(path)});
 }
 
 namespace {
