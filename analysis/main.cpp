@@ -256,7 +256,7 @@ int run_program(int argc, char** argv) {
         return fail(Exit::environment,
                     "out of memory; try a smaller --size, fewer forms, or a mesh of fewer triangles");
     } catch (const std::filesystem::filesystem_error& error) {
-        return fail(Exit::bad_input, scene::toml::words_about(error).c_str());
+        return fail(Exit::bad_input, scene::toml::error_phrase(error).c_str());
     } catch (const std::system_error& error) {  // a closed stdout, no more threads
         return fail(Exit::environment, std::ferror(stdout) != 0 ? "standard output: cannot write" : error.what());
     } catch (const std::exception& error) {

@@ -179,7 +179,7 @@ int guarded(lostbits_error* error, const Act& act) {
     } catch (const std::length_error&) {  // more items than any memory holds
         return put_error(error, Exit::environment, std::string(no_memory));
     } catch (const std::filesystem::filesystem_error& e) {
-        return put_error(error, Exit::bad_input, scene::toml::words_about(e));
+        return put_error(error, Exit::bad_input, scene::toml::error_phrase(e));
     } catch (const std::exception& e) {
         return put_error(error, Exit::internal, std::string("a fault of lostbits: ") + e.what());
     }

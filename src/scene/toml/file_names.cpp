@@ -39,7 +39,7 @@ std::string nearby_file(const std::filesystem::path& path) {
     return near ? "did you mean \"" + (folder / *near).string() + "\"?" : "";
 }
 
-std::string words_about(const std::filesystem::filesystem_error& error) {
+std::string error_phrase(const std::filesystem::filesystem_error& error) {
     const std::string path = error.path1().string();
     return (path.empty() ? "a path" : path) + ": the system cannot resolve it: " + error.code().message() +
            "; check the path, and the links on it";

@@ -16,7 +16,7 @@ std::string nearby_file(const std::filesystem::path& path);
 
 /// The message for a path that the system cannot resolve: links in a circle, a part that is a file, a folder that may
 /// not be read.
-[[nodiscard]] std::string words_about(const std::filesystem::filesystem_error& error);
+[[nodiscard]] std::string error_phrase(const std::filesystem::filesystem_error& error);
 
 /// The folder `scenes`, `sweeps` or `claims` of the data folder. Throws InputError if it does not exist, since an empty
 /// list would hide that.
