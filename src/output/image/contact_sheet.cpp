@@ -233,7 +233,7 @@ std::uint64_t ContactSheet::difference(std::size_t a, std::size_t b) const {
 
 /// Moves six forms to the front: the best, the worst, and those that differ most from the ones chosen before. Both
 /// parts keep their order.
-void ContactSheet::put_telling_first(std::vector<Alike>& columns) const {
+void ContactSheet::put_most_different_first(std::vector<Alike>& columns) const {
     // Distance of each form to the nearest of the chosen ones.
     std::vector<std::uint64_t> distance(columns.size(), std::numeric_limits<std::uint64_t>::max());
     std::vector<bool> is_chosen(columns.size());
@@ -307,7 +307,7 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
     }
     auto columns = columns_of(order);
     is_parted_ = spec_.collapses && !order.empty() && columns.size() > static_cast<std::size_t>(columns_);
-    if (is_parted_) put_telling_first(columns);
+    if (is_parted_) put_most_different_first(columns);
     if (columns.size() < spec_.forms.size()) {  // the names of forms that share a column are a line of their own
         head_ += name_line;
         block_height_ += name_line;

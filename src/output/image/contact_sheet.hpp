@@ -120,7 +120,7 @@ private:
     [[nodiscard]] bool are_alike(std::size_t a, std::size_t b) const;
     [[nodiscard]] std::vector<Alike> columns_of(std::span<const std::size_t> order) const;
     [[nodiscard]] std::uint64_t difference(std::size_t a, std::size_t b) const;
-    void put_telling_first(std::vector<Alike>& columns) const;
+    void put_most_different_first(std::vector<Alike>& columns) const;
     [[nodiscard]] int block_y(int block) const;
     [[nodiscard]] int page_height(std::size_t columns) const;
     void draw_parts(Canvas& page, std::size_t columns) const;
