@@ -51,12 +51,12 @@ private:
     int factor_ = 0;  // factor of enlargement; 0: made smaller
     int rows_ = 0;
     /// Pixel into which a column of the field falls, and its weight there. The rest falls into the next pixel.
-    struct Fall {
+    struct Overlap {
         std::size_t pixel;
         std::uint64_t weight, rest;
     };
-    static std::vector<Fall> falls(std::int64_t field, std::int64_t thumbnail);
-    std::vector<Fall> across_, down_;
+    static std::vector<Overlap> overlaps(std::int64_t field, std::int64_t thumbnail);
+    std::vector<Overlap> across_, down_;
     std::vector<std::uint64_t> row_sums_, sums_;
     std::vector<Rgb8> pixels_;
 };

@@ -42,8 +42,8 @@ void Thumbnail::add_rows(int y_begin, std::span<const Rgb8> samples) {
         pixels_.resize(count);
         if (factor_ == 0 && shrink_ == Shrink::average) {
             sums_.assign(3 * count, 0);
-            across_ = falls(field_width_, width_);
-            down_ = falls(field_height_, height_);
+            across_ = overlaps(field_width_, width_);
+            down_ = overlaps(field_height_, height_);
         }
     }
     for (std::size_t i = 0; i < rows; ++i) {
@@ -86,7 +86,7 @@ void Thumbnail::add_row(int y, std::span<const Rgb8> samples) {
     }();
     row_sums_.assign(3 * (out_width + 1), 0);
     for (std::size_t x = 0; x < samples.size(); ++x) {
-        const Fall& fall = across_[x];
+        const Overlap& fall = across_[x];
         const Rgb8 sample = samples[x];
         std::uint64_t* const out = row_sums_.data() + 3 * fall.pixel;
         const std::array<std::uint64_t, 3> light{lights[sample.r], lights[sample.g], lights[sample.b]};
@@ -94,7 +94,7 @@ void Thumbnail::add_row(int y, std::span<const Rgb8> samples) {
         if (fall.rest == 0) continue;
         for (std::size_t c = 0; c < 3; ++c) out[c + 3] += fall.rest * light[c];
     }
-    const Fall& fall = down_[static_cast<std::size_t>(y)];
+    const Overlap& fall = down_[static_cast<std::size_t>(y)];
     for (const auto& [pixel, weight] : {std::pair(fall.pixel, fall.weight), std::pair(fall.pixel + 1, fall.rest)}) {
         if (weight == 0) continue;
         std::uint64_t* const out = sums_.data() + 3 * out_width * pixel;
@@ -104,8 +104,8 @@ void Thumbnail::add_row(int y, std::span<const Rgb8> samples) {
 
 /// On an axis cut into field · thumbnail parts, sample x covers [x·t, (x+1)·t) and pixel i covers [i·f, (i+1)·f). All
 /// overlaps are whole numbers, and those of one pixel sum to f. If t ≤ f, a sample meets at most two pixels.
-std::vector<Thumbnail::Fall> Thumbnail::falls(std::int64_t field, std::int64_t thumbnail) {
-    std::vector<Fall> all;
+std::vector<Thumbnail::Overlap> Thumbnail::overlaps(std::int64_t field, std::int64_t thumbnail) {
+    std::vector<Overlap> all;
     for (std::int64_t x = 0; x < field; ++x) {
         const std::int64_t pixel = x * thumbnail / field, end = (pixel + 1) * field;
         const std::int64_t weight = std::min((x + 1) * thumbnail, end) - x * thumbnail;
