@@ -327,7 +327,7 @@ void require_own(const fs::path& path) {
     if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->refuse_strange(name);
 }
 
-std::string words_of_forms(const Provenance& by) {
+std::string external_forms_text(const Provenance& by) {
     std::string words;
     for (const auto& [name, what] : by.forms) words += (words.empty() ? "" : "\n") + name + ": " + what;
     return words;
@@ -348,7 +348,7 @@ void add_generator(const fs::path& path, std::vector<std::pair<std::string, std:
     if (!provenance) return;
     for (const auto& [name, value] : {std::pair("lostbits:command", provenance->command),
                                       {"lostbits:program", provenance->program},
-                                      {"lostbits:forms", words_of_forms(*provenance)}}) {
+                                      {"lostbits:forms", external_forms_text(*provenance)}}) {
         if (value.empty()) continue;
         const auto is_it = [name = name](const auto& entry) { return entry.first == name; };
         if (std::ranges::none_of(attributes, is_it)) attributes.emplace_back(name, value);

@@ -122,7 +122,7 @@ void forget_result(const std::filesystem::path& path);
 [[nodiscard]] bool is_in_own_folder(const std::filesystem::path& path);
 
 /// External intersectors as one text: a line `NAME: description` for each.
-[[nodiscard]] std::string words_of_forms(const Provenance& by);
+[[nodiscard]] std::string external_forms_text(const Provenance& by);
 
 /// Adds the attributes `lostbits:command`, `lostbits:program` and `lostbits:forms` of the run whose folder the path is
 /// in. Skips empty ones and those that `attributes` already has.

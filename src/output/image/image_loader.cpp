@@ -79,7 +79,7 @@ FileMetadata metadata_of(const fs::path& path) {
     const auto provenance = file::provenance_of(path);
     if (!provenance) return {};
     FileMetadata words{{"Software", provenance->program}, {"lostbits:command", provenance->command}};
-    if (!provenance->forms.empty()) words.emplace_back("lostbits:forms", file::words_of_forms(*provenance));
+    if (!provenance->forms.empty()) words.emplace_back("lostbits:forms", file::external_forms_text(*provenance));
     return words;
 }
 
