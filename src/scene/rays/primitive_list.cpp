@@ -18,23 +18,23 @@ std::array<std::vector<T>, 4> columns_of(const sphere::Sphereflake& flake, const
 }
 
 template <class S>
-PrimitiveList<S> with_made(std::vector<Primitive<S>> listed, const file::Scene& scene) {
-    typename PrimitiveList<S>::Made made{.flake = {}, .mesh = {}, .inputs = scene.inputs};
+PrimitiveList<S> with_unlisted(std::vector<Primitive<S>> listed, const file::Scene& scene) {
+    typename PrimitiveList<S>::Unlisted unlisted{.flake = {}, .mesh = {}, .inputs = scene.inputs};
     if (scene.flake) {
         sphere::require_memory_for(*scene.flake);
-        made.flake = std::make_shared<const SphereColumns>(*scene.flake, scene.inputs);
+        unlisted.flake = std::make_shared<const SphereColumns>(*scene.flake, scene.inputs);
     }
-    if (scene.mesh) made.mesh = std::make_shared<const MeshColumns>(scene.mesh, scene.mesh_placed, scene.inputs);
-    return {std::move(listed), std::move(made)};
+    if (scene.mesh) unlisted.mesh = std::make_shared<const MeshColumns>(scene.mesh, scene.mesh_placed, scene.inputs);
+    return {std::move(listed), std::move(unlisted)};
 }
 
 template <class S>
 PrimitiveList<double> rounded_list(const PrimitiveList<S>& primitives, const FloatFormat& f) {
     std::vector<Primitive<double>> listed;
     for (const Primitive<S>& s : primitives.listed()) listed.push_back(round_primitive(s, f));
-    const FloatFormat& held = primitives.made().inputs == file::Inputs::shared ? binary32 : binary64;
+    const FloatFormat& held = primitives.unlisted().inputs == file::Inputs::shared ? binary32 : binary64;
     const bool holds = f.precision >= held.precision && f.emin <= held.emin && f.emax >= held.emax;
-    const auto& [flake, mesh, inputs] = primitives.made();
+    const auto& [flake, mesh, inputs] = primitives.unlisted();
     return {std::move(listed), {flake, mesh, inputs}, holds ? std::nullopt : std::optional(f)};
 }
 
@@ -75,7 +75,9 @@ std::shared_ptr<const MeshColumns> shared_mesh(const file::Scene& scene) {
                       : nullptr;
 }
 
-PrimitiveList<double> shared_primitive_list(const file::Scene& scene) { return with_made(shared_listed(scene), scene); }
+PrimitiveList<double> shared_primitive_list(const file::Scene& scene) {
+    return with_unlisted(shared_listed(scene), scene);
+}
 
 PrimitiveList<double> primitive_list_of(const RayGroup& group) {
     const bool wide = group.mesh && !fits_binary32(*group.mesh);
@@ -83,7 +85,7 @@ PrimitiveList<double> primitive_list_of(const RayGroup& group) {
             {.flake = {}, .mesh = group.mesh, .inputs = wide ? file::Inputs::own : file::Inputs::shared}};
 }
 
-PrimitiveList<Real> ideal_primitive_list(const file::Scene& scene) { return with_made(scene.listed, scene); }
+PrimitiveList<Real> ideal_primitive_list(const file::Scene& scene) { return with_unlisted(scene.listed, scene); }
 
 PrimitiveList<double> round_primitives(const PrimitiveList<double>& primitives, const FloatFormat& f) {
     return rounded_list(primitives, f);

@@ -79,36 +79,38 @@ public:
     PrimitiveList() = default;
     PrimitiveList(std::vector<Primitive<S>> listed) : listed_(std::move(listed)) {}
     /// The flake and the meshes of a scene; null if it has none. `inputs` applies to both.
-    struct Made {
+    struct Unlisted {
         std::shared_ptr<const SphereColumns> flake;
         std::shared_ptr<const MeshColumns> mesh;
         file::Inputs inputs = file::Inputs::shared;
     };
     /// If `format` is absent, the numbers of the flake and the meshes are not rounded.
-    PrimitiveList(std::vector<Primitive<S>> listed, Made made, std::optional<FloatFormat> format = std::nullopt)
-        : listed_(std::move(listed)), made_(std::move(made)), format_(format) {}
+    PrimitiveList(std::vector<Primitive<S>> listed, Unlisted unlisted, std::optional<FloatFormat> format = std::nullopt)
+        : listed_(std::move(listed)), unlisted_(std::move(unlisted)), format_(format) {}
 
-    [[nodiscard]] std::size_t size() const { return first_of_mesh() + (made_.mesh ? made_.mesh->size() : 0); }
+    [[nodiscard]] std::size_t size() const { return first_of_mesh() + (unlisted_.mesh ? unlisted_.mesh->size() : 0); }
     [[nodiscard]] Primitive<S> operator[](std::size_t i) const {
         if (i < listed_.size()) return listed_[i];
         const std::size_t triangles = first_of_mesh();
-        return transformed(i < triangles ? (*made_.flake)[i - listed_.size()] : (*made_.mesh)[i - triangles],
+        return transformed(i < triangles ? (*unlisted_.flake)[i - listed_.size()] : (*unlisted_.mesh)[i - triangles],
                            [this](double x) { return S(rounded(x)); });
     }
     /// Loads primitives that will be asked for soon into the cache. In a large mesh this is several times as fast as
     /// waiting for each of them.
     void prefetch(std::span<const std::uint32_t> primitives) const {
-        if (made_.mesh) made_.mesh->prefetch(primitives, first_of_mesh());
+        if (unlisted_.mesh) unlisted_.mesh->prefetch(primitives, first_of_mesh());
     }
-    [[nodiscard]] const Made& made() const { return made_; }
+    [[nodiscard]] const Unlisted& unlisted() const { return unlisted_; }
     /// The triangles of meshes; null if there are none.
-    [[nodiscard]] const MeshColumns* mesh() const { return made_.mesh.get(); }
+    [[nodiscard]] const MeshColumns* mesh() const { return unlisted_.mesh.get(); }
     /// Index of the first triangle.
-    [[nodiscard]] std::size_t first_of_mesh() const { return listed_.size() + (made_.flake ? made_.flake->size() : 0); }
+    [[nodiscard]] std::size_t first_of_mesh() const {
+        return listed_.size() + (unlisted_.flake ? unlisted_.flake->size() : 0);
+    }
     [[nodiscard]] bool all_listed() const { return size() == listed_.size(); }
     /// The primitives without flake and meshes.
     [[nodiscard]] std::span<const Primitive<S>> listed() const { return listed_; }
-    [[nodiscard]] const std::shared_ptr<const SphereColumns>& flake() const { return made_.flake; }
+    [[nodiscard]] const std::shared_ptr<const SphereColumns>& flake() const { return unlisted_.flake; }
     /// All primitives one by one, including the flake and the meshes.
     [[nodiscard]] std::vector<Primitive<S>> all() const {
         std::vector<Primitive<S>> every = listed_;
@@ -123,7 +125,7 @@ public:
     [[nodiscard]] std::array<std::span<const T>, 4> columns(std::size_t begin, std::size_t count,
                                                             std::array<std::vector<T>, 4>& columns_of_spheres) const {
         std::array<std::span<const T>, 4> view;
-        if (const auto* stored = made_.flake && !format_ ? made_.flake->template stored<T>() : nullptr;
+        if (const auto* stored = unlisted_.flake && !format_ ? unlisted_.flake->template stored<T>() : nullptr;
             stored && begin >= listed_.size()) {
             for (std::size_t k = 0; k < 4; ++k)
                 view[k] = std::span((*stored)[k]).subspan(begin - listed_.size(), count);
@@ -142,7 +144,7 @@ private:
     [[nodiscard]] double rounded(double x) const { return format_ ? rounding::to_format(x, 0, *format_) : x; }
 
     std::vector<Primitive<S>> listed_;
-    Made made_;
+    Unlisted unlisted_;
     std::optional<FloatFormat> format_;
 };
 
