@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "intersect/filter/beyond.hpp"
+#include "intersect/filter/exact_fallback.hpp"
 #include "intersect/filter/first_span_hit.hpp"
 #include "intersect/filter/first_span_hit_quartic.hpp"
 #include "number/wide/proving.hpp"
@@ -61,7 +61,7 @@ requires number::wide::InRegisters<T> Hit<T> settled(std::string_view, Shape sha
         if (proved[lane]) continue;
         double one[n];
         for (std::size_t i = 0; i < n; ++i) one[i] = lanes[i][lane];
-        const Beyond found = beyond(shape, one, narrow ? 0x1p-24 : 0x1p-53);
+        const FallbackAnswer found = exact_fallback(shape, one, narrow ? 0x1p-24 : 0x1p-53);
         watch(found.way);
         hit[lane] = found.hit ? F(1) : F(0);
         t[lane] = static_cast<F>(found.t);
@@ -75,7 +75,7 @@ Hit<T> settled(std::string_view form, Shape shape, const std::array<T, n>& numbe
                Watch& watch) {
     double one[n];
     for (std::size_t i = 0; i < n; ++i) one[i] = as_double(numbers[i]);
-    const Beyond found = beyond(shape, one, as_double(unit_roundoff<P>()));
+    const FallbackAnswer found = exact_fallback(shape, one, as_double(unit_roundoff<P>()));
     watch(found.way);
     const P t = static_cast<P>(found.t);
     if constexpr (traces_operations<T>) {

@@ -1,4 +1,4 @@
-#include "intersect/filter/beyond.hpp"
+#include "intersect/filter/exact_fallback.hpp"
 
 #include <cmath>
 #include <concepts>
@@ -18,11 +18,11 @@ namespace {
 using number::wide::Proving, number::wide::Running, number::wide::TwoWords;
 
 /// The answer that one arithmetic proves for a ray; nothing if it proves none.
-using ProvedAnswer = std::optional<Beyond>;
+using ProvedAnswer = std::optional<FallbackAnswer>;
 
-constexpr Beyond missed(FilterArithmetic way) { return {false, -1, way}; }
+constexpr FallbackAnswer missed(FilterArithmetic way) { return {false, -1, way}; }
 /// Adding 0 turns -0 into +0.
-constexpr Beyond hit_at(double t, FilterArithmetic way) { return {true, t + 0.0, way}; }
+constexpr FallbackAnswer hit_at(double t, FilterArithmetic way) { return {true, t + 0.0, way}; }
 
 /// The proved answer: the decision, with t to within 8u of itself.
 ProvedAnswer proved_answer(const FirstSpanHit<Proving<double>>& met, double u) {
@@ -69,7 +69,7 @@ template <template <class> class S, class E>
 using SpanOf = decltype(std::declval<const S<E>&>().span(std::declval<const Ray<E>&>()));
 
 template <template <class> class S>
-Beyond settle(const double* numbers, double u) {
+FallbackAnswer settle(const double* numbers, double u) {
     if (u > 0x1p-53)
         if (const ProvedAnswer in_double = proved_by<S, Proving<double>>(numbers, u)) return *in_double;
     using By = Deciding<SpanOf<S, Ball>>;
@@ -98,8 +98,8 @@ inline constexpr bool is_filtered_by_span<Span<E>> = true;
 
 }  // namespace
 
-Beyond beyond(Shape shape, const double* numbers, double u) {
-    Beyond found = missed(FilterArithmetic::exact);
+FallbackAnswer exact_fallback(Shape shape, const double* numbers, double u) {
+    FallbackAnswer found = missed(FilterArithmetic::exact);
     Primitives::each([&]<template <class> class S>() {
         if constexpr (is_filtered_by_span<SpanOf<S, Ball>>)
             if (shape == shape_as<S> && are_finite<S>(numbers)) found = settle<S>(numbers, u);

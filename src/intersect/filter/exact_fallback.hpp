@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::filter {
 
-struct Beyond {
+struct FallbackAnswer {
     bool hit;
     double t;              ///< −1 for a miss
     FilterArithmetic way;  ///< the arithmetic that proved it
@@ -21,6 +21,6 @@ struct Beyond {
 /// It computes in double if u is coarser, then in double-double (`Ball`), then in intervals (`Interval`) of 192 bits,
 /// doubled until they decide. The decisions are signs of polynomials of the inputs, which enough bits hold exactly
 /// (`Deciding` of each span says how many).
-Beyond beyond(Shape shape, const double* numbers, double u);
+FallbackAnswer exact_fallback(Shape shape, const double* numbers, double u);
 
 }  // namespace lostbits::intersect::filter
