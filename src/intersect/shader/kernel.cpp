@@ -16,19 +16,19 @@ void blank(std::string& text, const Token& token) {
 }
 
 /// A name that only other shader stages or shader sites define, and its value here.
-struct Stand {
+struct StageConstant {
     std::string_view name, value;
 };
-constexpr std::array<Stand, 10> site_names{{{"iResolution", "vec3(640.0, 360.0, 1.0)"},
-                                            {"iTime", "0.0"},
-                                            {"iGlobalTime", "0.0"},
-                                            {"iTimeDelta", "0.0"},
-                                            {"iFrameRate", "60.0"},
-                                            {"iFrame", "0"},
-                                            {"iMouse", "vec4(0.0)"},
-                                            {"iDate", "vec4(0.0)"},
-                                            {"iSampleRate", "44100.0"},
-                                            {"lb_FragCoord", "vec4(0.5, 0.5, 0.0, 1.0)"}}};
+constexpr std::array<StageConstant, 10> site_names{{{"iResolution", "vec3(640.0, 360.0, 1.0)"},
+                                                    {"iTime", "0.0"},
+                                                    {"iGlobalTime", "0.0"},
+                                                    {"iTimeDelta", "0.0"},
+                                                    {"iFrameRate", "60.0"},
+                                                    {"iFrame", "0"},
+                                                    {"iMouse", "vec4(0.0)"},
+                                                    {"iDate", "vec4(0.0)"},
+                                                    {"iSampleRate", "44100.0"},
+                                                    {"lb_FragCoord", "vec4(0.5, 0.5, 0.0, 1.0)"}}};
 
 /// An offset in a text, and what is inserted before that byte.
 using Insertion = std::pair<std::size_t, std::string>;
@@ -103,7 +103,7 @@ std::string site_declarations(const std::string& text) {
         if (i + 1 < code.size() && site_types.contains(code[i].text)) declared.insert(code[i + 1].text);
     }
     std::string words;
-    for (const Stand& s : site_names) {
+    for (const StageConstant& s : site_names) {
         if (used.contains(s.name) && !declared.contains(s.name))
             words += "#define " + std::string(s.name) + " " + std::string(s.value) + "\n";
     }
