@@ -70,18 +70,18 @@ void main() {
 }
 )";
 
-std::string version_words(int version) { return "#version " + std::to_string(version) + "\n"; }
+std::string version_line(int version) { return "#version " + std::to_string(version) + "\n"; }
 
 }  // namespace
 
 std::string probe_program(int bits, int version) {
     const bool doubles = bits == 64;
-    return version_words(version) + "#define R " + (doubles ? "double" : "float") + "\n#define V " +
+    return version_line(version) + "#define R " + (doubles ? "double" : "float") + "\n#define V " +
            (doubles ? "dvec3" : "vec3") + "\n#define COUNTu " + std::to_string(probed_count) + "u\n" + operations;
 }
 
 std::string loop_program(int version, bool nested) {
-    return version_words(version) + "#define AGAIN " + (nested ? "for (uint r = 0u; r < given[2]; ++r)" : "") + R"(
+    return version_line(version) + "#define AGAIN " + (nested ? "for (uint r = 0u; r < given[2]; ++r)" : "") + R"(
 layout(local_size_x = 1) in;
 layout(std430, binding = 0) readonly buffer Given { uint given[]; };
 layout(std430, binding = 1) writeonly buffer Told { uint told[]; };
