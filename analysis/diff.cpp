@@ -25,7 +25,7 @@ using output::diff::CompareOptions;
 namespace {
 
 /// The options that change measured values, and not only which rows there are or how they are shown.
-const std::vector<std::string>& of_what_is_measured() {
+const std::vector<std::string>& measurement_options() {
     static const std::vector<std::string> all = [] {
         std::vector<std::string> names{"--bits",      "--wrong",    "--at",          "--single",   "--bulk",   "--size",
                                        "--set",       "--variant",  "--steps",       "--seeds",    "--scene",  "--miss",
@@ -44,7 +44,7 @@ Settings settings_of(const std::string& command) {
     Settings settings;
     const auto words = selection::words_in(command);
     for (std::size_t i = 0; i < words.size(); ++i) {
-        if (std::ranges::find(of_what_is_measured(), words[i]) == of_what_is_measured().end()) continue;
+        if (std::ranges::find(measurement_options(), words[i]) == measurement_options().end()) continue;
         if (words[i] == "--quick" || words[i] == "--single" || words[i] == "--bulk" || i + 1 == words.size())
             settings[words[i]].insert("");
         else if (words[i] != "--set") settings[words[i]].insert(words[i + 1]);
@@ -72,7 +72,7 @@ std::vector<std::string> made_differently(const fs::path& a, const fs::path& b) 
     if (!left || !right) return {};
     Settings of_a = settings_of(left->command), of_b = settings_of(right->command);
     std::vector<std::string> lines;
-    for (const std::string& name : of_what_is_measured()) {
+    for (const std::string& name : measurement_options()) {
         const std::string option(name);
         const auto only_a = only_in(of_a[option], of_b[option]), only_b = only_in(of_b[option], of_a[option]);
         if (only_a.size() == 1 && only_b.size() == 1) {
