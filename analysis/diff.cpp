@@ -67,7 +67,7 @@ std::vector<std::string> only_in(const std::set<std::string>& one, const std::se
 /// A line for each option that changes measured values (the size of a picture, numbers of a scene, draws) and differs
 /// in the commands that made two folders: `--set sphere[0].radius=1.0001 only in after`. Empty if a folder does not
 /// record its command.
-std::vector<std::string> made_differently(const fs::path& a, const fs::path& b) {
+std::vector<std::string> option_differences(const fs::path& a, const fs::path& b) {
     const auto left = output::file::ResultFolder::last_run_in(a), right = output::file::ResultFolder::last_run_in(b);
     if (!left || !right) return {};
     Settings of_a = settings_of(left->command), of_b = settings_of(right->command);
@@ -89,19 +89,19 @@ std::vector<std::string> made_differently(const fs::path& a, const fs::path& b) 
 }
 
 /// The same for the two folders and for every pair of folders below them.
-std::vector<std::string> made_differently_below(const fs::path& a, const fs::path& b) {
-    std::vector<std::string> lines = made_differently(a, b);
+std::vector<std::string> option_differences_below(const fs::path& a, const fs::path& b) {
+    std::vector<std::string> lines = option_differences(a, b);
     std::set<fs::path> folders;
     std::error_code none;
     for (auto at = fs::recursive_directory_iterator(a, none); at != fs::end(at); at.increment(none)) {
         if (at->is_directory(none)) folders.insert(at->path().lexically_relative(a));
     }
     for (const fs::path& folder : folders)
-        std::ranges::move(made_differently(a / folder, b / folder), std::back_inserter(lines));
+        std::ranges::move(option_differences(a / folder, b / folder), std::back_inserter(lines));
     return lines;
 }
 
-void print_made_differently(const std::vector<std::string>& lines) {
+void print_option_differences(const std::vector<std::string>& lines) {
     if (lines.empty()) return;
     fmt::print("made with other options, which may explain all differences:\n");
     for (const std::string& line : lines) fmt::print("  {}\n", line);
@@ -129,7 +129,7 @@ Exit run_strictly(const DiffOptions& w, const CompareOptions& options, const Com
     diff::refuse_unknown_columns(options, names_of(results));
     const bool same = std::ranges::all_of(results, &Result::same);
     const bool files = fs::is_regular_file(w.a) && fs::is_regular_file(w.b);
-    if (files) print_made_differently(made_differently(folder_of(w.a), folder_of(w.b)));
+    if (files) print_option_differences(option_differences(folder_of(w.a), folder_of(w.b)));
     for (const Result& r : results) {
         if (!r.same() || common.verbose) diff::print(r, common.verbose);
     }
@@ -152,7 +152,7 @@ Exit run_on_maps(const DiffOptions& w, const MapSides& sides, const CompareOptio
     if (!w.draw.empty()) owner = own_folder(w.draw, common, w.a + (w.b.empty() ? "" : " " + w.b));
     const auto pictures = w.draw.empty() ? std::vector<fs::path>{} : diff::draw_maps(sides, w.draw, common.stop);
     complete(owner);
-    if (!sides.are_forms()) print_made_differently(made_differently_below(w.a, w.b));
+    if (!sides.are_forms()) print_option_differences(option_differences_below(w.a, w.b));
     if (!found.same() || common.verbose) diff::print(found, sides, common.verbose);
     if (found.same() && !common.quiet) fmt::print("same\n");
     for (const auto& picture : pictures) {
