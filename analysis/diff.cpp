@@ -165,7 +165,7 @@ Exit run_on_maps(const DiffOptions& w, const MapSides& sides, const CompareOptio
 }
 
 /// Prints on stderr which of the compared folders have incomplete results.
-void say_what_is_unfinished(const DiffOptions& w) {
+void print_incomplete(const DiffOptions& w) {
     std::set<fs::path> folders;
     for (const fs::path side : {w.a, w.b}) {
         if (side.empty()) continue;
@@ -212,7 +212,7 @@ Exit run(const DiffOptions& w, const Common& common) {
         throw InputError("--draw: needs two folders of maps, or two forms of one, without --strict; leave it out");
     if (!w.formats.empty() && w.draw.empty())
         throw InputError("-f: selects the formats that --draw draws; add --draw FOLDER, or leave out -f");
-    say_what_is_unfinished(w);
+    print_incomplete(w);
     return folders && !w.strict ? run_on_maps(w, sides, options, common) : run_strictly(w, options, common);
 }
 
