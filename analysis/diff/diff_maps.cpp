@@ -31,7 +31,8 @@ std::string subject_of(const fs::path& file) {
 }
 
 /// Compares the rows of two forms in one table; nothing if the table does not have both.
-std::optional<RowChanges> held_against(const fs::path& file, const MapSides& sides, const CompareOptions& options) {
+std::optional<RowChanges> compare_two_forms(const fs::path& file, const MapSides& sides,
+                                            const CompareOptions& options) {
     const auto table = output::file::read_csv(file);
     if (!output::diff::has_row_keys(table)) return {};
     const auto& forms = table.find("form")->cells;
@@ -58,7 +59,7 @@ MapDifference compare_forms(const MapSides& sides, const CompareOptions& options
     for (const fs::path& file : files_below(sides.a)) {
         options.stop.check();
         if (kind_of(file) != FileKind::csv) continue;
-        auto rows = held_against(sides.a / file, sides, options);
+        auto rows = compare_two_forms(sides.a / file, sides, options);
         if (!rows) continue;
         ++found.tables;
         found.rows.add(std::move(*rows));
