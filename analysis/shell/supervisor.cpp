@@ -188,13 +188,13 @@ private:
         }
         const std::string text =
             fmt::format("lostbits: {}: {}; try --isolate, which runs each library in its own process\n", libraries_,
-                        what_happened(signal));
+                        crash_text(signal));
         const std::string safe = output::file::terminal_text(text);
         static_cast<void>(write(STDERR_FILENO, safe.data(), safe.size()));
         _exit(is_broken_ ? *status_ : static_cast<int>(Exit::environment));
     }
 
-    [[nodiscard]] std::string what_happened(int signal) const {
+    [[nodiscard]] std::string crash_text(int signal) const {
         const char* const named = signal != 0 ? strsignal(signal) : "";
         if (is_broken_)
             return "an uncaught exception ended the program: in a thread that the library started, or while it was "
