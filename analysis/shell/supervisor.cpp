@@ -66,7 +66,7 @@ void tell_partial(const char* path) noexcept {
     tell(Message::partial_file, static_cast<std::uint32_t>(std::strlen(path)), path);
 }
 
-sigset_t to_hand_on() {
+sigset_t forwarded_signals() {
     sigset_t all;
     sigfillset(&all);
     // Stopping a job stops both processes, and a crash of the supervisor is its own.
@@ -87,7 +87,7 @@ class Supervisor {
 public:
     Supervisor(int pipe, std::uint64_t token, pid_t worker, std::string libraries, double seconds)
         : pipe_(pipe), token_(token), worker_(worker), libraries_(std::move(libraries)), patience_(seconds) {
-        const sigset_t signals = to_hand_on();
+        const sigset_t signals = forwarded_signals();
         signals_ = signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
         fcntl(pipe_, F_SETFL, fcntl(pipe_, F_GETFL) | O_NONBLOCK);
     }
@@ -251,7 +251,7 @@ void supervise(const std::string& libraries, double seconds) {
         throw EnvironmentError(std::string("cannot start a second process: ") + std::strerror(errno));
     const WorkerLink ours{.pipe = ends[1], .supervisor = getpid(), .token = drawn_token()};
     signal(SIGCHLD, SIG_DFL);  // if it were ignored, waitpid could not tell how the worker ended
-    const sigset_t signals = to_hand_on();
+    const sigset_t signals = forwarded_signals();
     sigset_t before;
     sigprocmask(SIG_BLOCK, &signals, &before);
     prctl(PR_SET_CHILD_SUBREAPER, 1);  // before fork: the worker may start processes at once
