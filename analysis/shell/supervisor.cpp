@@ -106,7 +106,7 @@ public:
         }
         read_messages();
         read_signals();
-        end_what_is_left();
+        kill_orphans();
         end();
     }
 
@@ -163,7 +163,7 @@ private:
     }
 
     /// Kills the processes that the worker, or a copy of it, started. They are children of this process now.
-    static void end_what_is_left() {
+    static void kill_orphans() {
         const auto until = Clock::now() + std::chrono::seconds(5);
         while (Clock::now() < until) {
             while (waitpid(-1, nullptr, WNOHANG) > 0) {}
