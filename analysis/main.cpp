@@ -164,7 +164,7 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
         if (parsed != shell::CommandLine::Parsed::command) return Exit::done;
     } catch (const shell::Misread& error) {
         fmt::print(stderr, "lostbits: {}\nlostbits: see `{} --help`\n",
-                   output::file::terminal_text(shell::describe_misread(program, error)), program.given_words());
+                   output::file::terminal_text(shell::describe_misread(program, error)), program.command_path());
         return Exit::bad_input;
     }
     if (!common.quiet)

@@ -216,7 +216,7 @@ void refuse_other_kinds(const shell::Command& program, const fs::path& data) {
         done.emplace_back(row.argument);
         const shell::Option argument = command.option(row.argument);
         if (!argument) continue;
-        for (const std::string& word : argument.words()) refuse_other_kind(word, row, program.given_words(), data);
+        for (const std::string& word : argument.words()) refuse_other_kind(word, row, program.command_path(), data);
     }
 }
 

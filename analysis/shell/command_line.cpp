@@ -285,7 +285,7 @@ std::vector<Command> Command::given() const {
     return all;
 }
 
-std::string Command::given_words() const {
+std::string Command::command_path() const {
     std::string words;
     for (const Command& command : given()) words += (words.empty() ? "" : " ") + command.name();
     return words;

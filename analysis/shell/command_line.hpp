@@ -118,7 +118,7 @@ public:
     [[nodiscard]] std::vector<Command> groups() const { return inner(false); }
     [[nodiscard]] std::vector<std::string> names_of_commands() const;  ///< without hidden ones
     [[nodiscard]] std::vector<Command> given() const;  ///< itself, its subcommand that was given, and so on
-    [[nodiscard]] std::string given_words() const;     ///< their names: `lostbits plugin check`
+    [[nodiscard]] std::string command_path() const;    ///< their names: `lostbits plugin check`
 
 protected:
     Command(CLI::App* app, std::function<Exit()>* chosen) : app_(app), chosen_(chosen) {}

@@ -100,7 +100,7 @@ std::string help_page(const Command& program, const std::string& footer) {
         return program.help() + "\nUsage: lostbits COMMAND [OPTIONS]\n" + command_list(command_table(program)) +
                option_sections(common) + "\n" + footer;
     const CommandRow row = row_given(program);
-    std::string text = wrapped(row.help, 0, 0) + "\nUsage: " + program.given_words();
+    std::string text = wrapped(row.help, 0, 0) + "\nUsage: " + program.command_path();
     if (!row.commands.empty()) text += " COMMAND";
     else
         for (const OptionRow& argument : row.arguments) text += " " + argument_word(argument);

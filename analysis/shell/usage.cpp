@@ -41,7 +41,7 @@ std::string unknown_option(const Command& program, const std::string& word) {
     const std::string bare = word.substr(word.find_first_not_of('-'), word.find('=') - word.find_first_not_of('-'));
     const auto near = scene::toml::closest(bare, names);
     const std::string hint = written_elsewhere(program, bare);
-    return fmt::format("{} is not an option of `{}`{}", word, program.given_words(),
+    return fmt::format("{} is not an option of `{}`{}", word, program.command_path(),
                        !hint.empty() ? "; try `" + hint + "`"
                        : near        ? "; did you mean --" + *near + "?"
                                      : "");
@@ -68,7 +68,7 @@ std::string leftover(const CommandLine& program, const std::string& fallback) {
     const std::string& word = words.front();
     if (word.size() > 1 && word.front() == '-' && word.find_first_not_of('-') != std::string::npos)
         return unknown_option(program, word);
-    if (word == "help") return fmt::format("help is not a command; write `{} --help`", program.given_words());
+    if (word == "help") return fmt::format("help is not a command; write `{} --help`", program.command_path());
     if (is_program && word == "version") return "version is not a command; write `lostbits --version`";
     const std::vector<std::string> inner = command.names_of_commands();
     if (is_program) return fmt::format("\"{}\" is not a command; {}", word, scene::toml::did_you_mean(word, inner));
@@ -78,7 +78,7 @@ std::string leftover(const CommandLine& program, const std::string& fallback) {
                            near ? "; did you mean " + *near + "?" : "");
     return fmt::format(
         "{}: `{}` takes no such word; an option takes one value at a time: repeat it, or write commas (-i A,B)", word,
-        program.given_words());
+        program.command_path());
 }
 
 }  // namespace
