@@ -52,7 +52,7 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
 
 /// The only chosen row. Throws InputError, which begins with `what`, if there are several, or if the operations of its
 /// form are not known.
-const TestedForm& the_one_row(const Selection& chosen, const std::string& what) {
+const TestedForm& only_row(const Selection& chosen, const std::string& what) {
     if (chosen.rows.size() != 1)
         throw InputError(what + ", and " + std::to_string(chosen.rows.size()) +
                          " pairs of form and format are chosen; name one form and one format");
@@ -65,7 +65,7 @@ const TestedForm& the_one_row(const Selection& chosen, const std::string& what) 
 
 std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene, int x, int y, Selection& chosen) {
     chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
-    const TestedForm& row = the_one_row(chosen, "explain looks at one ray in one form and format");
+    const TestedForm& row = only_row(chosen, "explain looks at one ray in one form and format");
     const auto* const generator = scene::rays::generator_of(*row.form);
     const scene::file::Scene made = generator ? with_rays(scene, *generator) : scene;
     const measure::answer::OneRay ray(made, x, y);
@@ -125,7 +125,7 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     if (scene.is_placed())
         throw InputError("the primitives of scene " + scene.id +
                          " are placed by matrices; only the command `lostbits mend` takes those");
-    const TestedForm& row = the_one_row(chosen, "mend repairs one form in one format");
+    const TestedForm& row = only_row(chosen, "mend repairs one form in one format");
     if (selection::is_emulated(row.format)) throw InputError("mend works in f32 and f64 only; name one of them");
     selection::refuse_generators({row.form}, "mend");
     selection::refuse_generated_rays({scene}, "mend");
