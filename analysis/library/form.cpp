@@ -58,7 +58,7 @@ Selection::Selection(const lostbits_choice* given, bool may_be_empty) : choice(g
     asked = selection::select_metrics(words_of(choice.metrics, "metrics"), made);
 }
 
-void Selection::keep_those_for(const std::string& name, const selection::Meets& meets) {
+void Selection::keep_rows_for(const std::string& name, const selection::Meets& meets) {
     rows = selection::rows_meeting({rows, forms, true}, name, meets);
     if (rows.empty())
         throw NothingSelected(name + ": no chosen form takes its primitives in a chosen format; choose other ones");

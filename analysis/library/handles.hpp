@@ -267,7 +267,7 @@ struct Selection {
 
     explicit Selection(const lostbits_choice* given, bool may_be_empty = false);
     /// Keeps the rows that take the subject called `name`. Throws NothingSelected if none is left.
-    void keep_those_for(const std::string& name, const selection::Meets& meets);
+    void keep_rows_for(const std::string& name, const selection::Meets& meets);
 };
 
 /// A file in memory that holds a text, for as long as the object lives.

@@ -15,7 +15,7 @@ namespace {
 
 std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& chosen, CallRun& running) {
     const scene::file::Scene& scene = given.scene;
-    chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
+    chosen.keep_rows_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     std::vector<const Metric*> asked{measure::metric::find_metric("lost_bits")};
     std::ranges::copy(chosen.asked, std::back_inserter(asked));
     static_cast<void>(selection::applicable_metrics(asked, chosen.rows, "scene " + scene.id));

@@ -150,7 +150,7 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Selection& 
     intersect::Info contract = contract_of_arrays(rays, all.shape);
     if (all.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
     const measure::judge::FileForm answers("arrays", all.shape, contract);
-    if (!chosen.rows.empty()) chosen.keep_those_for(whose, meets_of(all));
+    if (!chosen.rows.empty()) chosen.keep_rows_for(whose, meets_of(all));
     else if (!all.dump->layout().has_answers())
         throw NothingSelected("rays: there are neither answers (t or hit) nor forms; give one of them");
     if (all.dump->layout().has_answers()) {
@@ -243,7 +243,7 @@ void by_piece(GivenRays& all, CallRun& running, std::size_t count, std::size_t m
 
 std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Selection& chosen, CallRun& running) {
     GivenRays all = given(rays, running);
-    chosen.keep_those_for(whose, meets_of(all));
+    chosen.keep_rows_for(whose, meets_of(all));
     auto result = std::make_unique<lostbits_result>();
     for (const TestedForm& row : chosen.rows) {
         ResultTable& table = result->tables.emplace_back(

@@ -29,7 +29,7 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
                          ": is not a sweep along axes: it has cases, a search or every float of a range; `lostbits "
                          "sweep` measures those");
     const scene::sweep::SweepFile sweep(path, data, {}, running.stop());
-    chosen.keep_those_for("sweep " + sweep.id, [&sweep](Shapes forms) { return sweep.meets(forms); });
+    chosen.keep_rows_for("sweep " + sweep.id, [&sweep](Shapes forms) { return sweep.meets(forms); });
     std::vector<const measure::metric::Metric*> asked = chosen.asked;
     for (const char* name : {"inherent_bits", "excess_bits"}) asked.push_back(measure::metric::find_metric(name));
     measure::sweep::SweepRequest request{
@@ -64,7 +64,7 @@ const TestedForm& only_row(const Selection& chosen, const std::string& what) {
 }
 
 std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene, int x, int y, Selection& chosen) {
-    chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
+    chosen.keep_rows_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     const TestedForm& row = only_row(chosen, "explain looks at one ray in one form and format");
     const auto* const generator = scene::rays::generator_of(*row.form);
     const scene::file::Scene made = generator ? with_rays(scene, *generator) : scene;
@@ -93,8 +93,8 @@ std::unique_ptr<lostbits_result> study_of(const scene::file::Scene& scene, const
     selection::refuse_generators(chosen.rows, Words::name);
     selection::refuse_generated_rays({scene}, Words::name);
     Words::require(scene);
-    chosen.keep_those_for("scene " + scene.id,
-                          [&scene](Shapes of) { return selection::are_primitives(of) && scene.meets(of); });
+    chosen.keep_rows_for("scene " + scene.id,
+                         [&scene](Shapes of) { return selection::are_primitives(of) && scene.meets(of); });
     auto study = Words::on(scene, chosen.rows, study::study_words(Words::options(), options), running.stop());
     study.progress = running.advancing(scene.pixels() * study.rows.size());
     const auto summaries = measure::study::run_study(study);
@@ -121,7 +121,7 @@ measure::choice::Requirement requirement_of(const lostbits_requirement& requirem
 bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
                const measure::choice::Requirement& requirement, bool two_words, Selection& chosen, CallRun& running) {
     if (requirement.has_tolerance()) throw InputError("mend repairs a form to keep bits of t; give no tolerance");
-    chosen.keep_those_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
+    chosen.keep_rows_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     if (scene.is_placed())
         throw InputError("the primitives of scene " + scene.id +
                          " are placed by matrices; only the command `lostbits mend` takes those");
