@@ -153,7 +153,7 @@ void print_pairs(const std::vector<measure::evaluate::TestedForm>& rows,
 
 /// A quantile of metric `lost` for a table, `13.57`; `-` if there is none, or if the correct hits are too few to
 /// represent the form.
-[[nodiscard]] std::string lost_or_withheld(const measure::evaluate::FormSummary& summary, std::size_t lost, double q);
+[[nodiscard]] std::string lost_bits_cell(const measure::evaluate::FormSummary& summary, std::size_t lost, double q);
 
 /// Columns of a table on stdout, and their cells for a summary: the outcomes that only meshes have, and the wrong
 /// decisions. `told` is false for the answers of a file, where cracks and double hits cannot be recognised.

@@ -98,7 +98,7 @@ void print_judged(const JudgeRequest& request, const JudgeResult& result, const 
                                        std::to_string(s.count(Outcome::agree_hit))};
         if (request.mesh) add_mesh_cells(cells, s, !is_file);
         add_wrong_cells(cells, s);
-        for (const double q : {0.5, 0.99, 1.0}) cells.push_back(lost_or_withheld(s, lost, q));
+        for (const double q : {0.5, 0.99, 1.0}) cells.push_back(lost_bits_cell(s, lost, q));
         for (const auto& [metric, title] : required) cells.push_back(std::to_string(s.categories[metric].at(1)));
         table.add(std::move(cells));
     };

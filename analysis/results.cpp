@@ -188,7 +188,7 @@ void print_pairs(const std::vector<measure::evaluate::TestedForm>& rows,
     }
 }
 
-std::string lost_or_withheld(const measure::evaluate::FormSummary& summary, std::size_t lost, double q) {
+std::string lost_bits_cell(const measure::evaluate::FormSummary& summary, std::size_t lost, double q) {
     const double bits = summary.metrics[lost].quantile(q);
     return std::isnan(bits) || !summary.agreement().is_enough() ? std::string("-") : fmt::format("{:.2f}", bits);
 }
@@ -230,7 +230,7 @@ void print_table(const measure::evaluate::EvaluationRequest& request,
         if (mesh) add_mesh_cells(cells, s, true);
         add_wrong_cells(cells, s);
         cells.insert(cells.end(), {std::to_string(s.count(measure::answer::Outcome::agree_hit)),
-                                   lost_or_withheld(s, lost, 0.5), lost_or_withheld(s, lost, 0.99)});
+                                   lost_bits_cell(s, lost, 0.5), lost_bits_cell(s, lost, 0.99)});
         table.add(std::move(cells));
         withheld |= s.agreement().agreed > 0 && !s.agreement().is_enough();
     }
