@@ -42,7 +42,7 @@ std::string inputs_text(const InputTrial& trial, std::string_view places) {
 }
 
 /// The inputs that would have to be wider, and their format.
-std::string what_it_takes(const ChoiceResult& chosen, const Candidate& near) {
+std::string required_inputs_text(const ChoiceResult& chosen, const Candidate& near) {
     const Obstacle& found = *chosen.obstacle;
     const Requirement& requirement = chosen.request.requirement;
     const Shape shape = near.row.form->shape;
@@ -79,7 +79,7 @@ std::string of_the_rounded_scene(const ChoiceResult& chosen, const Candidate& ne
                "scene. "
                "Compared with the scene as written, even exact arithmetic on the rounded scene keeps {}.\n",
                kept_and_wrong(exact, requirement)) +
-           what_it_takes(chosen, near);
+           required_inputs_text(chosen, near);
 }
 
 }  // namespace
@@ -116,7 +116,7 @@ std::string obstacle_text(const ChoiceResult& chosen, const Candidate& near) {
             return fmt::format(
                        "  What limits it: the inputs. Even exact arithmetic on them, rounded to {}, keeps {}.\n",
                        name_of_inputs(found.base), exact) +
-                   what_it_takes(chosen, near);
+                   required_inputs_text(chosen, near);
         case Obstacle::Cause::inherent:
             return fmt::format(
                        "  What limits it: the problem, not the formula. Half an ulp of {} in each input would cost "
