@@ -68,7 +68,7 @@ std::string required_inputs_text(const ChoiceResult& chosen, const Candidate& ne
 }
 
 /// Compares the scene stored in binary32 with the one that is written.
-std::string of_the_rounded_scene(const ChoiceResult& chosen, const Candidate& near) {
+std::string rounded_scene_text(const ChoiceResult& chosen, const Candidate& near) {
     const Obstacle& found = *chosen.obstacle;
     const Requirement& requirement = chosen.request.requirement;
     if (!found.rounded_before || found.trials.empty()) return "";
@@ -111,7 +111,7 @@ std::string obstacle_text(const ChoiceResult& chosen, const Candidate& near) {
                          "of them truly hits anything.\n";
         case Obstacle::Cause::width:
             return fmt::format("  What limits it: {} has {} bits. Try a wider format.\n", format, precision) +
-                   of_the_rounded_scene(chosen, near);
+                   rounded_scene_text(chosen, near);
         case Obstacle::Cause::inputs:
             return fmt::format(
                        "  What limits it: the inputs. Even exact arithmetic on them, rounded to {}, keeps {}.\n",
@@ -123,7 +123,7 @@ std::string obstacle_text(const ChoiceResult& chosen, const Candidate& near) {
                        "{:.1f} "
                        "of its {} bits and leave {}; any bits kept beyond that are due to inputs that are exact.{}\n",
                        format, precision - found.inherent_kept, precision, left, in_f64) +
-                   of_the_rounded_scene(chosen, near);
+                   rounded_scene_text(chosen, near);
         case Obstacle::Cause::formula: break;
     }
     const char* const what = near.quality.decides(requirement) ? "the formula" : "its decisions, due to the formula";
@@ -134,7 +134,7 @@ std::string obstacle_text(const ChoiceResult& chosen, const Candidate& near) {
                   "Exact arithmetic on the same inputs meets the requirement, and half an ulp of {} in each of them "
                   "would leave {}",
                   format, left);
-    return fmt::format("  What limits it: {}. {}.\n", what, inputs) + of_the_rounded_scene(chosen, near);
+    return fmt::format("  What limits it: {}. {}.\n", what, inputs) + rounded_scene_text(chosen, near);
 }
 
 }  // namespace lostbits::output::choice
