@@ -107,7 +107,7 @@ std::string broken_by(const GrowthMargin& margin, const Requirement& requirement
 }
 
 /// `rays`: they come from files, so there is no camera.
-const char* of_the_way(Growth way, bool rays) {
+const char* growth_phrase(Growth way, bool rays) {
     switch (way) {
         case Growth::distance: return rays ? "the rays start" : "the camera is";
         case Growth::radius: return "the primitives are";
@@ -137,7 +137,7 @@ std::string margin_text(const GrowthMargin& margin, const ChoiceResult& chosen, 
                            measure::choice::growth_names[static_cast<std::size_t>(margin.way)],
                            rays ? "sample of the rays" : "smaller picture", broken_by(margin, requirement, precision));
     }
-    const std::string until = fmt::format("until {} {}", of_the_way(margin.way, rays), so_far(margin, rays));
+    const std::string until = fmt::format("until {} {}", growth_phrase(margin.way, rays), so_far(margin, rays));
     return "holds " + until +
            margin_end_text(margin, chosen.request.rays,
                            "; beyond that, it fails by " + broken_by(margin, requirement, precision));
