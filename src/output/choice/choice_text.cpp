@@ -70,7 +70,7 @@ std::string unequal_widths(const std::vector<Candidate>& all) {
 std::string kept(const RowQuality& quality, int precision, const Requirement& requirement) {
     return std::isnan(quality.kept_bits) ? "no hit to keep bits of"
                                          : fmt::format("{} of {} bits{}", bits_beside(quality.kept_bits, requirement),
-                                                       precision, off_beside(quality.off, requirement));
+                                                       precision, off_text(quality.off, requirement));
 }
 
 std::string decisions(const RowQuality& quality) {
@@ -253,7 +253,7 @@ std::string bits_beside(double kept, const Requirement& requirement) {
     return text;
 }
 
-std::string off_beside(double off, const Requirement& requirement) {
+std::string off_text(double off, const Requirement& requirement) {
     if (!requirement.has_tolerance() || std::isnan(off)) return "";
     std::string text;
     for (int digits = 2; digits <= 17; ++digits) {
