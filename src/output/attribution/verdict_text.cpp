@@ -203,7 +203,7 @@ std::string blame_sentence(const Explanation& x, bool marches) {
 }
 
 /// `a correct miss`, `4.6 bits lost`.
-std::string fares(const measure::attribution::FormResult& s) {
+std::string outcome_text(const measure::attribution::FormResult& s) {
     switch (s.outcome) {
         case Outcome::agree_hit: return std::isnan(s.lost) ? "a correct hit" : fmt::format("{:.1f} bits lost", s.lost);
         case Outcome::agree_miss: return "a correct miss";
@@ -228,10 +228,10 @@ std::string beside_sentences(const Explanation& x, const std::vector<const inter
         if (s.other_question)
             text += fmt::format(
                 "{} has another contract, so another answer is right for this ray. By its own contract: {}.\n", name,
-                fares(s));
+                outcome_text(s));
         else if (std::ranges::find(told, s.form) == told.end())
             text += fmt::format("{} does no better on this ray and around it{}: {}.\n", name,
-                                s.around < x.result.around ? ", by a bit or more" : "", fares(s));
+                                s.around < x.result.around ? ", by a bit or more" : "", outcome_text(s));
     }
     for (const auto* form : x.unasked)
         text += !(form->shapes() == x.form->shapes())
@@ -259,8 +259,8 @@ std::string better_sentences(const Explanation& x) {
             ++left;
             continue;
         }
-        text +=
-            fmt::format("{} {} ({}, {:.1f} around)", told.empty() ? "" : ",", s.form->info->name, fares(s), s.around);
+        text += fmt::format("{} {} ({}, {:.1f} around)", told.empty() ? "" : ",", s.form->info->name, outcome_text(s),
+                            s.around);
         told.push_back(s.form);
     }
     if (told.empty())
