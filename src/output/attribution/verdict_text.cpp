@@ -138,7 +138,7 @@ std::string march_sentence(const Explanation& x, const MarchEnd& march) {
 
 /// The cause of the loss. `envelope_sentence` weighs the problem against the formula; for a march neither may be to
 /// blame.
-std::string whose_loss(const Explanation& x, const std::optional<MarchEnd>& march) {
+std::string cause_sentence(const Explanation& x, const std::optional<MarchEnd>& march) {
     const bool stopped = x.result.outcome == Outcome::agree_hit && is_not_roundings(x) && x.excess() >= worth_saying;
     if (march && (stopped || x.result.outcome == Outcome::false_miss)) {
         const std::string sentence = march_sentence(x, *march);
@@ -346,7 +346,7 @@ ExplainedVerdict verdict_of(const Explanation& x, const std::optional<MarchEnd>&
                          (x.missed ? wrong_primitive_sentence(x) : "") + mesh_sentence(x);
     answer.pop_back();
     return {.answer = std::move(answer),
-            .loss = whose_loss(x, march),
+            .loss = cause_sentence(x, march),
             .blame = blame_sentence(x, march.has_value()),
             .culprit = culprit_operation(x)};
 }
