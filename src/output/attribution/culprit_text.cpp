@@ -28,7 +28,7 @@ std::optional<std::string> lost_input(const Explanation& x) {
     for (std::size_t i = 0; i < x.inputs.size(); ++i) {
         if (!std::isfinite(x.inputs[i]) && x.names[i] != "ray.tmax")
             return fmt::format("The input {} is {} in {}. Everything after it follows from that.", x.names[i],
-                               number_words(x.inputs[i]), x.format.name);
+                               number_phrase(x.inputs[i]), x.format.name);
     }
     return {};
 }
@@ -180,14 +180,14 @@ std::string culprit_sentence(const Explanation& x) {
     const std::string what = words.text().definition(a.culprit);
     const bool blamed = culprit_operation(x) != no_node;
     if (!std::isfinite(n.value) && !blamed && x.result.outcome == measure::answer::Outcome::agree_hit)
-        return fmt::format("{} is {}, and so is the rounded true t.", what, number_words(n.value));
+        return fmt::format("{} is {}, and so is the rounded true t.", what, number_phrase(n.value));
     if (std::isnan(n.value) && std::isnan(words.of(a.culprit).exact) && !blamed)
         return fmt::format(
             "No operation is to blame: {} is not a number even without rounding. Everything after it follows from "
             "that.",
             what);
     if (!std::isfinite(n.value))
-        return fmt::format("{} is {}. Everything after it follows from that.", what, number_words(n.value));
+        return fmt::format("{} is {}. Everything after it follows from that.", what, number_phrase(n.value));
     if (measure::attribution::is_on_purpose(n.op))
         return fmt::format("{}: the form goes to the next number on purpose, in {}. That {} {}",
                            blamed ? "No rounding is to blame" : "The largest contribution is not a rounding", what,

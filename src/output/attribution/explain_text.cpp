@@ -110,7 +110,7 @@ std::string comparison_text(const Explanation& x, const OperationView& words, No
     std::vector<std::string> sides;
     for (const NodeId s : x.tape[i].operands) {
         if (s != no_node && x.tape[s].op != TapeOp::constant)
-            sides.push_back(fmt::format("{} is {}", words.text().operand(s), number_words(words.of(s).exact)));
+            sides.push_back(fmt::format("{} is {}", words.text().operand(s), number_phrase(words.of(s).exact)));
     }
     return fmt::format("{} {}, where {}", words.text().expression(i),
                        words.of(i).exact != 0 ? "holds" : "does not hold", fmt::join(sides, " and "));
@@ -182,7 +182,7 @@ std::string turned_sentences(const Explanation& x, const OperationView& words) {
         std::vector<std::string> sides;
         for (const NodeId s : {n.operands[0], n.operands[1]}) {
             if (x.tape[s].op == TapeOp::constant) continue;
-            const std::string computed = number_words(x.tape[s].value), exact = number_words(words.of(s).exact);
+            const std::string computed = number_phrase(x.tape[s].value), exact = number_phrase(words.of(s).exact);
             sides.push_back(fmt::format("{} is {}{}", words.text().operand(s), computed,
                                         computed == exact ? "" : ", without rounding " + exact));
         }
@@ -281,7 +281,7 @@ std::string explain_text(const Explanation& x, bool all, const std::optional<Mar
         text += fmt::format(
             "The direction ({}, {}, {}) is normalised and rounded: the form takes unit directions, and its t is a "
             "distance.\n",
-            number_words(x.given->x), number_words(x.given->y), number_words(x.given->z));
+            number_phrase(x.given->x), number_phrase(x.given->y), number_phrase(x.given->z));
     }
     text += inputs_block(x) + "\n";
     if (!x.has_tape()) return text;

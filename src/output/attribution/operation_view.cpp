@@ -22,7 +22,7 @@ std::string short_number(double x) {
                : fmt::format("{:.2e}", x);
 }
 
-std::string number_words(double x) {
+std::string number_phrase(double x) {
     if (std::isnan(x)) return "not a number";
     if (std::isinf(x)) return x < 0 ? "minus infinity" : "infinity";
     return file::decimal(x);

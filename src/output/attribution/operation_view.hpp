@@ -15,7 +15,7 @@ namespace lostbits::output::attribution {
 std::string short_number(double x);
 
 /// A number for a sentence: its digits, `infinity`, `minus infinity` or `not a number`.
-std::string number_words(double x);
+std::string number_phrase(double x);
 /// `3.5 ulp`; empty for a number that is not finite.
 std::string ulps_or_nothing(double ulps);
 

@@ -29,7 +29,7 @@ std::string decision_sentence(const Explanation& x) {
     const bool right = o == Outcome::agree_hit || o == Outcome::agree_miss;
     if (!right && !yes && o != Outcome::false_miss) return "The true answer for this ray could not be proved.";
     return fmt::format("{} answers {}, {} the ray {}: a {} {}.", x.form->info->name, yes ? "yes" : "no",
-                       right ? "and" : "but", x.true_t ? fmt::format("hits at {}", number_words(*x.true_t)) : "misses",
+                       right ? "and" : "but", x.true_t ? fmt::format("hits at {}", number_phrase(*x.true_t)) : "misses",
                        right ? "correct" : "false", yes ? "hit" : "miss");
 }
 
@@ -39,11 +39,11 @@ std::string outcome_sentence(const Explanation& x) {
     if (!x.tells_t()) return decision_sentence(x);
     if (x.result.outcome == Outcome::wrong_primitive)
         return fmt::format("{} reports a hit at {}, on another primitive than the one that the ray meets first, at {}.",
-                           form, number_words(t), number_words(true_t));
+                           form, number_phrase(t), number_phrase(true_t));
     const std::string decided = decision_text(form, x.result.outcome, t, true_t);
     if (!decided.empty()) return decided;
     if (!std::isfinite(x.result.ulps))
-        return fmt::format("t is {}, the true t is {}: all {} bits lost.", number_words(t), number_words(true_t),
+        return fmt::format("t is {}, the true t is {}: all {} bits lost.", number_phrase(t), number_phrase(true_t),
                            x.format.parameters.precision);
     return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.{}", file::decimal(t),
                        file::hex(t), file::decimal(true_t), x.result.ulps, x.result.lost, x.format.parameters.precision,
@@ -52,8 +52,8 @@ std::string outcome_sentence(const Explanation& x) {
 
 /// `beyond tmax = 3.9`, `before tmin = 5`; at an open end, or if the ray ends on a surface, `at tmax = 4`.
 std::string outside_words(double t, const char* beyond, const char* name, double end, bool open) {
-    if (t != end) return fmt::format("{} {} = {}", beyond, name, number_words(end));
-    return fmt::format("at {} = {}, {}", name, number_words(end),
+    if (t != end) return fmt::format("{} {} = {}", beyond, name, number_phrase(end));
+    return fmt::format("at {} = {}, {}", name, number_phrase(end),
                        open ? "which is open" : "where touching is not a hit");
 }
 
@@ -63,7 +63,7 @@ std::string range_sentence(const Explanation& x) {
     const auto add = [&](const std::optional<double>& t, const char* beyond, const char* name, double end, bool open) {
         if (t)
             lies.push_back(
-                fmt::format("at t = {} lies {}", number_words(*t), outside_words(*t, beyond, name, end, open)));
+                fmt::format("at t = {} lies {}", number_phrase(*t), outside_words(*t, beyond, name, end, open)));
     };
     add(x.before_begin, "before", "tmin", x.range.tmin, x.range.open.tmin);
     add(x.beyond_end, "beyond", "tmax", x.range.tmax, x.range.open.tmax);
@@ -75,7 +75,7 @@ std::string range_sentence(const Explanation& x) {
 /// that explains that.
 std::string wrong_primitive_sentence(const Explanation& x) {
     const measure::attribution::TruePrimitive& missed = *x.missed;
-    const std::string says = missed.hit ? fmt::format("a hit at {}, {}", number_words(missed.t),
+    const std::string says = missed.hit ? fmt::format("a hit at {}, {}", number_phrase(missed.t),
                                                       missed.t > x.result.t ? "behind" : "which is not before")
                                         : "a miss";
     const Shape other = missed.alone.primitives.front().shape;
@@ -106,7 +106,7 @@ bool rounds_little(const Explanation& x) {
 bool is_not_roundings(const Explanation& x) { return x.result.lost >= worth_saying && rounds_little(x); }
 
 /// Three digits of a number, or the name of a number that is not finite.
-std::string size_words(double x) { return std::isfinite(x) ? short_number(x) : number_words(x); }
+std::string size_phrase(double x) { return std::isfinite(x) ? short_number(x) : number_phrase(x); }
 
 /// Sentence on an answer that a march gave or did not reach.
 std::string march_sentence(const Explanation& x, const MarchEnd& march) {
@@ -118,18 +118,18 @@ std::string march_sentence(const Explanation& x, const MarchEnd& march) {
         return fmt::format(
             "The march ended at sample {} of at most {}, where the field is {}: {} {} the surface. This is intended "
             "({}) and not due to rounding.",
-            samples, c.max_steps, size_words(d), size_words(std::fabs(short_of)), short_of < 0 ? "short of" : "behind",
-            x.form->info->title);
+            samples, c.max_steps, size_phrase(d), size_phrase(std::fabs(short_of)),
+            short_of < 0 ? "short of" : "behind", x.form->info->title);
     }
     if (x.result.outcome != Outcome::false_miss) return "";
     switch (log.stop) {
         case Stop::max_steps:
             return fmt::format("The march used all its {} samples and was then {} away from a surface.", c.max_steps,
-                               size_words(d));
+                               size_phrase(d));
         case Stop::stagnated:
             return fmt::format(
                 "The march stood still: a step of {} does not change t in {}, so no further sample would help.",
-                size_words(d), x.format.name);
+                size_phrase(d), x.format.name);
         case Stop::max_dist: return fmt::format("The march went past max_dist = {}.", file::decimal(c.max_dist));
         case Stop::hit: break;
     }
@@ -151,7 +151,7 @@ std::string cause_sentence(const Explanation& x, const std::optional<MarchEnd>& 
 std::string turned_order_sentence(const Explanation& x) {
     const measure::attribution::Attribution& a = x.attribution;
     const auto exactly = [](bool hit, double t) {
-        return hit ? fmt::format("is hit at {}", number_words(t)) : std::string("is missed");
+        return hit ? fmt::format("is hit at {}", number_phrase(t)) : std::string("is missed");
     };
     const std::string order =
         fmt::format("Rounding changed which primitive comes first: without it primitive {} {}, and primitive {} {}.",
@@ -279,9 +279,9 @@ std::string decision_text(const std::string& form, Outcome outcome, double t, do
     switch (outcome) {
         case Outcome::agree_miss: return form + " misses, and so does the exact ray: a correct miss.";
         case Outcome::false_hit:
-            return fmt::format("{} reports a hit at {}, but the ray misses: a false hit.", form, number_words(t));
+            return fmt::format("{} reports a hit at {}, but the ray misses: a false hit.", form, number_phrase(t));
         case Outcome::false_miss:
-            return fmt::format("{} reports a miss, but the ray hits at {}: a false miss.", form, number_words(true_t));
+            return fmt::format("{} reports a miss, but the ray hits at {}: a false miss.", form, number_phrase(true_t));
         case Outcome::not_a_number: return form + " reports a hit at NaN.";
         case Outcome::unresolved: return "The true answer for this ray could not be proved.";
         default: return "";  // outcomes of a whole mesh: the explained answer is that of one primitive
