@@ -208,7 +208,7 @@ std::string each_input(const Explanation& x) {
                   : "half an ulp in each input";
 }
 
-std::string condition_words(double condition) {
+std::string condition_phrase(double condition) {
     return std::isfinite(condition) ? fmt::format("Condition {}", short_number(condition))
                                     : "The condition is infinite";
 }
@@ -242,12 +242,12 @@ std::string envelope_sentence(const Explanation& x) {
         if (std::isnan(x.condition)) return "The ray hits nothing, so it has no condition number.";
         // The rest of the text is about the primitive that the form hits.
         const std::string where = x.missed ? fmt::format("At primitive {}: ", x.missed->primitive) : "";
-        return fmt::format("{}{}: {} costs {:.1f} bits.", where, condition_words(x.condition), each_input(x),
+        return fmt::format("{}{}: {} costs {:.1f} bits.", where, condition_phrase(x.condition), each_input(x),
                            x.inherent);
     }
     if (!x.tells_t()) return "The form returns no t, so it has no bits to lose.";
     const std::string envelope =
-        fmt::format("{}: {} would cost {:.1f} bits", condition_words(x.condition), each_input(x), x.inherent);
+        fmt::format("{}: {} would cost {:.1f} bits", condition_phrase(x.condition), each_input(x), x.inherent);
     if (x.result.lost < 1) return envelope + ". Less than one bit is lost.";
     if (x.excess() < 1) return envelope + within_envelope(x);
     if (x.inherent >= x.format.parameters.precision)

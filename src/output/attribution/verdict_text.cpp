@@ -51,7 +51,7 @@ std::string outcome_sentence(const Explanation& x) {
 }
 
 /// `beyond tmax = 3.9`, `before tmin = 5`; at an open end, or if the ray ends on a surface, `at tmax = 4`.
-std::string outside_words(double t, const char* beyond, const char* name, double end, bool open) {
+std::string outside_phrase(double t, const char* beyond, const char* name, double end, bool open) {
     if (t != end) return fmt::format("{} {} = {}", beyond, name, number_phrase(end));
     return fmt::format("at {} = {}, {}", name, number_phrase(end),
                        open ? "which is open" : "where touching is not a hit");
@@ -63,7 +63,7 @@ std::string range_sentence(const Explanation& x) {
     const auto add = [&](const std::optional<double>& t, const char* beyond, const char* name, double end, bool open) {
         if (t)
             lies.push_back(
-                fmt::format("at t = {} lies {}", number_phrase(*t), outside_words(*t, beyond, name, end, open)));
+                fmt::format("at t = {} lies {}", number_phrase(*t), outside_phrase(*t, beyond, name, end, open)));
     };
     add(x.before_begin, "before", "tmin", x.range.tmin, x.range.open.tmin);
     add(x.beyond_end, "beyond", "tmax", x.range.tmax, x.range.open.tmax);
