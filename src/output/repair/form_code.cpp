@@ -19,7 +19,7 @@ using intersect::table::Intersector;
 namespace {
 
 /// Words that cannot be names: keywords of C++, and the functions and parameters of the code.
-std::set<std::string, std::less<>> words_of_cpp(const ShapeRow& shape) {
+std::set<std::string, std::less<>> reserved_names_of_cpp(const ShapeRow& shape) {
     std::istringstream words(R"(
         o d T W ray tmax wide narrow min max abs matrix sqrt fma near far select square named copysign next_up next_down
         alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t char32_t class
@@ -38,7 +38,7 @@ class CppCode final : public TapeCode {
 public:
     CppCode(const Tape& tape, const Intersector& form, const CppCode* like = nullptr)
         : TapeCode(tape, form, {tape.outputs.hit, tape.outputs.t, tape.outputs.near, tape.outputs.far},
-                   {fmt::format("{}.", row_of(form.shape).name), words_of_cpp(row_of(form.shape))}, like) {}
+                   {fmt::format("{}.", row_of(form.shape).name), reserved_names_of_cpp(row_of(form.shape))}, like) {}
 
     [[nodiscard]] std::vector<std::string> lines() const {
         std::vector<std::string> all = statements();

@@ -133,7 +133,7 @@ constexpr std::array helpers{
 };
 
 /// Words that cannot be names: keywords of GLSL that labels might be, parameters, and called functions.
-std::set<std::string, std::less<>> taken_words(const ShapeRow& shape) {
+std::set<std::string, std::less<>> reserved_names_of_glsl(const ShapeRow& shape) {
     std::set<std::string, std::less<>> taken{
         "o",      "d",      "tmax",    "first",     "abs",      "sqrt",   "and",    "or",     "not",    "half",
         "input",  "output", "sample",  "fixed",     "filter",   "active", "common", "smooth", "flat",   "in",
@@ -166,7 +166,7 @@ std::string function_name(const std::string& file, const ShapeRow& shape) {
     for (const char c : file)
         if (c != '_' || !name.ends_with('_')) name += c;
     if (name.starts_with("gl_") || name.starts_with("lb_")) name.insert(0, "form_");
-    const bool is_taken = own.contains(name) || taken_words(shape).contains(name);
+    const bool is_taken = own.contains(name) || reserved_names_of_glsl(shape).contains(name);
     return is_taken && !name.ends_with('_') ? name + "_" : name;
 }
 
@@ -174,7 +174,7 @@ class ShaderCode final : public TapeCode {
 public:
     ShaderCode(const Tape& tape, const Intersector& form, bool tells_t)
         : TapeCode(tape, form, tells_t ? std::vector{tape.outputs.hit, tape.outputs.t} : std::vector{tape.outputs.hit},
-                   {"", taken_words(row_of(form.shape))}) {}
+                   {"", reserved_names_of_glsl(row_of(form.shape))}) {}
 
 private:
     [[nodiscard]] bool is_pair(NodeId i) const { return tape_.format_of(i).precision == 48; }
