@@ -214,7 +214,7 @@ table::Table<CensusRow> census_table() {
 }
 
 /// The counts of a row in words: `12 cracks and 3 double hits of 15000 rays at edges, none of 5000 at vertices`.
-std::string census_words(const measure::edges::EdgeFinding& found) {
+std::string census_phrase(const measure::edges::EdgeFinding& found) {
     std::string text;
     for (std::size_t k = 0; k < found.census.size(); ++k) {
         const auto& [rays, with] = found.census.at(k);
@@ -257,7 +257,7 @@ void NearestFiles::write(const std::filesystem::path& folder) const {
 
 std::string NearestFiles::sentence(std::size_t r) const {
     std::string text = fmt::format("{} in {}:", request.rows[r].form->info->name, request.rows[r].format.name);
-    const std::string counts = census_words(found[r]);
+    const std::string counts = census_phrase(found[r]);
     if (!counts.empty()) text += " " + counts + ";";
     for (std::size_t k = 0; k < sought.size(); ++k) {
         const std::string what = map::in_words(sought_name(k));
