@@ -144,7 +144,7 @@ MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
         .look = std::make_shared<const pixel::Look>(look_of(drawing)),
         .places = {drawing.place},
         .widest_caption = drawing.paint->widest_caption(scene.pixels()) +
-                          worst_words(drawing, {.x = scene.width, .y = scene.height})};
+                          worst_pixel_text(drawing, {.x = scene.width, .y = scene.height})};
     if (std::string note = input_note(scene, std::span(&row, 1)); !note.empty() && !options_.listed)
         spec.subtitle.push_back(std::move(note));
     const auto pixel_of = [paint = drawing.paint, metric = drawing.metric](const BandResult& band, std::size_t i) {
@@ -176,7 +176,7 @@ bool MapPictures::is_enveloped(const Metric& drawn) const {
 
 /// `; worst pixel 100,90: lostbits explain near-benign --pixel 100,90 -i sphere.press -f f32`. Without the command for
 /// a compiled form, which cannot be explained, and for rays of a file, which have no scene.
-std::string MapPictures::worst_words(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const {
+std::string MapPictures::worst_pixel_text(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const {
     if (!drawing.paint->names_worst()) return "";
     const TestedForm& row = request_.rows[drawing.row];
     const std::string place = fmt::format("; worst pixel {},{}", worst.x, worst.y);
@@ -206,7 +206,7 @@ void MapPictures::finish(const std::vector<FormSummary>& summaries) {
         const Drawing& d = drawings_[c];
         const measure::evaluate::WorstRay* const worst = summaries[d.row].worst_ray();
         files_.writer().set_caption(
-            c, d.paint->caption(summaries[d.row], d.metric) + (worst ? worst_words(d, *worst) : ""));
+            c, d.paint->caption(summaries[d.row], d.metric) + (worst ? worst_pixel_text(d, *worst) : ""));
         files_.writer().set_note(d.place, cell_note(*d.paint, summaries[d.row], d.metric));
         if (worst && zooms(*d.paint)) files_.writer().set_zoom(d.place, static_cast<int>(worst->x), worst->y);
     }

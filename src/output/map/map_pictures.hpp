@@ -93,7 +93,7 @@ private:
     [[nodiscard]] bool is_enveloped(const measure::metric::Metric& drawn) const;
     [[nodiscard]] pixel::Sheet page_of(MapSheet& sheet) const;
     [[nodiscard]] bool zooms(const MetricPaint& paint) const;
-    [[nodiscard]] std::string worst_words(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const;
+    [[nodiscard]] std::string worst_pixel_text(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const;
     [[nodiscard]] pixel::SheetEnd end_of(std::size_t sheet,
                                          const std::vector<measure::evaluate::FormSummary>& summaries) const;
 
