@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "measure/answer/wrong_words.hpp"
+#include "measure/answer/wrong_decision_phrase.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "number/error.hpp"
 #include "output/file/number_text.hpp"
@@ -40,7 +40,8 @@ struct WorstOfAll {
         }
         any_hit = all.count(Outcome::agree_hit) > 0;
         const auto wrong = all.wrong();
-        if (wrong) why = fmt::format("{}, the first of {}", measure::answer::wrong_words(*wrong), all.count(*wrong));
+        if (wrong)
+            why = fmt::format("{}, the first of {}", measure::answer::wrong_decision_phrase(*wrong), all.count(*wrong));
         for (std::size_t i = 0; i < summaries.size(); ++i) {
             const WorstRay* const here = wrong                      ? summaries[i].first_of(*wrong)
                                          : summaries[i].worst.x < 0 ? nullptr

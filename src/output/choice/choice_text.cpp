@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measure/answer/wrong_words.hpp"
+#include "measure/answer/wrong_decision_phrase.hpp"
 #include "measure/choice/file_rays.hpp"
 #include "output/file/number_text.hpp"
 #include "scene/toml/counted.hpp"
@@ -95,7 +95,7 @@ std::string times(double factor) { return fmt::format("{:.2f} times", factor); }
 
 std::string broken_by(const GrowthMargin& margin, const Requirement& requirement, int precision) {
     if (!margin.broken.decides(requirement)) {
-        const std::string_view first = measure::answer::wrong_words(margin.broken.first.value());
+        const std::string_view first = measure::answer::wrong_decision_phrase(margin.broken.first.value());
         const std::string rays = scene::toml::counted(margin.broken.rays, "ray");
         if (margin.broken.of_first == margin.broken.wrong)
             return fmt::format("{} ({} of {})", first, margin.broken.wrong, rays);

@@ -8,7 +8,7 @@
 namespace lostbits::measure::answer {
 
 /// Phrase for one ray with this wrong decision, such as `a false miss`.
-constexpr std::string_view wrong_words(Outcome wrong) {
+constexpr std::string_view wrong_decision_phrase(Outcome wrong) {
     switch (wrong) {
         case Outcome::false_hit: return "a false hit";
         case Outcome::false_miss: return "a false miss";
