@@ -238,7 +238,7 @@ int run_program(int argc, char** argv) {
     // stdio, not fmt: a closed stderr must not throw while an error is reported.
     const std::vector<std::string> words(argv, argv + argc);
     const auto fail = [&words](Exit code, const char* message) {
-        const std::string text = analysis::shell::with_words_on_one_line(message, words);
+        const std::string text = analysis::shell::escape_line_breaks(message, words);
         std::fprintf(stderr, "lostbits: %s\n", output::file::terminal_text(text).c_str());
         return static_cast<int>(code);
     };

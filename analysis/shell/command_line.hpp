@@ -160,7 +160,7 @@ std::string describe_misread(const CommandLine& program, const Misread& error);
 
 /// The message, with line breaks that come from one of the words written as `\n`. The line breaks of the message itself
 /// stay.
-std::string with_words_on_one_line(const std::string& message, const std::vector<std::string>& words);
+std::string escape_line_breaks(const std::string& message, const std::vector<std::string>& words);
 
 /// An option and the file that it names, empty if the option was not given.
 struct NamedFile {

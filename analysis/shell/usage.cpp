@@ -114,7 +114,7 @@ std::string describe_misread(const CommandLine& program, const Misread& error) {
     return text;
 }
 
-std::string with_words_on_one_line(const std::string& message, const std::vector<std::string>& words) {
+std::string escape_line_breaks(const std::string& message, const std::vector<std::string>& words) {
     std::string out;
     for (std::size_t at = 0; at < message.size(); ++at) {
         // A line break comes from a word if its neighbours are the same there. A piece cut out of a word keeps them.
