@@ -48,7 +48,7 @@ struct ChoiceResult {
 };
 
 /// Bits to one decimal, or to as many as show on which side of the requirement they are: 15.96 if 16 are required.
-std::string bits_beside(double kept, const measure::choice::Requirement& requirement);
+std::string bits_text_near(double kept, const measure::choice::Requirement& requirement);
 /// `, 0.0012 off`, with enough digits to tell it from the tolerance of the requirement; empty if there is none.
 std::string off_text(double off, const measure::choice::Requirement& requirement);
 

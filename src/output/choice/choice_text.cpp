@@ -68,9 +68,10 @@ std::string unequal_widths(const std::vector<Candidate>& all) {
 }
 
 std::string kept(const RowQuality& quality, int precision, const Requirement& requirement) {
-    return std::isnan(quality.kept_bits) ? "no hit to keep bits of"
-                                         : fmt::format("{} of {} bits{}", bits_beside(quality.kept_bits, requirement),
-                                                       precision, off_text(quality.off, requirement));
+    return std::isnan(quality.kept_bits)
+               ? "no hit to keep bits of"
+               : fmt::format("{} of {} bits{}", bits_text_near(quality.kept_bits, requirement), precision,
+                             off_text(quality.off, requirement));
 }
 
 std::string decisions(const RowQuality& quality) {
@@ -244,7 +245,7 @@ std::string margin_end_text(const GrowthMargin& margin, const measure::choice::F
     return ", the largest change that was tried";
 }
 
-std::string bits_beside(double kept, const Requirement& requirement) {
+std::string bits_text_near(double kept, const Requirement& requirement) {
     std::string text;
     for (int digits = 1; digits <= 9; ++digits) {
         text = file::kept_text(kept, digits);

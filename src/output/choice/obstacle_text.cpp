@@ -19,7 +19,7 @@ using measure::choice::RowQuality;
 namespace {
 
 std::string bits(double kept, const Requirement& requirement, double off = measure::truth::missing) {
-    return std::isnan(kept) ? "no hit" : bits_beside(kept, requirement) + " bits" + off_text(off, requirement);
+    return std::isnan(kept) ? "no hit" : bits_text_near(kept, requirement) + " bits" + off_text(off, requirement);
 }
 
 /// Bits kept, and the wrong decisions if the requirement does not allow them.

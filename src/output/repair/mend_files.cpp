@@ -31,7 +31,7 @@ ParetoPoint point_of(const FormRow& row) {
 }
 
 std::string bits_of(const RowQuality& quality, const measure::choice::Requirement& requirement) {
-    return std::isnan(quality.kept_bits) ? "no" : choice::bits_beside(quality.kept_bits, requirement);
+    return std::isnan(quality.kept_bits) ? "no" : choice::bits_text_near(quality.kept_bits, requirement);
 }
 
 int marker_of(const FormRow& row) {

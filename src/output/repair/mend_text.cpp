@@ -30,7 +30,7 @@ TapeText text_of(const MendResult& r) {
 std::string in_words(const RowQuality& quality, const measure::choice::Requirement& requirement) {
     const std::string bits = std::isnan(quality.kept_bits)
                                  ? "no bits, because form and truth agree on no hit"
-                                 : choice::bits_beside(quality.kept_bits, requirement) + " bits";
+                                 : choice::bits_text_near(quality.kept_bits, requirement) + " bits";
     if (quality.wrong == 0) return bits + ", no wrong decision";
     return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong, scene::toml::counted(quality.rays, "ray"));
 }
