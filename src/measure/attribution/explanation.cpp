@@ -187,7 +187,7 @@ Surroundings around_pixel(const Explanation& x, std::span<const OneRay> pixels) 
 /// Compares the form with itself on the same pixel, with every other ray generator. Skips a generator that cannot make
 /// the ray.
 void find_better_generators(Explanation& x, const OneRay& ray, const PixelOf& pixel) {
-    const Intersector& form = scene::rays::beneath_generator(*x.form);
+    const Intersector& form = scene::rays::strip_generator(*x.form);
     if (form.is_set() || form.is_placed) return;
     for (const scene::camera::RayGenerator& generator : scene::camera::ray_generators()) {
         if (&generator == pixel.scene->camera.rays) continue;

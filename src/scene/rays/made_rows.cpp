@@ -42,7 +42,7 @@ const Intersector& with_generator(const RayGenerator& generator, const Intersect
 
 const RayGenerator* generator_of(const Intersector& row) { return std::get<const RayGenerator*>(rows().parts_of(row)); }
 
-const Intersector& beneath_generator(const Intersector& row) {
+const Intersector& strip_generator(const Intersector& row) {
     const auto* const form = std::get<const Intersector*>(rows().parts_of(row));
     return form ? *form : row;
 }

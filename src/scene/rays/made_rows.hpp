@@ -28,7 +28,7 @@ const intersect::table::Intersector& with_generator(const camera::RayGenerator& 
 const camera::RayGenerator* generator_of(const intersect::table::Intersector& row);
 
 /// Returns the row without its ray generator, or the row itself if it has none.
-const intersect::table::Intersector& beneath_generator(const intersect::table::Intersector& row);
+const intersect::table::Intersector& strip_generator(const intersect::table::Intersector& row);
 
 /// Returns the row itself, to be made part of another row. Throws InputError if it has a ray generator, which must
 /// come last, as in `FORM^BOX@ray-WAY`.
