@@ -203,7 +203,7 @@ Forms sets_named(const std::string& word, const char* option) {
                             "sphere.unified+box.signs",
                             option, word));
         parts.push_back(select_forms({part}, option));
-        for (const Intersector* const form : parts.back()) scene::rays::without_generator(*form);
+        for (const Intersector* const form : parts.back()) scene::rays::require_no_generator(*form);
     }
     return combinations(parts, fmt::format("{} {}", option, word));
 }

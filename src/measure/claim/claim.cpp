@@ -138,7 +138,7 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
                               scene::toml::did_you_mean(form, known));
     }
     std::vector<const intersect::table::Intersector*> parts;
-    for (const std::string& name : names) parts.push_back(&scene::rays::without_generator(form_named(claim, name)));
+    for (const std::string& name : names) parts.push_back(&scene::rays::require_no_generator(form_named(claim, name)));
     if (const std::string why = intersect::table::refusal_of_set(parts); !why.empty())
         scene::toml::fail(claim.where, "form \"" + form + "\": " + why);
     return intersect::table::set_of(parts);

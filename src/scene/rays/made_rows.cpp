@@ -47,7 +47,7 @@ const Intersector& strip_generator(const Intersector& row) {
     return form ? *form : row;
 }
 
-const Intersector& without_generator(const Intersector& row) {
+const Intersector& require_no_generator(const Intersector& row) {
     if (generator_of(row))
         throw InputError(
             std::string(row.info->name) +
@@ -97,22 +97,22 @@ std::vector<const Intersector*> rows_of(const ComposedName& name, const NamedPar
     std::vector<const Intersector*> all;
     for (const Intersector* const form : parts.forms(name.form)) {
         switch (name.kind) {
-            case ComposedName::Kind::contracted: all.push_back(&parts.contracted(without_generator(*form))); break;
+            case ComposedName::Kind::contracted: all.push_back(&parts.contracted(require_no_generator(*form))); break;
             case ComposedName::Kind::generator:
                 for (const RayGenerator* const generator : parts.ray_generators(name.last))
                     all.push_back(&with_generator(*generator, *form));
                 break;
             case ComposedName::Kind::space:
                 for (const auto* const space : parts.transform_methods(name.last))
-                    all.push_back(&intersect::transform::through(*space, without_generator(*form)));
+                    all.push_back(&intersect::transform::through(*space, require_no_generator(*form)));
                 break;
             case ComposedName::Kind::box: {
                 const auto box_methods = name.box_method ? parts.box_methods(*name.box_method)
                                                          : std::vector{&intersect::bounding_box::usual_box_method()};
                 for (const Intersector* const box : parts.forms(name.last))
                     for (const auto* const box_method : box_methods)
-                        all.push_back(&intersect::bounding_box::behind(*box_method, without_generator(*box),
-                                                                       without_generator(*form)));
+                        all.push_back(&intersect::bounding_box::behind(*box_method, require_no_generator(*box),
+                                                                       require_no_generator(*form)));
                 break;
             }
         }

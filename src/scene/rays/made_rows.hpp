@@ -32,7 +32,7 @@ const intersect::table::Intersector& strip_generator(const intersect::table::Int
 
 /// Returns the row itself, to be made part of another row. Throws InputError if it has a ray generator, which must
 /// come last, as in `FORM^BOX@ray-WAY`.
-const intersect::table::Intersector& without_generator(const intersect::table::Intersector& row);
+const intersect::table::Intersector& require_no_generator(const intersect::table::Intersector& row);
 
 /// Returns the forms in a set's name, `sphere.unified+fma+box.signs`. The name is split at each + except that of
 /// `+fma`. One form is not a set.
