@@ -48,7 +48,7 @@ std::string input_of(const MapOptions& o) {
 
 /// The command that makes the same EXR again, with exactly the options that decide its bytes.
 std::string canonical_command(const Scene& scene, const MapOptions& o) {
-    return fmt::format("lostbits map {}{}{}{}{}{}{}{} --exr{}", scene.id, output::attribution::where_forms_are_from(),
+    return fmt::format("lostbits map {}{}{}{}{}{}{}{} --exr{}", scene.id, output::attribution::plugin_options(),
                        each(" -i '", o.forms, "'"), each(" -f ", o.formats),
                        each(" --metric ", o.metrics) + (o.range.empty() ? "" : " --range " + o.range),
                        o.envelope ? " --envelope" : "", o.against.empty() ? "" : " --against " + o.against,

@@ -211,7 +211,7 @@ ExternalForms open_each(const ExternalOptions& words, int threads) {
     }
     for (const std::string& function : words.functions) again += " --function " + shell_word(function);
     for (const std::string& device : words.devices) again += " --device " + shell_word(device);
-    output::attribution::say_where_forms_are_from(again);
+    output::attribution::set_plugin_options(again);
     return found;
 }
 

@@ -58,7 +58,7 @@ std::vector<std::string> devices_of(const std::vector<std::string>& words);
 
 /// Loads the libraries and starts the processes that are named: at most `threads` processes per command, 0 for one per
 /// core. Advice with commands to run later names the same intersectors, see
-/// `output::attribution::where_forms_are_from`. Throws InputError and EnvironmentError.
+/// `output::attribution::plugin_options`. Throws InputError and EnvironmentError.
 ExternalForms open_each(const ExternalOptions& words, int threads);
 
 /// Calls `open_each` and adds the forms to the table. Call it before any row of the table is used.

@@ -48,21 +48,21 @@ std::string name_of_ray(const scene::rays::RayGroup* one) {
 
 namespace {
 
-std::string& words_of_libraries() {
+std::string& plugin_options_text() {
     static std::string words;
     return words;
 }
 
 }  // namespace
 
-void say_where_forms_are_from(const std::string& words) { words_of_libraries() = words; }
+void set_plugin_options(const std::string& words) { plugin_options_text() = words; }
 
-const std::string& where_forms_are_from() { return words_of_libraries(); }
+const std::string& plugin_options() { return plugin_options_text(); }
 
 std::string where_form_is_from(std::string_view form) {
     const bool own =
         std::ranges::any_of(intersect::table::catalogue(), [form](const auto& row) { return row.info->name == form; });
-    return own || form.empty() ? "" : words_of_libraries();
+    return own || form.empty() ? "" : plugin_options_text();
 }
 
 std::string explain_command(const std::string& name, const measure::evaluate::TestedForm& row) {

@@ -19,9 +19,9 @@ std::string name_of_pixel(const std::string& scene, int x, int y);
 std::string name_of_ray(const scene::rays::RayGroup* one);
 
 /// Options that a command needs for forms from outside (` --plugin ./mine.so`). Set once, before any command is made.
-void say_where_forms_are_from(const std::string& words);
+void set_plugin_options(const std::string& words);
 /// The same options; empty if all forms are the catalogue's.
-[[nodiscard]] const std::string& where_forms_are_from();
+[[nodiscard]] const std::string& plugin_options();
 
 /// The same options if a form of that name is not the catalogue's; otherwise empty.
 [[nodiscard]] std::string where_form_is_from(std::string_view form);

@@ -246,7 +246,7 @@ std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {
                     ? "worst pixel: summary.csv has the command that explains its ray, in the column worst_explain"
                     : fmt::format("worst pixel X,Y: lostbits explain {} --pixel X,Y -i FORM -f FORMAT{} shows how its "
                                   "answer came about{}",
-                                  named, attribution::where_forms_are_from(),
+                                  named, attribution::plugin_options(),
                                   zooms ? "; the inset enlarges its surroundings" : ""));
     }
     std::erase(lines, "");

@@ -267,9 +267,9 @@ TEST_CASE("a sheet is sorted by fewest wrong decisions, then by smallest 99th pe
         return text;
     };
     CHECK(has_word(above(), "lostbits explain mine.toml --pixel X,Y -i FORM -f FORMAT shows how"));
-    attribution::say_where_forms_are_from(" --plugin mine.so");
+    attribution::set_plugin_options(" --plugin mine.so");
     CHECK(has_word(above(), "lostbits explain mine.toml --pixel X,Y -i FORM -f FORMAT --plugin mine.so shows how"));
-    attribution::say_where_forms_are_from("");
+    attribution::set_plugin_options("");
     // Rays of a file have no scene to name.
     CHECK_FALSE(has_word(above(""), "--pixel"));
     CHECK(has_word(above(""), "in the column worst_explain"));
