@@ -23,7 +23,7 @@ using scene::file::Scene;
 namespace {
 
 struct StudyOptions : selection::SharedOptions {
-    study::StudyWords words;
+    study::StudyValues values;
     std::string shard;
 };
 
@@ -42,8 +42,8 @@ struct MoreFiles {
     using Study = typename Words::View::Study;
     MoreFiles(const Study&, const StudyRun&) {}
     static void add_option(const shell::Command&, StudyOptions&) {}
-    static std::uint64_t pixels(const Study&, const study::StudyWords&) { return 0; }
-    static std::vector<std::string> jobs(const Study&, const study::StudyWords&) { return {}; }
+    static std::uint64_t pixels(const Study&, const study::StudyValues&) { return 0; }
+    static std::vector<std::string> jobs(const Study&, const study::StudyValues&) { return {}; }
     [[nodiscard]] static std::vector<output::file::DataResource> resources() { return {}; }
     static void run(const Study&, shard::Division&) {}
 };
@@ -53,9 +53,9 @@ struct Steps {
     Along axis;
     std::vector<double> values;
 };
-std::vector<Steps> steps_of(const study::StudyWords& words) {
+std::vector<Steps> steps_of(const study::StudyValues& values) {
     std::vector<Steps> all;
-    const auto& asked = words.at("along");
+    const auto& asked = values.at("along");
     for (std::size_t k = 0; k < measure::offset::along_names.size(); ++k) {
         const auto axis = static_cast<Along>(k);
         if (std::ranges::find(asked, name_of(axis)) != asked.end())
@@ -78,7 +78,7 @@ struct NoFiles {
 template <>
 class MoreFiles<study::OffsetWords> {
 public:
-    MoreFiles(const OffsetStudy& study, const StudyRun& run) : steps_(steps_of(run.options.words)) {
+    MoreFiles(const OffsetStudy& study, const StudyRun& run) : steps_(steps_of(run.options.values)) {
         if (run.division.is_shard()) return;
         for (const Steps& steps : steps_)
             files_.push_back(std::make_unique<output::offset::AlongFiles>(run.out / study.scene.id, study, steps.axis));
@@ -86,21 +86,21 @@ public:
 
     static void add_option(const shell::Command& command, StudyOptions& o) {
         command.add_list(
-            "--along", o.words["along"],
+            "--along", o.values["along"],
             "Also with the scene changed along an axis: distance (of the eye), radius (every length), world "
             "(everything moved); pictures of 48 columns",
             shell::one_of({measure::offset::along_names.begin(), measure::offset::along_names.end()}));
     }
-    static std::uint64_t pixels(const OffsetStudy& study, const study::StudyWords& words) {
+    static std::uint64_t pixels(const OffsetStudy& study, const study::StudyValues& values) {
         std::uint64_t pixels = 0;
-        for (const Steps& steps : steps_of(words))
+        for (const Steps& steps : steps_of(values))
             for (const double k : steps.values)
                 pixels += measure::offset::moved_along(study.scene, steps.axis, k).pixels();
         return pixels;
     }
-    static std::vector<std::string> jobs(const OffsetStudy& study, const study::StudyWords& words) {
+    static std::vector<std::string> jobs(const OffsetStudy& study, const study::StudyValues& values) {
         std::vector<std::string> jobs;
-        for (const Steps& steps : steps_of(words))
+        for (const Steps& steps : steps_of(values))
             for (const double k : steps.values) jobs.push_back(job_of(study, steps.axis, k));
         return jobs;
     }
@@ -134,8 +134,8 @@ private:
 
 /// The number of pixels of all rows of a study and of its further files.
 template <class Words>
-std::uint64_t units_of(const typename Words::View::Study& study, const study::StudyWords& words) {
-    return (study.scene.pixels() + MoreFiles<Words>::pixels(study, words)) * study.rows.size();
+std::uint64_t units_of(const typename Words::View::Study& study, const study::StudyValues& values) {
+    return (study.scene.pixels() + MoreFiles<Words>::pixels(study, values)) * study.rows.size();
 }
 
 /// Measures one scene, and writes and prints its results. Returns the number of its rays without a proved truth; 0 in a
@@ -157,7 +157,7 @@ std::uint64_t measure_scene(typename Words::View::Study study, const StudyRun& r
                                                           shard::keep_in(run.division, job));
     // Opening the files of many forms takes seconds, so the estimate starts after it.
     output::file::Estimate estimate(run.progress, study.scene.id,
-                                    units_of<Words>(study, o.words) / run.division.share().of, run.common.quiet);
+                                    units_of<Words>(study, o.values) / run.division.share().of, run.common.quiet);
     study.progress = advancing(run.progress, &estimate);
     const auto summaries = shard::run_divided(study, files, run.division, job);
     more.run(study, run.division);
@@ -189,13 +189,13 @@ Exit run_command(const StudyOptions& o, const Common& common) {
     std::uint64_t units = 0;
     for (const scene::file::Scene& scene : scenes) {
         const auto meets = [&](Shapes forms) { return scene.meets(forms); };
-        studies.push_back(Words::on(scene, selection::fitting(rows, meets), o.words, common.stop));
-        if constexpr (requires { Words::note(scene, o.words); })
-            if (!common.quiet) Words::note(scene, o.words);
+        studies.push_back(Words::on(scene, selection::fitting(rows, meets), o.values, common.stop));
+        if constexpr (requires { Words::note(scene, o.values); })
+            if (!common.quiet) Words::note(scene, o.values);
         jobs.push_back(fmt::format("{} {}", Words::name, scene.id));
-        std::ranges::move(MoreFiles<Words>::jobs(studies.back(), o.words), std::back_inserter(jobs));
+        std::ranges::move(MoreFiles<Words>::jobs(studies.back(), o.values), std::back_inserter(jobs));
         read.push_back(scene.path);
-        units += units_of<Words>(studies.back(), o.words);
+        units += units_of<Words>(studies.back(), o.values);
     }
     auto divided = divide(o.shard, o.out, read, common);
     divided.division.expect(jobs);
@@ -224,8 +224,8 @@ void add_study(const shell::Command& program, const Common& common) {
     command.add_list("-i,--intersector", o->forms, Words::form_words);
     selection::add_formats(command, o->formats, study::usual_format);
     for (const study::StudyOption& option : Words::options()) {
-        auto& words = o->words[option.name] = option.usual;
-        command.add_list("--" + option.name, words, option.help,
+        auto& values = o->values[option.name] = option.usual;
+        command.add_list("--" + option.name, values, option.help,
                          option.known.empty() ? shell::ValueRule{} : shell::one_of(option.known));
     }
     selection::add_changes(command, o->scenes, Words::example);

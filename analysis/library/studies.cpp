@@ -95,7 +95,7 @@ std::unique_ptr<lostbits_result> study_of(const scene::file::Scene& scene, const
     Words::require(scene);
     chosen.keep_rows_for("scene " + scene.id,
                          [&scene](Shapes of) { return selection::are_primitives(of) && scene.meets(of); });
-    auto study = Words::on(scene, chosen.rows, study::study_words(Words::options(), options), running.stop());
+    auto study = Words::on(scene, chosen.rows, study::study_values(Words::options(), options), running.stop());
     study.progress = running.advancing(scene.pixels() * study.rows.size());
     const auto summaries = measure::study::run_study(study);
     auto result = std::make_unique<lostbits_result>();

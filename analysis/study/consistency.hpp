@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "analysis/selection/select.hpp"
-#include "analysis/study/study_words.hpp"
+#include "analysis/study/study_values.hpp"
 #include "measure/offset/offsets.hpp"
 #include "number/error.hpp"
 #include "output/consistency/consistency_files.hpp"
@@ -40,9 +40,10 @@ struct ConsistencyWords {
     static void require(const scene::file::Scene& scene) { measure::offset::require_few_primitives(scene); }
 
     static Study on(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
-                    const StudyWords& words, intersect::process::StopToken stop) {
+                    const StudyValues& values, intersect::process::StopToken stop) {
         auto checks = measure::consistency::checks_for(
-            scene, rows, selection::select_rows(measure::consistency::checks(), words.at("check"), "check", "--check"));
+            scene, rows,
+            selection::select_rows(measure::consistency::checks(), values.at("check"), "check", "--check"));
         if (checks.empty())
             throw InputError(fmt::format(
                 "--check: none of these checks applies to the selected forms on scene {}; light needs a [light], and "

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "analysis/selection/select.hpp"
-#include "analysis/study/study_words.hpp"
+#include "analysis/study/study_values.hpp"
 #include "output/offset/offset_files.hpp"
 
 namespace lostbits::analysis::study {
@@ -46,14 +46,14 @@ struct OffsetWords {
     static void require(const scene::file::Scene& scene) { measure::offset::require_few_primitives(scene); }
 
     static Study on(const scene::file::Scene& scene, const std::vector<measure::evaluate::TestedForm>& rows,
-                    const StudyWords& words, intersect::process::StopToken stop) {
+                    const StudyValues& values, intersect::process::StopToken stop) {
         using measure::offset::HitPoint;
         Study study{.scene = scene,
                     .rows = {},
-                    .strategies = selection::select_rows(measure::offset::strategies(), words.at("strategy"),
+                    .strategies = selection::select_rows(measure::offset::strategies(), values.at("strategy"),
                                                          "strategy", "--strategy"),
                     .limit = {.stop = stop}};
-        const auto is_asked = [&points = words.at("points")](HitPoint point) {
+        const auto is_asked = [&points = values.at("points")](HitPoint point) {
             return std::ranges::any_of(
                 points, [&](const std::string& word) { return word == "both" || word == name_of(point); });
         };

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "analysis/selection/select.hpp"
-#include "analysis/study/study_words.hpp"
+#include "analysis/study/study_values.hpp"
 #include "number/error.hpp"
 #include "output/picture/render_files.hpp"
 
@@ -58,9 +58,9 @@ struct RenderWords {
 
     /// Draws a stage that the scene does not have as the last one before it that the scene has.
     static Study on(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
-                    const StudyWords& words, intersect::process::StopToken stop) {
+                    const StudyValues& values, intersect::process::StopToken stop) {
         std::set<scene::file::Stage> stages;
-        for (const std::string& word : words.at("stage"))
+        for (const std::string& word : values.at("stage"))
             stages.insert(scene.appearance.last_up_to(stage_of_word(word)));
         if (stages.empty()) stages.insert(scene.appearance.furthest());
         return {
@@ -68,8 +68,8 @@ struct RenderWords {
     }
 
     /// Prints which stages a scene does not have.
-    static void note(const scene::file::Scene& scene, const StudyWords& words) {
-        for (const std::string& word : words.at("stage")) {
+    static void note(const scene::file::Scene& scene, const StudyValues& values) {
+        for (const std::string& word : values.at("stage")) {
             const auto asked = stage_of_word(word), drawn = scene.appearance.last_up_to(asked);
             if (drawn != asked)
                 fmt::print(stderr, "lostbits: scene {} has no stage {}; drawing stage {} instead\n", scene.id, word,

@@ -14,12 +14,12 @@ namespace lostbits::analysis::study {
 /// A study as words name it is a struct with its view, its name, its options, its forms where none is named, and
 ///   takes(form), none_taken       true for a form that can be measured; the message if none can
 ///   require(scene)                throws InputError for a scene that cannot be measured
-///   on(scene, rows, words, stop)  the study of a scene with these rows. Throws InputError
+///   on(scene, rows, values, stop) the study of a scene with these rows. Throws InputError
 ///   title, kinds, form_words, example   texts of the help: the command; the scenes that it takes; the forms that -i
 ///                                 selects by default; an assignment for --set
 ///   say(study, summaries, verbose)      prints the results of a scene
 ///   unproved(summaries)           the number of rays without a proved truth
-///   note(scene, words)            optional: prints notes before the work
+///   note(scene, values)           optional: prints notes before the work
 using Studies = std::tuple<ConsistencyWords, OffsetWords, RenderWords>;
 
 /// Throws InputError for a study that does not exist.

@@ -1,4 +1,4 @@
-#include "analysis/study/study_words.hpp"
+#include "analysis/study/study_values.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,8 +11,8 @@
 
 namespace lostbits::analysis::study {
 
-StudyWords study_words(const std::vector<StudyOption>& options, const std::vector<std::string>& given) {
-    StudyWords words;
+StudyValues study_values(const std::vector<StudyOption>& options, const std::vector<std::string>& given) {
+    StudyValues values;
     for (const std::string& each : given) {
         const std::size_t equals = std::min(each.find('='), each.size());
         const std::string name = each.substr(0, equals), word = each.substr(std::min(equals + 1, each.size()));
@@ -24,11 +24,11 @@ StudyWords study_words(const std::vector<StudyOption>& options, const std::vecto
         }
         if (!option->known.empty() && std::ranges::find(option->known, word) == option->known.end())
             throw InputError(fmt::format("{} is \"{}\"; write one of {}", name, word, fmt::join(option->known, ", ")));
-        words[name].push_back(word);
+        values[name].push_back(word);
     }
     for (const StudyOption& option : options)
-        if (words[option.name].empty()) words[option.name] = option.usual;
-    return words;
+        if (values[option.name].empty()) values[option.name] = option.usual;
+    return values;
 }
 
 void refuse_study(const std::string& name, const std::vector<std::string>& names) {
