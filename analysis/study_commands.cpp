@@ -37,9 +37,9 @@ struct StudyRun {
 };
 
 /// Files of a scene beside those of the study; most studies have none.
-template <class Words>
+template <class Adapter>
 struct MoreFiles {
-    using Study = typename Words::View::Study;
+    using Study = typename Adapter::View::Study;
     MoreFiles(const Study&, const StudyRun&) {}
     static void add_option(const shell::Command&, StudyOptions&) {}
     static std::uint64_t pixels(const Study&, const study::StudyValues&) { return 0; }
@@ -76,7 +76,7 @@ struct NoFiles {
 
 /// The files of --along: the scene, measured at every position along an axis.
 template <>
-class MoreFiles<study::OffsetWords> {
+class MoreFiles<study::OffsetsAdapter> {
 public:
     MoreFiles(const OffsetStudy& study, const StudyRun& run) : steps_(steps_of(run.options.values)) {
         if (run.division.is_shard()) return;
@@ -133,31 +133,31 @@ private:
 };
 
 /// The number of pixels of all rows of a study and of its further files.
-template <class Words>
-std::uint64_t units_of(const typename Words::View::Study& study, const study::StudyValues& values) {
-    return (study.scene.pixels() + MoreFiles<Words>::pixels(study, values)) * study.rows.size();
+template <class Adapter>
+std::uint64_t units_of(const typename Adapter::View::Study& study, const study::StudyValues& values) {
+    return (study.scene.pixels() + MoreFiles<Adapter>::pixels(study, values)) * study.rows.size();
 }
 
 /// Measures one scene, and writes and prints its results. Returns the number of its rays without a proved truth; 0 in a
 /// shard.
-template <class Words>
-std::uint64_t measure_scene(typename Words::View::Study study, const StudyRun& run,
+template <class Adapter>
+std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun& run,
                             const SceneFolders::Complete& complete) {
     const StudyOptions& o = run.options;
-    const std::string job = fmt::format("{} {}", Words::name, study.scene.id);
+    const std::string job = fmt::format("{} {}", Adapter::name, study.scene.id);
     const auto folder = run.out / study.scene.id;
     const std::string named = selection::name_of_scene(study.scene, selection::data_folder(run.common.data));
-    MoreFiles<Words> more(study, run);
-    output::study::StudyFiles<typename Words::View> files(study,
-                                                          {.folder = folder,
-                                                           .pixels_csv = o.pixels == "csv",
-                                                           .command = run.common.typed.of(named),
-                                                           .singles = o.pictures == "all",
-                                                           .also = more.resources()},
-                                                          shard::keep_in(run.division, job));
+    MoreFiles<Adapter> more(study, run);
+    output::study::StudyFiles<typename Adapter::View> files(study,
+                                                            {.folder = folder,
+                                                             .pixels_csv = o.pixels == "csv",
+                                                             .command = run.common.typed.of(named),
+                                                             .singles = o.pictures == "all",
+                                                             .also = more.resources()},
+                                                            shard::keep_in(run.division, job));
     // Opening the files of many forms takes seconds, so the estimate starts after it.
     output::file::Estimate estimate(run.progress, study.scene.id,
-                                    units_of<Words>(study, o.values) / run.division.share().of, run.common.quiet);
+                                    units_of<Adapter>(study, o.values) / run.division.share().of, run.common.quiet);
     study.progress = advancing(run.progress, &estimate);
     const auto summaries = shard::run_divided(study, files, run.division, job);
     more.run(study, run.division);
@@ -167,35 +167,35 @@ std::uint64_t measure_scene(typename Words::View::Study study, const StudyRun& r
     if (!run.common.quiet) {
         run.progress.aside([&] {
             print_figures(folder / "contact.png");
-            Words::say(study, *summaries, run.common.verbose);
+            Adapter::say(study, *summaries, run.common.verbose);
         });
     }
-    return Words::unproved(*summaries);
+    return Adapter::unproved(*summaries);
 }
 
-template <class Words>
+template <class Adapter>
 Exit run_command(const StudyOptions& o, const Common& common) {
     require_folder(o.out);
-    auto rows = selection::cross(selection::select_forms(selection::form_words_or(o.forms, Words::usual_forms())),
+    auto rows = selection::cross(selection::select_forms(selection::form_words_or(o.forms, Adapter::usual_forms())),
                                  selection::select_formats(o.formats));
-    std::erase_if(rows, [](const auto& row) { return !Words::takes(*row.form); });
-    if (rows.empty()) throw NothingSelected(Words::none_taken);
-    auto scenes = scenes_of_primitives(o, rows, Words::name, common, Words::require);
+    std::erase_if(rows, [](const auto& row) { return !Adapter::takes(*row.form); });
+    if (rows.empty()) throw NothingSelected(Adapter::none_taken);
+    auto scenes = scenes_of_primitives(o, rows, Adapter::name, common, Adapter::require);
     const selection::ThreadLimit limit(common.threads);
 
-    std::vector<typename Words::View::Study> studies;
+    std::vector<typename Adapter::View::Study> studies;
     std::vector<std::string> jobs;
     std::vector<std::filesystem::path> read;
     std::uint64_t units = 0;
     for (const scene::file::Scene& scene : scenes) {
         const auto meets = [&](Shapes forms) { return scene.meets(forms); };
-        studies.push_back(Words::on(scene, selection::fitting(rows, meets), o.values, common.stop));
-        if constexpr (requires { Words::note(scene, o.values); })
-            if (!common.quiet) Words::note(scene, o.values);
-        jobs.push_back(fmt::format("{} {}", Words::name, scene.id));
-        std::ranges::move(MoreFiles<Words>::jobs(studies.back(), o.values), std::back_inserter(jobs));
+        studies.push_back(Adapter::on(scene, selection::fitting(rows, meets), o.values, common.stop));
+        if constexpr (requires { Adapter::note(scene, o.values); })
+            if (!common.quiet) Adapter::note(scene, o.values);
+        jobs.push_back(fmt::format("{} {}", Adapter::name, scene.id));
+        std::ranges::move(MoreFiles<Adapter>::jobs(studies.back(), o.values), std::back_inserter(jobs));
         read.push_back(scene.path);
-        units += units_of<Words>(studies.back(), o.values);
+        units += units_of<Adapter>(studies.back(), o.values);
     }
     auto divided = divide(o.shard, o.out, read, common);
     divided.division.expect(jobs);
@@ -203,48 +203,50 @@ Exit run_command(const StudyOptions& o, const Common& common) {
                          common);
     for (const auto& scene : scenes) selection::note_numbers(scene, o.scenes.set, rows, common.quiet);
 
-    output::file::Progress progress(units / divided.division.share().of, Words::name, common.progress, common.quiet);
+    output::file::Progress progress(units / divided.division.share().of, Adapter::name, common.progress, common.quiet);
     const StudyRun run{o, common, divided.out, divided.division, progress};
     const std::uint64_t unproved = folders.each(studies.size(), progress, [&](std::size_t k, const auto& complete) {
-        return measure_scene<Words>(studies[k], run, complete);
+        return measure_scene<Adapter>(studies[k], run, complete);
     });
     finish(divided, common);
     return end_with_unproved(unproved, studies.front().limit.bits);
 }
 
-template <class Words>
+template <class Adapter>
 void add_study(const shell::Command& program, const Common& common) {
-    auto command = program.add_command(Words::name, Words::title);
+    auto command = program.add_command(Adapter::name, Adapter::title);
     const auto o = std::make_shared<StudyOptions>();
-    if (const std::vector<std::string> all{"*"}; Words::usual_forms() == all) o->forms = all;
+    if (const std::vector<std::string> all{"*"}; Adapter::usual_forms() == all) o->forms = all;
     o->formats = {study::usual_format};
     o->scenes.stop = common.stop;
     o->scenes.all_ahead = true;
-    selection::add_scenes(command, *o, Words::kinds);
-    command.add_list("-i,--intersector", o->forms, Words::form_words);
+    selection::add_scenes(command, *o, Adapter::kinds);
+    command.add_list("-i,--intersector", o->forms, Adapter::form_help);
     selection::add_formats(command, o->formats, study::usual_format);
-    for (const study::StudyOption& option : Words::options()) {
+    for (const study::StudyOption& option : Adapter::options()) {
         auto& values = o->values[option.name] = option.usual;
         command.add_list("--" + option.name, values, option.help,
                          option.known.empty() ? shell::ValueRule{} : shell::one_of(option.known));
     }
-    selection::add_changes(command, o->scenes, Words::example);
-    if constexpr (requires { Words::View::pixel_title; }) selection::add_pixels(command, *o);
+    selection::add_changes(command, o->scenes, Adapter::example);
+    if constexpr (requires { Adapter::View::pixel_title; }) selection::add_pixels(command, *o);
     selection::add_pictures(command, o->pictures);
-    MoreFiles<Words>::add_option(command, *o);
+    MoreFiles<Adapter>::add_option(command, *o);
     add_shard(command, o->shard);
     selection::add_out(command, o->out);
-    command.runs([o, &common] { return run_command<Words>(*o, common); });
+    command.runs([o, &common] { return run_command<Adapter>(*o, common); });
 }
 
 }  // namespace
 
 void add_consistency(const shell::Command& program, const Common& common) {
-    add_study<study::ConsistencyWords>(program, common);
+    add_study<study::ConsistencyAdapter>(program, common);
 }
 void add_offsets(const shell::Command& program, const Common& common) {
-    add_study<study::OffsetWords>(program, common);
+    add_study<study::OffsetsAdapter>(program, common);
 }
-void add_render(const shell::Command& program, const Common& common) { add_study<study::RenderWords>(program, common); }
+void add_render(const shell::Command& program, const Common& common) {
+    add_study<study::RenderAdapter>(program, common);
+}
 
 }  // namespace lostbits::analysis

@@ -79,27 +79,27 @@ std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene,
 }
 
 /// The summary of a study of a scene.
-template <class Words>
+template <class Adapter>
 std::unique_ptr<lostbits_result> study_of(const scene::file::Scene& scene, const std::vector<std::string>& options,
                                           const lostbits_choice* choice, CallRun& running) {
     lostbits_choice given = choice ? *choice : lostbits_choice{};
-    const std::vector<std::string> usual = Words::usual_forms();
+    const std::vector<std::string> usual = Adapter::usual_forms();
     std::vector<const char*> forms(usual.size());
     std::ranges::transform(usual, forms.begin(), &std::string::c_str);
     if (given.forms.count == 0 && given.own_count == 0) given.forms = {forms.data(), forms.size()};
     if (given.formats.count == 0) given.formats = {&study::usual_format, 1};
     Selection chosen(&given);
-    std::erase_if(chosen.rows, [](const TestedForm& row) { return !Words::takes(*row.form); });
-    selection::refuse_generators(chosen.rows, Words::name);
-    selection::refuse_generated_rays({scene}, Words::name);
-    Words::require(scene);
+    std::erase_if(chosen.rows, [](const TestedForm& row) { return !Adapter::takes(*row.form); });
+    selection::refuse_generators(chosen.rows, Adapter::name);
+    selection::refuse_generated_rays({scene}, Adapter::name);
+    Adapter::require(scene);
     chosen.keep_rows_for("scene " + scene.id,
                          [&scene](Shapes of) { return selection::are_primitives(of) && scene.meets(of); });
-    auto study = Words::on(scene, chosen.rows, study::study_values(Words::options(), options), running.stop());
+    auto study = Adapter::on(scene, chosen.rows, study::study_values(Adapter::options(), options), running.stop());
     study.progress = running.advancing(scene.pixels() * study.rows.size());
     const auto summaries = measure::study::run_study(study);
     auto result = std::make_unique<lostbits_result>();
-    result->add_table("summary", Words::View::summary_table(), Words::View::summary_rows(study, summaries));
+    result->add_table("summary", Adapter::View::summary_table(), Adapter::View::summary_rows(study, summaries));
     return result;
 }
 

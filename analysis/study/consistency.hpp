@@ -15,7 +15,7 @@
 
 namespace lostbits::analysis::study {
 
-struct ConsistencyWords {
+struct ConsistencyAdapter {
     using View = output::consistency::ConsistencyView;
     using Study = View::Study;
     using Summaries = std::vector<Study::Summary>;
@@ -26,7 +26,7 @@ struct ConsistencyWords {
         "Whether a form gives one answer to a question put in two ways: closest and any hit, one ray and packs, a "
         "segment from either end";
     static constexpr const char* kinds = "; spheres or boxes";
-    static constexpr const char* form_words = "Forms, by name or glob (default: all that fit)";
+    static constexpr const char* form_help = "Forms, by name or glob (default: all that fit)";
     static constexpr const char* example = "sphere[0].radius=10";
 
     static std::vector<StudyOption> options() {

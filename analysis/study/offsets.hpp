@@ -13,7 +13,7 @@
 
 namespace lostbits::analysis::study {
 
-struct OffsetWords {
+struct OffsetsAdapter {
     using View = output::offset::OffsetView;
     using Study = View::Study;
     using Summaries = std::vector<Study::Summary>;
@@ -23,7 +23,7 @@ struct OffsetWords {
     static constexpr const char* title =
         "How far the origin of the next ray must move, point by point, and what published strategies do";
     static constexpr const char* kinds = "; primitives of any kind";
-    static constexpr const char* form_words =
+    static constexpr const char* form_help =
         "Forms that find the points and are asked for self-hits (default: sphere.half_b, box.ieee_minmax, one of each "
         "other shape, and those of --plugin, --pipe and --shader)";
     static constexpr const char* example = "sphere[0].radius=10";

@@ -15,7 +15,7 @@
 
 namespace lostbits::analysis::study {
 
-struct RenderWords {
+struct RenderAdapter {
     using View = output::picture::RenderView;
     using Study = View::Study;
     using Summaries = std::vector<Study::Summary>;
@@ -25,7 +25,7 @@ struct RenderWords {
     static constexpr const char* title =
         "Draw a scene, stage by stage, with a form in a format, and compare with the certified picture";
     static constexpr const char* kinds = "; scenes of spheres";
-    static constexpr const char* form_words =
+    static constexpr const char* form_help =
         "Forms that find hits and shadows, by name or glob (default: sphere.expanded, and those of --plugin, --pipe "
         "and --shader)";
     static constexpr const char* example = "light.position=[9,9,9]";

@@ -11,29 +11,30 @@
 
 namespace lostbits::analysis::study {
 
-/// A study as words name it is a struct with its view, its name, its options, its forms where none is named, and
+/// An adapter of a study for the command line and the library: a struct with its view, its name, its options, its forms
+/// where none is named, and
 ///   takes(form), none_taken       true for a form that can be measured; the message if none can
 ///   require(scene)                throws InputError for a scene that cannot be measured
 ///   on(scene, rows, values, stop) the study of a scene with these rows. Throws InputError
-///   title, kinds, form_words, example   texts of the help: the command; the scenes that it takes; the forms that -i
+///   title, kinds, form_help, example    texts of the help: the command; the scenes that it takes; the forms that -i
 ///                                 selects by default; an assignment for --set
 ///   say(study, summaries, verbose)      prints the results of a scene
 ///   unproved(summaries)           the number of rays without a proved truth
 ///   note(scene, values)           optional: prints notes before the work
-using Studies = std::tuple<ConsistencyWords, OffsetWords, RenderWords>;
+using Studies = std::tuple<ConsistencyAdapter, OffsetsAdapter, RenderAdapter>;
 
 /// Throws InputError for a study that does not exist.
 [[noreturn]] void refuse_study(const std::string& name, const std::vector<std::string>& names);
 
-/// Returns `act(Words{})` for the study of this name. Throws InputError for an unknown one.
+/// Returns `act(Adapter{})` for the study of this name. Throws InputError for an unknown one.
 template <class Act>
 auto with_study(const std::string& name, const Act& act) {
     return std::apply(
         [&](auto first, auto... others) {
             decltype(act(first)) result{};
-            const auto is_it = [&](auto words) {
-                if (name != words.name) return false;
-                result = act(words);
+            const auto is_it = [&](auto adapter) {
+                if (name != adapter.name) return false;
+                result = act(adapter);
                 return true;
             };
             if (!is_it(first) && !(is_it(others) || ...)) refuse_study(name, {first.name, others.name...});
