@@ -233,7 +233,7 @@ void add_diff(const shell::Command& program, const Common& common) {
     command.add("--strict", w->strict,
                 "Every file, pictures too, row by row and line by line: for changes that mean to change nothing");
     command.add("--compare-pictures", w->pictures, "Compare pictures too");
-    command.add_list("-i,--intersector", w->forms, "Two forms of the maps in A, in place of B");
+    command.add_list("-i,--form", w->forms, "Two forms of the maps in A, in place of B");
     command.add_list("-f,--format", w->formats, "Formats that --draw draws (default: all)");
     command.add("--draw", w->draw,
                 "A folder for pictures of the difference, one a form and format; of maps made with --pixels "

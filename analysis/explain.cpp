@@ -252,7 +252,7 @@ void add_explain(const shell::Command& program, const Common& common) {
         .add("--boxes", o->ranges.boxes, "With --ranges, how many boxes are used at most (default: 4096)",
              shell::whole_from(1, 1 << 20))
         .needs(ranges);
-    command.add("-i,--intersector", o->form, "The form to explain").required();
+    command.add("-i,--form", o->form, "The form to explain").required();
     command.add("-f,--format", o->format, "The format (default: f32)");
     command.add_list("--beside", o->beside,
                      "Forms that may do better on the ray, by name or glob, of a library that runs in the program "

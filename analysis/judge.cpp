@@ -311,7 +311,7 @@ void add_judge(const shell::Command& program, const Common& common) {
              "and inside")
         .required();
     selection::add_ray_options(command, *o);
-    command.add_list("-i,--intersector", o->forms, "Forms that answer to the same rays, by name or glob");
+    command.add_list("-i,--form", o->forms, "Forms that answer to the same rays, by name or glob");
     command.add_list("-f", o->formats, "Their formats (default: that of the file)");
     command.add("--against", o->against, "A form to compare the answers with, without asking what is true");
     command.add_list("--metric", o->metrics, "Metrics to draw and to measure (default: lost_bits); globs");

@@ -238,7 +238,7 @@ void add_mend(const shell::Command& program, const Common& common) {
         .add("SCENE", o->subjects,
              "A scene file or a name in data/scenes; or files of rays, as `lostbits judge` reads them")
         .required();
-    command.add("-i,--intersector", o->form, "The form that is to be mended").required();
+    command.add("-i,--form", o->form, "The form that is to be mended").required();
     command.add("-f,--format", o->format, "f32 (default) or f64");
     command.add("--bits", o->bits, "The least number of correct bits of t", shell::number_from(0, 53)).required();
     command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",

@@ -326,7 +326,7 @@ void add_report(const shell::Command& program, const Common& common) {
     const auto o = std::make_shared<ReportOptions>();
     o->stop = common.stop;
     command.add("SUBJECT", o->subjects, "Scenes and sweeps, by file or name (default: those of data/report.toml)");
-    command.add_list("-i,--intersector", o->forms,
+    command.add_list("-i,--form", o->forms,
                      "Forms, by name or glob (default: those of data/report.toml, those that claims name, and those "
                      "of --plugin, --pipe and --shader)");
     selection::add_formats(command, o->formats, "f32 f64");

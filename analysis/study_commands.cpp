@@ -221,7 +221,7 @@ void add_study(const shell::Command& program, const Common& common) {
     o->scenes.stop = common.stop;
     o->scenes.all_ahead = true;
     selection::add_scenes(command, *o, Adapter::kinds);
-    command.add_list("-i,--intersector", o->forms, Adapter::form_help);
+    command.add_list("-i,--form", o->forms, Adapter::form_help);
     selection::add_formats(command, o->formats, study::usual_format);
     for (const study::StudyOption& option : Adapter::options()) {
         auto& values = o->values[option.name] = option.usual;

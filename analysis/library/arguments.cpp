@@ -13,7 +13,7 @@ namespace {
 constexpr std::array<std::pair<std::string_view, std::string_view>, 8> renamed{{{"-i", "forms"},
                                                                                 {"-f", "formats"},
                                                                                 {"--metric", "metrics"},
-                                                                                {"--intersector", "forms"},
+                                                                                {"--form", "forms"},
                                                                                 {"--strategy", "strategies"},
                                                                                 {"--check", "checks"},
                                                                                 {"--stage", "stages"},

@@ -280,7 +280,7 @@ void note_unmeasured(const std::vector<std::string>& words, const std::vector<me
 }
 
 void note_unasked(const shell::Command& command) {
-    const shell::Option forms = command.option("--intersector");
+    const shell::Option forms = command.option("--form");
     const shell::Option beside = command.option("--beside");  // a command without it uses isolated forms too
     const std::vector<std::string> names = names_added(static_cast<bool>(beside));
     if (names.empty() || !forms || forms.words().empty()) return;

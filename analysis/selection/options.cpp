@@ -66,7 +66,7 @@ void add_scenes(const shell::Command& command, SharedOptions& shared, const std:
 }
 
 void add_forms(const shell::Command& command, std::vector<std::string>& forms, const std::string& usual) {
-    command.add_list("-i,--intersector", forms, "Forms, by name or glob (default: " + usual + ")");
+    command.add_list("-i,--form", forms, "Forms, by name or glob (default: " + usual + ")");
 }
 
 void add_formats(const shell::Command& command, std::vector<std::string>& formats, const std::string& usual) {

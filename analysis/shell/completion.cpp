@@ -71,7 +71,7 @@ std::string zsh_action(const OptionRow& option) {
     return "";
 }
 
-/// `'*'{-i,--intersector}'[help]:forms:_lostbits_names forms'`
+/// `'*'{-i,--form}'[help]:forms:_lostbits_names forms'`
 std::string zsh_spec(const OptionRow& option) {
     std::string help = short_help(option.help);
     for (const char* special : {"\\", "[", "]", ":"}) help = replaced(help, special, std::string("\\") + special);

@@ -21,7 +21,7 @@ std::string roff(const std::string& text) {
     return out;
 }
 
-/// `-i, --intersector VALUE`
+/// `-i, --form VALUE`
 std::string heading(const OptionRow& option) {
     std::string text;
     for (const std::string& name : option.names) text += (text.empty() ? "" : ", ") + ("\\fB" + roff(name) + "\\fR");

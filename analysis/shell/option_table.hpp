@@ -17,7 +17,7 @@ struct Values {
 };
 
 struct OptionRow {
-    std::vector<std::string> names;  ///< `-i`, `--intersector`; an argument has one: SCENE
+    std::vector<std::string> names;  ///< `-i`, `--form`; an argument has one: SCENE
     std::string help;
     std::string heading;  ///< under which the help shows it with others; empty: none of its own
     std::string value;    ///< how its value is written: `auto|bar|none`, `1..1024`, FILE; empty: it takes none

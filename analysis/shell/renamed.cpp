@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 
 namespace lostbits::analysis::shell {
 
 namespace {
 
+constexpr std::string_view every_command = "*";
 constexpr RenamedOption renamed[] = {
+    {"*", "--intersector", "--form"},
     {"diff", "--tolerance", "--allow"},
     {"diff", "--pictures", "--compare-pictures"},
     {"explain", "--at", "--at-step"},
@@ -47,15 +50,16 @@ UpdatedArguments with_new_names(const Command& program, const std::vector<std::s
         std::string& word = found.words[i];
         const std::size_t end = std::min(word.find('='), word.size());
         const auto row = std::ranges::find_if(renamed, [&](const RenamedOption& one) {
-            return words[command] == one.command && word.substr(0, end) == one.before;
+            const bool is_of_command = one.command == every_command || words[command] == one.command;
+            return is_of_command && word.substr(0, end) == one.before;
         });
         if (row == std::end(renamed)) continue;
         const bool is_value = row->before[0] != '-', is_argument = !is_value && row->now[0] != '-';
         std::string says =
-            is_value      ? fmt::format("{} {}: the list is called {} now", row->command, row->before, row->now)
-            : is_argument ? fmt::format("{} {}: the option is not needed any more; write {} without it", row->command,
+            is_value      ? fmt::format("{} {}: the list is called {} now", words[command], row->before, row->now)
+            : is_argument ? fmt::format("{} {}: the option is not needed any more; write {} without it", words[command],
                                         row->before, row->now)
-                          : fmt::format("{} {}: the option is called {} now", row->command, row->before, row->now);
+                          : fmt::format("{} {}: the option is called {} now", words[command], row->before, row->now);
         if (std::ranges::find(found.advice, says) == found.advice.end()) found.advice.push_back(std::move(says));
         if (!is_argument) word.replace(0, end, row->now);
         else if (end < word.size()) word.erase(0, end + 1);

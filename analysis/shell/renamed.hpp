@@ -10,7 +10,7 @@
 namespace lostbits::analysis::shell {
 
 struct RenamedOption {
-    const char* command;
+    const char* command;  ///< "*" for every command
     const char* before;
     const char* now;  ///< an option, or the name of an argument
 };
