@@ -18,7 +18,7 @@ public:
     using Number = typename Exact::Number;
 
     Walk(const Tape& tape, AttributionDepth depth) : tape_(tape), depth_(depth), exact_(tape.nodes.size(), Number(0)) {
-        found_.of.resize(tape.nodes.size());
+        found_.errors.resize(tape.nodes.size());
         found_.exact_bits = Exact::bits;
         for (NodeId i = 0; i < tape.size(); ++i) forward(i);
         found_.exact_hit = tape.outputs.hit != no_node && is_true(tape.outputs.hit);
@@ -46,7 +46,7 @@ public:
     }
 
 private:
-    OperationError& of(NodeId i) { return found_.of[static_cast<std::size_t>(i)]; }
+    OperationError& of(NodeId i) { return found_.errors[static_cast<std::size_t>(i)]; }
     Number& exact(NodeId i) { return exact_[static_cast<std::size_t>(i)]; }
     [[nodiscard]] double computed(NodeId i) const { return tape_[i].value; }
     bool is_true(NodeId i) { return of(i).exact != 0; }

@@ -37,9 +37,9 @@ struct OperationError {
 };
 
 struct Attribution {
-    std::vector<OperationError> of;  ///< one for each node
-    NodeId subject = no_node;        ///< explained value: t, or the comparison that turned the decision
-    bool exact_hit = false;          ///< the form's decision without rounding
+    std::vector<OperationError> errors;  ///< one for each node
+    NodeId subject = no_node;            ///< explained value: t, or the comparison that turned the decision
+    bool exact_hit = false;              ///< the form's decision without rounding
     bool cut_short = false;  ///< without rounding a loop would have gone on, so the exact values end where the computed
                              ///< ones did
     double error = 0;        ///< of the subject; for a comparison, of the difference of its sides
@@ -53,7 +53,7 @@ struct Attribution {
     /// The other live operations that contribute as much as the culprit, with the same sign or the opposite one.
     std::vector<NodeId> equals;
 
-    [[nodiscard]] const OperationError& operator[](NodeId i) const { return of[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] const OperationError& operator[](NodeId i) const { return errors[static_cast<std::size_t>(i)]; }
 };
 
 struct AttributionDepth {

@@ -150,14 +150,14 @@ double contribution_of(const Tape& tape, const Attribution& attribution, std::st
     for (std::size_t i = 0; i < steps.size(); ++i) {
         if (steps[i] != label) continue;
         any = true;
-        if (attribution.of[i].live) sum += attribution.of[i].contribution;
+        if (attribution.errors[i].live) sum += attribution.errors[i].contribution;
     }
     return any ? sum : missing;
 }
 
 int worst_cancellation(const Attribution& attribution) {
     int worst = 0;
-    for (const OperationError& e : attribution.of) {
+    for (const OperationError& e : attribution.errors) {
         if (e.live && e.carried) worst = std::max(worst, e.cancelled);
     }
     return worst;

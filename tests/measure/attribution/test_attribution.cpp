@@ -21,7 +21,7 @@ namespace {
 
 double sum_of_sizes(const Attribution& a) {
     double sum = 0;
-    for (const measure::attribution::OperationError& e : a.of) sum += e.live ? std::fabs(e.contribution) : 0;
+    for (const measure::attribution::OperationError& e : a.errors) sum += e.live ? std::fabs(e.contribution) : 0;
     return sum;
 }
 
@@ -94,7 +94,7 @@ TEST_CASE("contributions sum to the error, derivatives to first order, and fast 
         // row.
         double worst = 0;
         bool turned = false;
-        for (const measure::attribution::OperationError& e : a.of) {
+        for (const measure::attribution::OperationError& e : a.errors) {
             if (!e.live) continue;
             turned |= e.turned;
             if (e.exact != 0) worst = std::max(worst, std::fabs(e.error / e.exact));
@@ -116,8 +116,8 @@ TEST_CASE("contributions sum to the error, derivatives to first order, and fast 
         if (!sums_up(b, rest)) return;
         derives(form, tape, b);
         REQUIRE(std::fabs(a.error - b.error) <= 0x1p-40 * std::fabs(b.error));
-        for (std::size_t i = 0; i < a.of.size(); ++i)
-            REQUIRE(std::fabs(a.of[i].contribution - b.of[i].contribution) <= 0x1p-30 * sum_of_sizes(b));
+        for (std::size_t i = 0; i < a.errors.size(); ++i)
+            REQUIRE(std::fabs(a.errors[i].contribution - b.errors[i].contribution) <= 0x1p-30 * sum_of_sizes(b));
     };
     const int rays = is_long() ? 25 : 3;
     on_recorded_rays({{"f32", "f64", "bf16", "p18"}, rays},
