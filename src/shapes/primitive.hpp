@@ -99,7 +99,7 @@ void tell_distances(Span& span, const S& d2) {
 
 /// Calls `act(shape, ray)` in the space of a primitive of that shape.
 template <template <class> class Of, class S, class Act>
-auto in_its_space(const Ray<S>& ray, const Primitive<S>& primitive, const Act& act) {
+auto in_object_space(const Ray<S>& ray, const Primitive<S>& primitive, const Act& act) {
     if (!primitive.placed) return act(primitive.template as<Of>(), ray);
     const InObject<S> in = in_object(ray, *primitive.placed);
     return act(scaled(primitive, in.scale).template as<Of>(), in.ray);
@@ -108,7 +108,8 @@ auto in_its_space(const Ray<S>& ray, const Primitive<S>& primitive, const Act& a
 /// The interval in which the ray's line is inside a primitive of that shape. Distances are those of the world.
 template <template <class> class Of, class S>
 auto span_of(const Ray<S>& ray, const Primitive<S>& primitive) {
-    auto span = in_its_space<Of>(ray, primitive, [](const Of<S>& shape, const Ray<S>& its) { return shape.span(its); });
+    auto span =
+        in_object_space<Of>(ray, primitive, [](const Of<S>& shape, const Ray<S>& its) { return shape.span(its); });
     if (primitive.placed) tell_distances(span, square(ray.direction));
     return span;
 }

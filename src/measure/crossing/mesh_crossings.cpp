@@ -164,7 +164,7 @@ unsigned nearest_edges(const Ray<double>& ray, const Primitive<double>& triangle
     const int facing = facing_of(ray, triangle).value_or(0);
     if (facing == 0) return all;
     const auto found = by_rising_precision([&]<class E>() {
-        return in_its_space<Triangle>(
+        return in_object_space<Triangle>(
             lift_ray<E>(ray), lift_primitive<E>(triangle),
             [facing](const auto& shape, const auto& its) { return find_nearest_edges<E>(shape, its, facing); });
     });

@@ -98,10 +98,10 @@ double error_of(double x, const Sample& s, std::size_t vertex) {
     return visit_shape(*s.primitive, [&]<template <class> class Of>() {
         if constexpr (requires(const Of<double>& shape) { shape.weights(Ray<double>()); }) {
             return std::fabs(enclosed([&]<class E>() {
-                return in_its_space<Of>(lift_ray<E>(*s.ray), lift_primitive<E>(*s.primitive),
-                                        [&](const Of<E>& shape, const Ray<E>& ray) -> E {
-                                            return E(x) - shape.weights(ray)[static_cast<int>(vertex)];
-                                        });
+                return in_object_space<Of>(lift_ray<E>(*s.ray), lift_primitive<E>(*s.primitive),
+                                           [&](const Of<E>& shape, const Ray<E>& ray) -> E {
+                                               return E(x) - shape.weights(ray)[static_cast<int>(vertex)];
+                                           });
             }));
         } else {
             return missing;

@@ -211,7 +211,7 @@ FarSide far_side(const Ray<double>& leaving, const Primitive<double>& primitive)
     return visit_shape(primitive, [&]<template <class> class Of>() {
         if constexpr (!hit_again<Of>) return FarSide{};
         else
-            return in_its_space<Of>(leaving, primitive, [](const Of<double>& shape, const Ray<double>& its) {
+            return in_object_space<Of>(leaving, primitive, [](const Of<double>& shape, const Ray<double>& its) {
                 return far_side_of(shape.span({shape.projected(its, its.origin), its.direction}));
             });
     });

@@ -131,7 +131,7 @@ bool misses(const auto&) { return false; }
 /// A primitive that is the union of others is missed by lines that miss each of them.
 bool misses_parts(const Ray<Near>& ray, const Primitive<Near>& primitive) {
     return visit_shape(primitive, [&]<template <class> class Of>() {
-        return in_its_space<Of>(ray, primitive, [](const Of<Near>& shape, const Ray<Near>& its) {
+        return in_object_space<Of>(ray, primitive, [](const Of<Near>& shape, const Ray<Near>& its) {
             bool all = false;
             if constexpr (requires { each_part(shape, [](const auto&) {}); }) {
                 all = true;
@@ -340,7 +340,7 @@ bool is_off_quartic(const Ray<Near>& ray, const Primitive<Near>& primitive, cons
         using Span = decltype(std::declval<const Of<Near>&>().span(ray));
         if constexpr (!std::same_as<Span, QuarticSpan<Near>>) return false;
         else {
-            const Near away = in_its_space<Of>(ray, primitive, [&](const Of<Near>& shape, const Ray<Near>& its) {
+            const Near away = in_object_space<Of>(ray, primitive, [&](const Of<Near>& shape, const Ray<Near>& its) {
                 return shape.distance(its.origin + t * its.direction);
             });
             return away.lowest() > 0 || away.highest() < 0;

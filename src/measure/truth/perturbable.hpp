@@ -243,7 +243,7 @@ public:
     [[nodiscard]] auto with_ray_from(const WithinErrors& t, const Act& act) const {
         const Ray<Differentiated> from{ray.origin + Differentiated(t) * ray.direction, ray.direction};
         return visit_shape(primitive,
-                           [&]<template <class> class Of>() { return in_its_space<Of>(from, primitive, act); });
+                           [&]<template <class> class Of>() { return in_object_space<Of>(from, primitive, act); });
     }
     /// Calls `act(shape, ray)` in object space with the problem as it is stored.
     template <class Act>
@@ -252,7 +252,7 @@ public:
         const Ray<WithinErrors> its = ray_of(number);
         Primitive<WithinErrors> one(shape());
         fill(one, number);
-        return visit_shape(one, [&]<template <class> class Of>() { return in_its_space<Of>(its, one, act); });
+        return visit_shape(one, [&]<template <class> class Of>() { return in_object_space<Of>(its, one, act); });
     }
 };
 
