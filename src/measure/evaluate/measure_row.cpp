@@ -144,7 +144,7 @@ private:
             const bool fault = outcome != Outcome::not_a_number && is_wrong(outcome);
             const Ray<double> ray = ray_of(i);
             if (marches) take(i, plain_sample_of(i, ray), of_marches);
-            if (every) measure_own_words(i, ray, of_every);
+            if (every) measure_own_statements(i, ray, of_every);
             if (faults && fault) {
                 const RayAttribution blame = blame_of(i);
                 Sample sample = plain_sample_of(i, ray);
@@ -157,7 +157,7 @@ private:
 
     /// Measures a form's statements about its own answer, whether or not that answer is right.
     template <class Which>
-    void measure_own_words(std::size_t i, const Ray<double>& ray, const Which& which) {
+    void measure_own_statements(std::size_t i, const Ray<double>& ray, const Which& which) {
         const Truth truth = result_.truth(i);
         const FormStatements own(row_, needs_ & ~unsigned{metric::needs_end_margin}, *result_.inputs, ray, i,
                                  asked_of(i), truth.is_hit() ? truth_.object[i] : -1);
