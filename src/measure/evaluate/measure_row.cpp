@@ -146,7 +146,7 @@ private:
             if (marches) take(i, plain_sample_of(i, ray), of_marches);
             if (every) measure_own_statements(i, ray, of_every);
             if (faults && fault) {
-                const RayAttribution blame = blame_of(i);
+                const RayAttribution blame = attribute_ray(i);
                 Sample sample = plain_sample_of(i, ray);
                 sample.blame = &blame;
                 take(i, sample, of_blamed);
@@ -213,7 +213,7 @@ private:
         if (needs_ & metric::needs_self)
             self = answer::without_rounding(*row_.form, ray, in.target_for(*row_.form, asked_of(i)));
         if (self) sample.self = &*self;
-        const RayAttribution blame = blame_of(i);
+        const RayAttribution blame = attribute_ray(i);
         if (needs_ & metric::needs_attribution) sample.blame = &blame;
         const unsigned others = needs_ & ~unsigned{metric::needs_filter_arithmetic | metric::needs_levels};
         const FormStatements own_words(row_, others, in, ray, i, asked_of(i), -1);
@@ -222,7 +222,7 @@ private:
     }
 
     /// Attribution to the operations on the primitive that the ray is measured at.
-    RayAttribution blame_of(std::size_t i) {
+    RayAttribution attribute_ray(std::size_t i) {
         if (!(needs_ & metric::needs_attribution)) return {};
         const FormatInputs& in = *result_.inputs;
         const auto& rays = in.rays_for(*row_.form->info);
