@@ -114,17 +114,17 @@ unsigned needs_supported_by(const intersect::table::Intersector& form) {
 namespace {
 
 /// Rows with the same ray generator and their indices in the list of rows; null: rays as the scene makes them.
-struct RowsOfGenerator {
+struct FormsOfGenerator {
     const scene::camera::RayGenerator* generator;
     std::vector<TestedForm> rows;
     std::vector<std::size_t> places;
 };
 
-std::vector<RowsOfGenerator> by_generator(const std::vector<TestedForm>& rows) {
-    std::vector<RowsOfGenerator> all;
+std::vector<FormsOfGenerator> by_generator(const std::vector<TestedForm>& rows) {
+    std::vector<FormsOfGenerator> all;
     for (std::size_t r = 0; r < rows.size(); ++r) {
         const auto* const generator = scene::rays::generator_of(*rows[r].form);
-        auto found = std::ranges::find(all, generator, &RowsOfGenerator::generator);
+        auto found = std::ranges::find(all, generator, &FormsOfGenerator::generator);
         if (found == all.end()) found = all.insert(found, {generator, {}, {}});
         found->rows.push_back(rows[r]);
         found->places.push_back(r);
@@ -184,7 +184,7 @@ void measure_band(Band& band, int group, const std::vector<TestedForm>& rows, co
 void measure_group(scene::rays::RayGroup rays, int group, const std::vector<TestedForm>& rows,
                    const std::vector<const Metric*>& metrics, truth::TruthLimit limit,
                    const std::vector<FormSummary*>& summaries) {
-    for (const RowsOfGenerator& some : by_generator(rows)) {
+    for (const FormsOfGenerator& some : by_generator(rows)) {
         std::vector<FormSummary*> into;
         for (const std::size_t place : some.places) into.push_back(summaries[place]);
         if (some.generator == nullptr && !(rays.scene && rays.scene->camera.rays)) {
@@ -241,7 +241,7 @@ namespace {
 
 /// Measures rows over the pixels of a scene, with rays as the scene makes them. Adds to the summaries at their indices
 /// and calls their `shows`.
-void map_rows(const scene::file::Scene& scene, const RowsOfGenerator& some, const EvaluationRequest& request,
+void map_rows(const scene::file::Scene& scene, const FormsOfGenerator& some, const EvaluationRequest& request,
               const std::vector<Show>& shows, std::vector<FormSummary>& summaries) {
     Bands(scene, request.share).each(request.limit, [&](Band& band) {
         if (request.stages) *request.stages += band.stages();
@@ -260,7 +260,7 @@ void map_rows(const scene::file::Scene& scene, const RowsOfGenerator& some, cons
 std::vector<FormSummary> evaluate_rows(const EvaluationRequest& request, const std::vector<Show>& shows) {
     std::vector<FormSummary> summaries;
     for (std::size_t r = 0; r < request.rows.size(); ++r) summaries.emplace_back(request.metrics);
-    for (const RowsOfGenerator& some : by_generator(request.rows)) {
+    for (const FormsOfGenerator& some : by_generator(request.rows)) {
         if (some.generator) map_rows(with_rays(*request.scene, *some.generator), some, request, shows, summaries);
         else map_rows(*request.scene, some, request, shows, summaries);
     }
