@@ -13,7 +13,7 @@ namespace test_against {
 
 using namespace lostbits::test;
 using namespace lostbits;
-using measure::answer::Against;
+using measure::answer::AgainstOutcome;
 using measure::answer::Answers;
 
 namespace {
@@ -37,18 +37,18 @@ TEST_CASE("against: the outcome of each pair of answers is right", "[external]")
     const Answers b{{1, 1 + 0x1p-22, 0, 0, nan, 1, 0, inf}, {1, 1, 0, 0, 1, 1, 1, 1}, {}};
     std::vector<double> which(8), apart(8);
     measure::answer::compare_against(a, b, true, binary32, which, apart);
-    const auto is = [&which](std::size_t i, Against what) { return which[i] == static_cast<double>(what); };
-    CHECK((is(0, Against::same_t) && apart[0] == 0));
-    CHECK((is(1, Against::other_t) && apart[1] == -2));
-    CHECK((is(2, Against::alone_hits) && std::isnan(apart[2])));
-    CHECK((is(3, Against::both_miss) && std::isnan(apart[3])));
-    CHECK((is(4, Against::same_t) && apart[4] == 0));
-    CHECK((is(5, Against::other_t) && std::isinf(apart[5])));
-    CHECK((is(6, Against::other_t) && apart[6] == std::ldexp(1.0, 150)));
-    CHECK((is(7, Against::same_t) && apart[7] == 0));
+    const auto is = [&which](std::size_t i, AgainstOutcome what) { return which[i] == static_cast<double>(what); };
+    CHECK((is(0, AgainstOutcome::same_t) && apart[0] == 0));
+    CHECK((is(1, AgainstOutcome::other_t) && apart[1] == -2));
+    CHECK((is(2, AgainstOutcome::alone_hits) && std::isnan(apart[2])));
+    CHECK((is(3, AgainstOutcome::both_miss) && std::isnan(apart[3])));
+    CHECK((is(4, AgainstOutcome::same_t) && apart[4] == 0));
+    CHECK((is(5, AgainstOutcome::other_t) && std::isinf(apart[5])));
+    CHECK((is(6, AgainstOutcome::other_t) && apart[6] == std::ldexp(1.0, 150)));
+    CHECK((is(7, AgainstOutcome::same_t) && apart[7] == 0));
     measure::answer::compare_against(b, a, false, binary32, which, apart);
-    CHECK((is(0, Against::incomparable_t) && std::isnan(apart[0])));
-    CHECK(is(2, Against::other_alone_hits));
+    CHECK((is(0, AgainstOutcome::incomparable_t) && std::isnan(apart[0])));
+    CHECK(is(2, AgainstOutcome::other_alone_hits));
 }
 
 TEST_CASE("against: a form is compared with itself, a twin, another form and a predicate", "[external]") {

@@ -16,11 +16,11 @@ double distance(double t, double other, const FloatFormat& format) {
     return truth::ulp_error(t, truth::exactly(other), format);
 }
 
-Against classify(bool hit, bool other_hit, double t, double other, bool comparable) {
-    if (!hit) return other_hit ? Against::other_alone_hits : Against::both_miss;
-    if (!other_hit) return Against::alone_hits;
-    if (!comparable) return Against::incomparable_t;
-    return is_same(t, other) ? Against::same_t : Against::other_t;
+AgainstOutcome classify(bool hit, bool other_hit, double t, double other, bool comparable) {
+    if (!hit) return other_hit ? AgainstOutcome::other_alone_hits : AgainstOutcome::both_miss;
+    if (!other_hit) return AgainstOutcome::alone_hits;
+    if (!comparable) return AgainstOutcome::incomparable_t;
+    return is_same(t, other) ? AgainstOutcome::same_t : AgainstOutcome::other_t;
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ void compare_against(const Answers& answers, const Answers& other, bool comparab
                      std::span<double> which, std::span<double> apart) {
     for (std::size_t i = 0; i < answers.hit.size(); ++i) {
         const bool hit = answers.hit[i] != 0, other_hit = other.hit[i] != 0;
-        const Against found = classify(hit, other_hit, answers.t[i], other.t[i], comparable);
+        const AgainstOutcome found = classify(hit, other_hit, answers.t[i], other.t[i], comparable);
         if (!which.empty()) which[i] = static_cast<double>(found);
         if (!apart.empty())
             apart[i] = hit && other_hit && comparable ? distance(answers.t[i], other.t[i], format) : truth::missing;

@@ -12,7 +12,7 @@ namespace lostbits::measure::answer {
 
 /// `incomparable_t`: both hit, but their t cannot be compared. Either one of them answers no t, or one takes unit
 /// directions and the other does not.
-enum class Against : std::uint8_t { both_miss, same_t, other_t, incomparable_t, alone_hits, other_alone_hits };
+enum class AgainstOutcome : std::uint8_t { both_miss, same_t, other_t, incomparable_t, alone_hits, other_alone_hits };
 
 inline constexpr std::array<std::string_view, 6> against_names{"both_miss",      "same_t",     "other_t",
                                                                "incomparable_t", "alone_hits", "other_alone_hits"};

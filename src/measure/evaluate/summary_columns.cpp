@@ -140,14 +140,15 @@ void add_categories(const Metric& metric, std::size_t m, Columns& columns) {
 
 /// Adds the number of hits in common for `against`, whatever their t.
 void add_both_hit(std::size_t m, Columns& columns) {
-    using answer::Against;
+    using answer::AgainstOutcome;
     columns.push_back({"against_both_hit", Kind::count, "",
                        "rays that both hit: the sum of against_same_t, against_other_t and against_incomparable_t",
                        [m](const S& s) {
                            const auto& counts = s.categories[m];
                            if (sum(counts) == 0) return missing;
                            std::uint64_t both = 0;
-                           for (const Against a : {Against::same_t, Against::other_t, Against::incomparable_t})
+                           for (const AgainstOutcome a :
+                                {AgainstOutcome::same_t, AgainstOutcome::other_t, AgainstOutcome::incomparable_t})
                                both += counts[static_cast<std::size_t>(a)];
                            return number(both);
                        }});

@@ -45,7 +45,7 @@ inline constexpr std::array<Rgb8, 4> stop_colours{{
     outcome_colours[5],  // stagnated: violet
 }};
 
-/// One fixed colour for each relation of two forms, in the order of `Against` (measure/answer/against.hpp).
+/// One fixed colour for each relation of two forms, in the order of `AgainstOutcome` (measure/answer/against.hpp).
 inline constexpr std::array<Rgb8, 6> against_colours{{
     outcome_colours[1],  // both_miss
     outcome_colours[0],  // same_t
