@@ -20,7 +20,7 @@ namespace lostbits::measure::apriori {
 
 namespace {
 
-ObservedErrors see_one(const BoundQuery& a, const std::vector<double>& inputs) {
+ObservedErrors observe_one(const BoundQuery& a, const std::vector<double>& inputs) {
     const BoundedPart& part = a.parts.part_of(inputs);
     const Ray<double> ray = tape::ray_of(inputs);
     const Primitive<double> primitive = tape::primitive_of(inputs, a.like);
@@ -170,7 +170,7 @@ ObservedErrors see(const BoundQuery& asking, const std::vector<std::vector<doubl
     std::vector<ObservedErrors> each(rays.size());
     intersect::process::in_parallel(std::size_t{0}, rays.size(), [&](std::size_t i) {
         asking.stop.check();
-        each[i] = see_one(asking, rays[i]);
+        each[i] = observe_one(asking, rays[i]);
     });
     ObservedErrors all;
     for (const ObservedErrors& one : each) all.append(one);
