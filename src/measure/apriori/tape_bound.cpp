@@ -215,7 +215,7 @@ Subdivided::Subdivided(const TapeBound& bound, InputBox whole, std::size_t boxes
     parts_.push_back({.bound = bound.over(whole)});
     parts_.front().box = std::move(whole);
     for (std::size_t leaves = 1; leaves < boxes;) {
-        const auto chosen = worth_halving(std::min((leaves + 3) / 4, boxes - leaves));
+        const auto chosen = boxes_to_halve(std::min((leaves + 3) / 4, boxes - leaves));
         if (chosen.empty()) break;
         halve(chosen, bound, stop);
         leaves += chosen.size();
@@ -224,7 +224,7 @@ Subdivided::Subdivided(const TapeBound& bound, InputBox whole, std::size_t boxes
 
 /// Boxes with the largest scores. The score is the volume times the bits by which the bound exceeds the smallest bound
 /// of all boxes.
-std::vector<std::size_t> Subdivided::worth_halving(std::size_t at_most) const {
+std::vector<std::size_t> Subdivided::boxes_to_halve(std::size_t at_most) const {
     double best = HUGE_VAL;
     for (const BoundedPart& p : parts_)
         if (!p.is_halved() && p.bound.error > 0) best = std::fmin(best, p.bound.error);

@@ -78,7 +78,7 @@ public:
     [[nodiscard]] std::vector<const BoundedPart*> leaves() const;
 
 private:
-    [[nodiscard]] std::vector<std::size_t> worth_halving(std::size_t at_most) const;
+    [[nodiscard]] std::vector<std::size_t> boxes_to_halve(std::size_t at_most) const;
     void halve(std::span<const std::size_t> which, const TapeBound& bound, const intersect::process::StopToken& stop);
 
     std::vector<BoundedPart> parts_;
