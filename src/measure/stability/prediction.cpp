@@ -27,7 +27,7 @@ public:
         z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
         return z ^ (z >> 31);
     }
-    bool toss() { return (bits() & 1U) != 0; }
+    bool coin() { return (bits() & 1U) != 0; }
 
 private:
     std::uint64_t state_;
@@ -76,7 +76,7 @@ void run_at_random(Tape& tape, SplitMix64& coins) {
         value = value_of(tape, i);
         if (!rounds(tape[i].op)) continue;
         const double off = rounding_of(tape, i);
-        if (off == 0 || !std::isfinite(off) || !coins.toss()) continue;
+        if (off == 0 || !std::isfinite(off) || !coins.coin()) continue;
         value = result_of(off > 0 ? TapeOp::next_down : TapeOp::next_up, {value}, tape.format_of(i));
     }
 }
