@@ -236,7 +236,7 @@ private:
             SearchPoint p = from;
             for (int k = 0; k < count; ++k) {
                 double& x = p.x[begin + static_cast<std::size_t>(random_.below(static_cast<int>(end - begin)))];
-                x = file_.exponents && random_.below(2) == 0 ? with_a_bit_turned(x) : stepped(x);
+                x = file_.exponents && random_.below(2) == 0 ? with_flipped_bit(x) : stepped(x);
             }
             if (file_.at_edge && random_.below(2) == 0) back_to_edge(p);
             if (file_.holds(p.ray(), p.primitive(file_.shape))) return p;
@@ -250,7 +250,7 @@ private:
     }
 
     /// x with one bit of its significand flipped, or twice x, or half of it.
-    double with_a_bit_turned(double x) {
+    double with_flipped_bit(double x) {
         const FloatFormat& f = row_.format.parameters;
         const int bit = random_.below(f.precision + 1) - 2;
         if (bit < 0) return rounding::to_format(bit == -1 ? 2 * x : x / 2, 0, f);
