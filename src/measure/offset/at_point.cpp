@@ -263,7 +263,7 @@ private:
         for (std::size_t k = 0; k < all.size(); ++k) {
             NewRay& r = all[k];
             if (!r.asks_own || r.has(Fault::not_finite)) continue;
-            const double first = hit[k] == 0 ? truth::missing : first_told(told, r, {t[k], near[k], far[k]});
+            const double first = hit[k] == 0 ? truth::missing : first_reported(told, r, {t[k], near[k], far[k]});
             const double from = enters(side) ? exit_of(r.ray, own()).value_or(0) / 2 : sides_ahead(side).of[k].from;
             if (enters(side) && std::isnan(first)) r.faults |= bit_of(Fault::lost_exit_by_form);
             else if (first < from) r.faults |= bit_of(Fault::self_hit_by_form);
@@ -279,7 +279,7 @@ private:
     }
 
     /// First root that the form reports in (tmin, tmax); NaN where there is none.
-    static double first_told(const intersect::Info& info, const NewRay& r, const std::array<S, 3>& told) {
+    static double first_reported(const intersect::Info& info, const NewRay& r, const std::array<S, 3>& told) {
         const std::size_t begin = info.roots == intersect::Roots::both ? 1 : 0;
         const std::size_t end = info.roots == intersect::Roots::both ? 3 : 1;
         for (std::size_t k = begin; k < end; ++k) {
