@@ -258,7 +258,7 @@ void try_behind(Trial& trial) {
                          (behind.near < 0 ? ", or say LB_NEAR (near_root, roots=near): t < 0 is then a miss" : ""));
 }
 
-void try_aside(Trial& trial) {
+void try_passing_ray(Trial& trial) {
     Question q = along(trial.shape, -5, 1);
     q.ray = {0, 0, -10, 0.6, 0, 0.8};  // through the planes of a box, beside it
     if (ends_of(q, trial.shape)) return trial.noted("no ray passes by " + with_article(trial.shape));
@@ -389,7 +389,7 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     probe_of_t("inside", try_inside, is_crossed_twice(trial.shape));
     if (trial.contract.roots == Roots::near_only) probe_of_t("behind", try_behind);
     else trial.probe("behind", try_behind);
-    trial.probe("aside", try_aside);
+    trial.probe("aside", try_passing_ray);
     if (is_flat(trial.shape)) trial.probe("facing", try_facing);
     probe_of_t("touching", try_touching);
     if (is_flat(trial.shape)) trial.probe("within", try_within);
