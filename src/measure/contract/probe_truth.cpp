@@ -101,7 +101,7 @@ std::vector<Question> aimed(const Trial& trial, const Aim& aim, bool upright) {
     return all;
 }
 
-std::string words_about(const Wrong& found, const Aim& aim) {
+std::string wrong_count_text(const Wrong& found, const Aim& aim) {
     return std::to_string(found.wrong) + " of " + std::to_string(found.asked) + " rays " + aim.words +
            " are answered wrongly, none of them near an edge; the first: " + found.first;
 }
@@ -259,8 +259,8 @@ void try_rays(Trial& trial) {
             asked += found.asked;
             if (found.wrong == 0) continue;
             const bool oblique = !upright && has_axis(trial.shape);
-            if (found.is_many() && !oblique) return trial.broken(words_about(found, aim));
-            trial.noted(words_about(found, aim) + (oblique ? "; where axes lie along x, y or z it is right" : ""));
+            if (found.is_many() && !oblique) return trial.broken(wrong_count_text(found, aim));
+            trial.noted(wrong_count_text(found, aim) + (oblique ? "; where axes lie along x, y or z it is right" : ""));
             if (oblique) return;
         }
     }
