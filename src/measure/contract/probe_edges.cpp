@@ -85,7 +85,7 @@ Wrong wrong_at_scale(const Trial& trial, const Places& places, int power) {
 std::string power_text(int power) { return "2^" + std::to_string(power); }
 
 /// Words about the first scale at which far more is wrong than at 2^0.
-std::string words_about_scale(int power, std::size_t wrong, std::size_t asked) {
+std::string scale_text(int power, std::size_t wrong, std::size_t asked) {
     return fmt::format(
         "; the first of nine scales that fails is {}, where {} of {} are answered wrongly: it compares with a fixed "
         "number, or its products leave the range of the format",
@@ -113,7 +113,7 @@ void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution)
         }
         for (const int power : scale_powers)
             if (const Wrong found = wrong_at_scale(trial, places, power); found.is_many() && beyond.empty())
-                beyond = words_about_scale(power, found.wrong, found.asked);
+                beyond = scale_text(power, found.wrong, found.asked);
     }
     const std::string words =
         fmt::format("{} rays at places of {} ({}) get the right answer", asked, row_of(trial.shape).plural, names);
@@ -273,7 +273,7 @@ void try_mesh(Trial& trial) {
     for (std::size_t scale = 1; scale < scale_powers.size(); ++scale) {
         const EdgeRayCounts found = light_at_scale(trial, scale);
         if (20 * found.all_passed() > found.all_asked() + 60 * plain.all_passed()) {
-            beyond = words_about_scale(scale_powers[scale], found.all_passed(), found.all_asked());
+            beyond = scale_text(scale_powers[scale], found.all_passed(), found.all_asked());
             break;
         }
         all.add(found);
