@@ -55,13 +55,13 @@ std::vector<Question> many(Shape shape) {
     return questions;
 }
 
-std::string primitive_words(Shape shape) { return std::string(row_of(shape).words.plainest); }
+std::string plainest_primitive_text(Shape shape) { return std::string(row_of(shape).words.plainest); }
 
 /// The plainest ray and its primitive in words.
-std::string plainest_words(Shape shape, const char* joint) {
+std::string plainest_ray_text(Shape shape, const char* joint) {
     const Question q = entering(shape);
     return fmt::format("origin (0, 0, {:g}), direction (0, 0, {:g}){}{}", q.ray[2], q.ray[5], joint,
-                       primitive_words(shape));
+                       plainest_primitive_text(shape));
 }
 
 /// The t at which the plainest ray leaves a shape for good: as far from the origin as it enters, seen from the other
@@ -175,7 +175,7 @@ void try_t(Trial& trial) {
     const auto is_far = [&](double t) { return is_answer(t, far) || is_answer(t, last); };
     if (is_answer(plain.near, right))
         return trial.kept("the plainest ray gets t = " + text_of(right) + ", which is right");
-    const auto where = " (" + plainest_words(trial.shape, ", ") + ": " + text_of(right) + " is right, it answers " +
+    const auto where = " (" + plainest_ray_text(trial.shape, ", ") + ": " + text_of(right) + " is right, it answers " +
                        text_of(plain.near) + ")";
     if (const auto length = length_key(trial.shape)) {
         if (const LengthMisuse* const found = find_taken_length(trial, length->number)) {
@@ -373,7 +373,8 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     bool hits = false;
     trial.probe("hit", [&hits](Trial& t) {
         hits = t.ask(entering(t.shape)).hit == 1;
-        if (!hits && !try_other_side(t)) t.broken("misses the plainest ray: " + plainest_words(t.shape, ", against "));
+        if (!hits && !try_other_side(t))
+            t.broken("misses the plainest ray: " + plainest_ray_text(t.shape, ", against "));
     });
     if (!hits) return std::move(trial.findings);
     if (trial.tells_t) trial.probe("t", try_t);
