@@ -23,11 +23,11 @@ struct ReportingCall;
 template <class Form, auto function, class R, class... A>
 struct ReportingCall<Form, function, R (*)(A...)> {
     static R run(A... arguments) {
-        const struct Telling {
-            Telling() {
+        const struct CallReport {
+            CallReport() {
                 if (formula_watch != nullptr) formula_watch->enter(name_for_messages<Form>);
             }
-            ~Telling() {
+            ~CallReport() {
                 if (formula_watch != nullptr) formula_watch->leave();
             }
         } telling;
