@@ -109,8 +109,8 @@ simd::RawRow reporting_pack() {
 /// Checks the rules by this many calls. Compilers report last what is called last, and for an `if` on a comparison the
 /// message of the masks (see `NotABool`) should come before the archetype's errors.
 template <class Form, int calls = 12>
-void obey_the_rules_after() {
-    if constexpr (calls > 0) obey_the_rules_after<Form, calls - 1>();
+void check_rules_last() {
+    if constexpr (calls > 0) check_rules_last<Form, calls - 1>();
     else obey_the_rules<Form>(nullptr, nullptr, nullptr);
 }
 
@@ -176,7 +176,7 @@ Formula formula_of() {
         row.native64 = ReportingCall<Form, table::native_batch<Form, double>>::run;
         row.rounded = ReportingCall<Form, table::rounded_batch<Form>>::run;
     }
-    if (false) obey_the_rules_after<Form>();
+    if (false) check_rules_last<Form>();
     std::array<const lb_form*, 2> first{};
     if constexpr (!marches<Form> && Form::info.roots == Roots::both) {
         first[0] = &first_form<Form, float>;
