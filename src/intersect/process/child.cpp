@@ -50,10 +50,10 @@ bool ends_within(int process, std::chrono::milliseconds time) {
 
 /// Ends the descendants of a child that have left its process group (setsid). This process is their subreaper: it
 /// adopts them when their parent ends.
-class Adopted {
+class AdoptedDescendants {
 public:
     /// Children that this process has already, left by the shell that started it, are not ours to end.
-    Adopted() {
+    AdoptedDescendants() {
         for (const int child : children()) own_.insert(child);
         prctl(PR_SET_CHILD_SUBREAPER, 1);
     }
@@ -81,8 +81,8 @@ private:
     std::mutex mutex_;
     std::set<int> own_;
 };
-Adopted& adopted() {
-    static auto* all = new Adopted;
+AdoptedDescendants& adopted() {
+    static auto* all = new AdoptedDescendants;
     return *all;
 }
 
