@@ -50,7 +50,7 @@ FilterArithmetic way_of_part(void* own, const Format& format, const Ray<double>&
     return form.way ? form.way(format, ray, target, tmax) : FilterArithmetic::own;
 }
 
-void pass_all_on(Made& set) {
+void forward_all(Made& set) {
     pass_on<&Intersector::native32>(set, &Intersector::native32);
     pass_on<&Intersector::native64>(set, &Intersector::native64);
     pass_on<&Intersector::rounded>(set, &Intersector::rounded);
@@ -116,7 +116,7 @@ void fill(Made& set) {
                .native32 = nullptr,
                .native64 = nullptr,
                .parts = set.parts};
-    pass_all_on(set);
+    forward_all(set);
 }
 
 }  // namespace
