@@ -44,8 +44,8 @@ void pass_on(Made& set, Function<R(A...)> Intersector::*) {
 }
 
 /// The way of the form for the target's shape. A form that does not filter settles every ray in its own arithmetic.
-FilterArithmetic way_of_part(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target,
-                             double tmax) {
+FilterArithmetic filter_arithmetic_of_part(void* own, const Format& format, const Ray<double>& ray,
+                                           const Target<double>& target, double tmax) {
     const Intersector& form = static_cast<Intersector*>(own)->of(shape_of_target(target));
     return form.way ? form.way(format, ray, target, tmax) : FilterArithmetic::own;
 }
@@ -61,7 +61,7 @@ void forward_all(Made& set) {
     pass_on<&Intersector::count>(set, &Intersector::count);
     pass_on<&Intersector::bounded>(set, &Intersector::bounded);
     if (std::ranges::any_of(set.parts, [](const Intersector* part) { return static_cast<bool>(part->way); }))
-        set.row.way = {way_of_part, &set.row};
+        set.row.way = {filter_arithmetic_of_part, &set.row};
 }
 
 /// The value of `member` if all forms of the set agree on it, else `otherwise`.
