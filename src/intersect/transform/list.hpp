@@ -20,7 +20,7 @@ namespace lostbits::intersect::transform {
 
 /// Calls `act.template operator()<PlainTransform>()` for each in turn.
 template <class Act>
-constexpr void for_each_space(const Act& act) {
+constexpr void for_each_transform_method(const Act& act) {
     const auto all = [&act]<class... L>() { (act.template operator()<L>(), ...); };
     all.template operator()<PlainTransform,     //
                             PbrtTransform,      //

@@ -46,7 +46,7 @@ Ray<T> world_ray(const RayBatch<S>& rays, std::size_t i) {
 template <class L>
 constexpr std::size_t index_of() {
     std::size_t place = 0, k = 0;
-    for_each_space([&]<class Other>() {
+    for_each_transform_method([&]<class Other>() {
         if (std::same_as<L, Other>) place = k;
         ++k;
     });
@@ -54,7 +54,7 @@ constexpr std::size_t index_of() {
 }
 constexpr std::size_t space_count = [] {
     std::size_t count = 0;
-    for_each_space([&count]<class L>() { ++count; });
+    for_each_transform_method([&count]<class L>() { ++count; });
     return count;
 }();
 
@@ -196,7 +196,7 @@ constexpr TransformMethod row() {
 std::span<const TransformMethod> transform_methods() {
     static const std::vector<TransformMethod> all = [] {
         std::vector<TransformMethod> rows;
-        for_each_space([&rows]<class L>() { rows.push_back(row<L>()); });
+        for_each_transform_method([&rows]<class L>() { rows.push_back(row<L>()); });
         return rows;
     }();
     return all;

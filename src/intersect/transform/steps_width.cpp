@@ -57,7 +57,7 @@ template <class L, class F>
 }  // namespace
 
 void LOSTBITS_NAME_OF_WIDTH(fill_transforms)(RawTransformRow* rows) {
-    for_each_space([&rows]<class L>() {
+    for_each_transform_method([&rows]<class L>() {
         *rows++ = {{to_object<L, float>, back<L, float>}, {to_object<L, double>, back<L, double>}};
     });
 }
