@@ -132,7 +132,7 @@ void Progress::put(std::string_view text) noexcept {
     }
 }
 
-std::optional<std::string> estimate_text(std::string_view name, const Reached& first, const Reached& now,
+std::optional<std::string> estimate_text(std::string_view name, const ProgressPoint& first, const ProgressPoint& now,
                                          std::uint64_t total, std::uint64_t starts) {
     const double watched = now.seconds - first.seconds;
     if (now.units <= first.units || now.units >= total || watched < first_piece_s) return {};

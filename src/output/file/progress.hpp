@@ -79,7 +79,7 @@ inline constexpr double first_piece_s = 2;
 inline constexpr double long_run_s = 30;
 
 /// Number of units that were done `seconds` after the start of the run.
-struct Reached {
+struct ProgressPoint {
     std::uint64_t units = 0;
     double seconds = 0;
 };
@@ -87,8 +87,9 @@ struct Reached {
 /// Estimate as text: `NAME will take about 3m20s: its first 1 % took 2s`. Nothing if less than `first_piece_s` were
 /// watched, or if all `total` units would take less than `long_run_s`. Before the `first` units are done, a run starts
 /// up and finds the truth for all forms. That happens `starts` times: once per band of the picture in a map.
-[[nodiscard]] std::optional<std::string> estimate_text(std::string_view name, const Reached& first, const Reached& now,
-                                                       std::uint64_t total, std::uint64_t starts = 1);
+[[nodiscard]] std::optional<std::string> estimate_text(std::string_view name, const ProgressPoint& first,
+                                                       const ProgressPoint& now, std::uint64_t total,
+                                                       std::uint64_t starts = 1);
 
 /// Watches a run and, if it is long, prints an estimate on stderr, above the bar.
 class Estimate {
@@ -107,7 +108,7 @@ private:
     std::string name_;
     std::uint64_t total_, starts_;
     std::mutex mutex_;  ///< guards the two below
-    Reached first_, now_;
+    ProgressPoint first_, now_;
     std::atomic<bool> said_;
     Clock::time_point start_ = Clock::now();
 };
