@@ -131,7 +131,7 @@ page::MendPart mend_part(const output::repair::MendResult& result) {
                         .front = {fmt::format("Kept bits on {}", result.request.id()), svg_text(front_plot(result))},
                         .timed = !result.prices.empty()};
     for (const output::repair::FormRow& one : rows_of(result))
-        if (one.came_out()) part.changes.push_back(change_text(result, one));
+        if (one.is_proposal()) part.changes.push_back(change_text(result, one));
     return part;
 }
 

@@ -92,7 +92,7 @@ struct FormRow {
     bool told =
         true;  ///< shown in the text; of the catalogue only the most accurate and the front, without the form itself
 
-    [[nodiscard]] bool came_out() const { return kind == "wider" || kind == "symmetric" || kind == "rewritten"; }
+    [[nodiscard]] bool is_proposal() const { return kind == "wider" || kind == "symmetric" || kind == "rewritten"; }
 };
 
 /// The form, the set and the symmetric set if there are any, all operations wider, each other way of writing it, the
