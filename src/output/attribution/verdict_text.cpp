@@ -192,7 +192,7 @@ std::string no_blame_sentence(const Explanation& x, bool marches) {
 }
 
 /// The culprit, or why there is none.
-std::string blame_sentence(const Explanation& x, bool marches) {
+std::string culprit_paragraph(const Explanation& x, bool marches) {
     if (!x.has_tape())
         return "Its operations are not known, because a compiled function is a black box; write it as a form over any "
                "number to see them (docs/your-own-form.md).";
@@ -347,7 +347,7 @@ ExplainedVerdict verdict_of(const Explanation& x, const std::optional<MarchEnd>&
     answer.pop_back();
     return {.answer = std::move(answer),
             .loss = cause_sentence(x, march),
-            .blame = blame_sentence(x, march.has_value()),
+            .blame = culprit_paragraph(x, march.has_value()),
             .culprit = culprit_operation(x)};
 }
 
