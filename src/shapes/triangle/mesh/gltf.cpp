@@ -199,7 +199,7 @@ private:
             accessor.fail("does not hold three floats for each vertex");
         const Elements all = elements_of(accessor, 12);
         std::vector<Vec<double>>& vertices = found_.mesh.vertices;
-        require_room(accessor, vertices.size(), all.count, "vertices");
+        require_within_limit(accessor, vertices.size(), all.count, "vertices");
         known->second = {vertices.size(), all.count};
         for (std::size_t i = 0; i < all.count; ++i) {
             terms_.stop.check();
@@ -216,7 +216,7 @@ private:
     /// Limits the memory to a multiple of the size of the files. A vertex takes twelve bytes of a buffer and a
     /// triangle three, unless accessors overlap or are named again. So it accepts no more of them than there are
     /// bytes.
-    void require_room(const GltfValue& value, std::size_t taken, std::size_t more, const char* what) const {
+    void require_within_limit(const GltfValue& value, std::size_t taken, std::size_t more, const char* what) const {
         if (more > most_faces || taken > most_faces - more)
             value.fail(fmt::format("makes more than 2^31 - 1 {}", what));
         if (taken + more > bytes_read_)
@@ -248,7 +248,7 @@ private:
     template <class At>
     void add_faces(const GltfValue& value, const Vertices& vertices, std::size_t corners, const At& at) {
         if (corners % 3 != 0) value.fail("has " + toml::counted(corners, "corner") + "; three make a triangle");
-        require_room(value, found_.mesh.faces.size(), corners / 3, "triangles");
+        require_within_limit(value, found_.mesh.faces.size(), corners / 3, "triangles");
         for (std::size_t i = 0; i < corners; i += 3) {
             terms_.stop.check();
             std::array<std::uint32_t, 3> face;
