@@ -139,7 +139,7 @@ std::vector<measure::evaluate::TestedForm> rows_of(const JudgeOptions& o, const 
     const auto asked = selection::rows_meeting({all, o.forms, common.quiet}, o.file, meets);
     if (asked.empty())
         throw NothingSelected(o.file + ": no selected form handles its primitives" +
-                              selection::words_to_meet(all, meets));
+                              selection::fitting_forms_advice(all, meets));
     rows.insert(rows.end(), asked.begin(), asked.end());
     return rows;
 }
@@ -207,7 +207,7 @@ Exit run(const JudgeOptions& o, const Common& common) {
         const auto several = selection::several_shapes(meets);
         if (several && !(other.front()->shapes() == *several))
             throw InputError(fmt::format("--against {}: {}{}", o.against, o.file,
-                                         selection::words_to_meet({{other.front(), dump->format()}}, meets)));
+                                         selection::fitting_forms_advice({{other.front(), dump->format()}}, meets)));
         selection::compare_against(request.rows, o.against, common.quiet);
         if (request.file_form && !request.file_place())
             throw InputError(

@@ -51,7 +51,7 @@ measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id
         form = &intersect::transform::through(intersect::transform::usual_transform_method(), *form);
     if (!meets(form->shapes()))
         throw NothingSelected(fmt::format("{} is not a form for the primitives of {}{}", o.form, id,
-                                          selection::words_to_meet({{form, *find_format(o.format)}}, meets)));
+                                          selection::fitting_forms_advice({{form, *find_format(o.format)}}, meets)));
     return {.form = form, .format = formats.front()};
 }
 

@@ -78,7 +78,7 @@ TestedForm row_for(const TestedForm& row, const std::string& where, const Meets&
     if (is_primitive(shape) && several_shapes(meets)) {
         std::vector<TestedForm> parts{row};
         for (const auto* const part : row.form->parts) parts.push_back({part, row.format});
-        throw InputError(fmt::format("-i {}: {}{}", row.form->info->name, where, words_to_meet(parts, meets)));
+        throw InputError(fmt::format("-i {}: {}{}", row.form->info->name, where, fitting_forms_advice(parts, meets)));
     }
     const std::string lacks =
         is_primitive(shape) ? fmt::format("no primitives for it: it is a form for {}", plurals(row.form->shapes()))

@@ -121,7 +121,7 @@ std::vector<measure::evaluate::TestedForm> timed_on(const std::string& id, const
     auto timed = rows_meeting(chosen, id, can);
     if (!timed.empty()) return timed;
     throw NothingSelected("none of the selected forms is for the primitives of " + id +
-                          words_to_meet(chosen.rows, can));
+                          fitting_forms_advice(chosen.rows, can));
 }
 
 bool are_files(const RayFileOptions& o, const std::vector<std::string>& subjects) {

@@ -124,7 +124,7 @@ std::vector<measure::evaluate::TestedForm> drop_unfitting(Things& things, const 
     std::erase_if(things, [&](const auto& thing) {
         const Meets can = [&](Shapes forms) { return meets(thing, forms); };
         if (!rows_meeting(chosen, std::string(name_of(thing)), can).empty()) return false;
-        left_out.push_back("no selected form handles " + std::string(name_of(thing)) + words_to_meet(rows, can));
+        left_out.push_back("no selected form handles " + std::string(name_of(thing)) + fitting_forms_advice(rows, can));
         return true;
     });
     if (things.empty()) throw NothingSelected(left_out.front());

@@ -38,7 +38,7 @@ std::string joined_plurals(const std::vector<Shape>& shapes) {
 }
 
 /// "22 of spheres and 11 of boxes make 242 sets"
-std::string count_words(const std::vector<Forms>& by_shape, std::size_t count) {
+std::string set_counts_text(const std::vector<Forms>& by_shape, std::size_t count) {
     std::vector<std::string> words;
     for (const Forms& forms : by_shape)
         words.push_back(fmt::format("{} of {}", forms.size(), row_of(forms.front()->shape).plural));
@@ -52,7 +52,7 @@ Forms combinations(const std::vector<Forms>& by_shape, const std::string& who) {
     for (const Forms& forms : by_shape) count *= forms.size();
     if (count > most_sets)
         throw InputError(fmt::format("{}: {}, and at most {} are allowed; name fewer forms, such as -i '{}.*' -i {}",
-                                     who, count_words(by_shape, count), most_sets,
+                                     who, set_counts_text(by_shape, count), most_sets,
                                      name_of(by_shape.front().front()->shape), by_shape.back().front()->info->name));
     Forms sets;
     std::string refusal;
@@ -133,7 +133,7 @@ void add_rows(std::vector<TestedForm>& rows, const Forms& sets) {
 }
 
 /// The shapes that no row is for, and advice.
-std::string lacking_words(const std::vector<TestedForm>& rows, Shapes shapes) {
+std::string missing_shapes_text(const std::vector<TestedForm>& rows, Shapes shapes) {
     std::vector<Shape> lacking;
     std::string example;
     for (const Shape shape : listed(shapes)) {
@@ -154,7 +154,8 @@ void add_sets(const SelectedRows& chosen, const std::string& name, Shapes shapes
         for (const Intersector* const part : set->parts) parts.push_back({part, chosen.rows.front().format});
         for (const Shape shape : listed(shapes))
             if (!set->shapes().has(shape))
-                throw InputError(fmt::format("-i {}: {}: {}", set->info->name, name, lacking_words(parts, shapes)));
+                throw InputError(
+                    fmt::format("-i {}: {}: {}", set->info->name, name, missing_shapes_text(parts, shapes)));
     }
     std::vector<Forms> by_shape;
     for (const Shape shape : listed(shapes))
@@ -320,8 +321,8 @@ std::string globs_of(const Meets& meets) {
     return globs;
 }
 
-std::string words_to_meet(const std::vector<TestedForm>& rows, const Meets& meets) {
-    if (const auto several = several_shapes(meets)) return ": " + lacking_words(rows, *several);
+std::string fitting_forms_advice(const std::vector<TestedForm>& rows, const Meets& meets) {
+    if (const auto several = several_shapes(meets)) return ": " + missing_shapes_text(rows, *several);
     return "; try -i '" + globs_of(meets) + "'";
 }
 

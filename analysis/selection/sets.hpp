@@ -76,6 +76,6 @@ std::string globs_of(const Meets& meets);
 
 /// Advice for the end of a message that no selected form can test something: "; try -i 'sphere.*'", or ": it has
 /// spheres and boxes, and no selected form is for boxes; try -i sphere.press+box.inclusive".
-std::string words_to_meet(const std::vector<measure::evaluate::TestedForm>& rows, const Meets& meets);
+std::string fitting_forms_advice(const std::vector<measure::evaluate::TestedForm>& rows, const Meets& meets);
 
 }  // namespace lostbits::analysis::selection
