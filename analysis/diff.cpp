@@ -42,7 +42,7 @@ using Settings = std::map<std::string, std::set<std::string>>;
 /// The values of each of the options above.
 Settings settings_of(const std::string& command) {
     Settings settings;
-    const auto words = selection::words_in(command);
+    const auto words = selection::split_shell_words(command);
     for (std::size_t i = 0; i < words.size(); ++i) {
         if (std::ranges::find(measurement_options(), words[i]) == measurement_options().end()) continue;
         if (words[i] == "--quick" || words[i] == "--single" || words[i] == "--bulk" || i + 1 == words.size())

@@ -162,7 +162,7 @@ std::optional<output::map::BarRange> parse_range(const std::string& text, const 
     return output::map::BarRange{*lo, *hi};
 }
 
-std::vector<std::string> words_in(const std::string& command) {
+std::vector<std::string> split_shell_words(const std::string& command) {
     std::vector<std::string> words;
     bool quoted = false, open = false;
     for (std::size_t i = 0; i < command.size(); ++i) {

@@ -63,6 +63,6 @@ std::optional<output::map::BarRange> parse_range(const std::string& text,
                                                  const std::vector<const measure::metric::Metric*>& drawn);
 
 /// The words of a command that `shell_word` quoted.
-std::vector<std::string> words_in(const std::string& command);
+std::vector<std::string> split_shell_words(const std::string& command);
 
 }  // namespace lostbits::analysis::selection

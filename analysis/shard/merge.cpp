@@ -16,7 +16,7 @@ struct MergeOptions {
 
 /// The words of the command whose shards are joined, with the folder of this run.
 std::vector<std::string> words_of_run(const std::string& command, const MergeOptions& o) {
-    std::vector<std::string> words = selection::words_in(command);
+    std::vector<std::string> words = selection::split_shell_words(command);
     const bool checks = words.size() > 1 && words[1] == "check";
     words.insert(words.end(), {checks ? "--report" : "-o", o.out});
     for (const auto& [option, file] :
