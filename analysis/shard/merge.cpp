@@ -15,7 +15,7 @@ struct MergeOptions {
 };
 
 /// The words of the command whose shards are joined, with the folder of this run.
-std::vector<std::string> words_of_run(const std::string& command, const MergeOptions& o) {
+std::vector<std::string> arguments_of_run(const std::string& command, const MergeOptions& o) {
     std::vector<std::string> words = selection::split_shell_words(command);
     const bool checks = words.size() > 1 && words[1] == "check";
     words.insert(words.end(), {checks ? "--report" : "-o", o.out});
@@ -42,7 +42,7 @@ void add_merge(const shell::Command& program, const std::string& version, const 
     command.add("--export-json", o->json, "Of claims: write JSON, one object per claim");
     command.runs([o, version, run_again] {
         const auto shards = std::make_shared<Shards>(o->folders, version);
-        return run_again(words_of_run(shards->command(), *o), shards);
+        return run_again(arguments_of_run(shards->command(), *o), shards);
     });
 }
 
