@@ -137,7 +137,7 @@ std::vector<std::string> words_of(const Common& common) {
 }
 
 /// Runs the command of these words. `joined`: finished shards of this command to join; null: do the work.
-Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Shards> joined) {
+Exit run_arguments(const std::vector<std::string>& words, std::shared_ptr<shard::Shards> joined) {
     shell::CommandLine program("lostbits", program_and_version, description);
     Common common;
     common.joined = std::move(joined);
@@ -151,7 +151,7 @@ Exit run_words(const std::vector<std::string>& words, std::shared_ptr<shard::Sha
     shard::add_merge(program, program_and_version,
                      [&common](std::vector<std::string> again, std::shared_ptr<shard::Shards> shards) {
                          std::ranges::move(words_of(common), std::back_inserter(again));
-                         return run_words(again, std::move(shards));
+                         return run_arguments(again, std::move(shards));
                      });
     for (const auto add : {add_offsets, add_plugin, add_render, add_report, add_shader, add_sweep, add_trade})
         add(program, common);
@@ -244,7 +244,7 @@ int run_program(int argc, char** argv) {
     };
     try {
         const scene::toml::FilesOfRun files;
-        const Exit code = analysis::run_words(words, nullptr);
+        const Exit code = analysis::run_arguments(words, nullptr);
         // A failed write to stdout (to a full disk, by redirection) loses results, as a failed write to a file does.
         intersect::process::put_back_limits();
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
