@@ -127,7 +127,7 @@ public:
     [[nodiscard]] Shapes shapes() const { return opened_.shapes; }
 
     /// Makes these files the subject of the request.
-    void become_subject_of(MendRequest& request) {
+    void set_subject_of(MendRequest& request) {
         rays_ = judged(request, measure::repair::catalogue_beside(request.row));
         if (!common_.quiet) selection::note_rounded(rays_.name, rays_.rounded, rays_.format);
         request.rays = &rays_;
@@ -195,7 +195,7 @@ Exit run(const MendOptions& o, const Common& common) {
     request.requirement = {.bits = o.bits, .wrong = o.wrong, .quantile = quantile_at(o.at)};
     request.limit.stop = common.stop;
     const selection::ThreadLimit limit(common.threads);
-    if (rays) rays->become_subject_of(request);
+    if (rays) rays->set_subject_of(request);
     const std::string subject = scene ? selection::name_of_scene(*scene, data) : rays->words();
     std::unique_ptr<output::file::ResultFolder> owner;
     std::optional<output::repair::MendFiles> files;
