@@ -51,7 +51,7 @@ void fill_own_rows(simd::RawRow* row) {
 
 #else
 
-#include "intersect/external/build_words.hpp"
+#include "intersect/external/build_id.hpp"
 #include "intersect/external/formula_of.hpp"
 #include "number/archetype.hpp"
 
@@ -65,16 +65,15 @@ namespace lostbits::intersect::external {
 }  // namespace lostbits::intersect::external
 
 /// Exports forms from the library. Use it once, outside of every namespace.
-#define LOSTBITS_FORMULAS(...)                                                                                     \
-    extern "C" [[gnu::visibility("default")]] const lostbits::intersect::external::FormulaList* lostbits_formulas( \
-        const lostbits::intersect::external::FormulaWatch* watch) {                                                \
-        namespace external = lostbits::intersect::external;                                                        \
-        return external::Formulas<__VA_ARGS__>::list(                                                              \
-            watch, external::build_words,                                                                          \
-            {external::fill_own_w128, external::fill_own_w256, external::fill_own_w512});                          \
-    }                                                                                                              \
-    const lb_form* lostbits_forms(int abi, std::size_t* count) {                                                   \
-        return lostbits::intersect::external::Formulas<__VA_ARGS__>::plain(abi, count);                            \
+#define LOSTBITS_FORMULAS(...)                                                                                       \
+    extern "C" [[gnu::visibility("default")]] const lostbits::intersect::external::FormulaList* lostbits_formulas(   \
+        const lostbits::intersect::external::FormulaWatch* watch) {                                                  \
+        namespace external = lostbits::intersect::external;                                                          \
+        return external::Formulas<__VA_ARGS__>::list(                                                                \
+            watch, external::build_id, {external::fill_own_w128, external::fill_own_w256, external::fill_own_w512}); \
+    }                                                                                                                \
+    const lb_form* lostbits_forms(int abi, std::size_t* count) {                                                     \
+        return lostbits::intersect::external::Formulas<__VA_ARGS__>::plain(abi, count);                              \
     }
 
 #endif

@@ -3,7 +3,7 @@
 #include <deque>
 #include <string>
 
-#include "intersect/external/build_words.hpp"
+#include "intersect/external/build_id.hpp"
 #include "intersect/external/contract.hpp"
 #include "intersect/external/guard.hpp"
 #include "intersect/external/plugin.hpp"
@@ -52,9 +52,9 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     if (list == nullptr || list->build == nullptr)
         throw InputError(
             from + ": lostbits_formulas returns no list; define it by LOSTBITS_FORMULAS(...) of lostbits_form.hpp");
-    if (std::string_view(list->build) != build_words)
+    if (std::string_view(list->build) != build_id)
         throw InputError(from + ": its forms were compiled with the headers of " + list->build +
-                         ", but this program is " + build_words + "; compile it again with this program's headers");
+                         ", but this program is " + build_id + "; compile it again with this program's headers");
     if (list->contracts)
         throw InputError(from +
                          ": its forms were compiled so that a*b + c is rounded once, but their tapes round twice; "
