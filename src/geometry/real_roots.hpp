@@ -79,8 +79,8 @@ struct EnclosedRoots {
     [[nodiscard]] const EnclosedRoot<E>& operator[](int i) const { return all[static_cast<std::size_t>(i)]; }
     /// Compares root i with a point x: −1 below, 0 at, +1 above it; nothing if that is not known. `against(p)` is the
     /// sign of p − x. `value` is the sign of `simple` at x: between the neighbouring roots it changes only at root i.
-    template <class AgainstOutcome, class Value>
-    [[nodiscard]] std::optional<int> order(int i, const AgainstOutcome& against, const Value& value) const {
+    template <class Against, class Value>
+    [[nodiscard]] std::optional<int> order(int i, const Against& against, const Value& value) const {
         const auto is = [](const std::optional<int>& sign, int wanted) { return sign && *sign * wanted >= 0; };
         const auto& [low, high, root, crosses, behind] = (*this)[i];
         const auto from_low = against(low), from_high = against(high);

@@ -47,7 +47,7 @@ double moved(double x, int ulps, const FloatFormat& format) {
     return x == 0 || !std::isfinite(x) ? x : x + ulps * ulp_at(x, format);
 }
 
-/// FormResult of a form that has answered. For a form that answers no t, only the decision counts.
+/// Result of a form that has answered. For a form that answers no t, only the decision counts.
 FormResult result_of_form(const Intersector& form, const Format& format, const OneRay& ray, bool hit, double t) {
     const bool tells_t = form.info->roots != intersect::Roots::none;
     FormResult s{&form, answer::classify(ray.truth(*form.info).decision, hit, tells_t ? t : 0), t};
@@ -57,7 +57,7 @@ FormResult result_of_form(const Intersector& form, const Format& format, const O
     return s;
 }
 
-/// FormResult of the form's nearest answer over the primitives of the scene, as in a picture.
+/// Result of the form's nearest answer over the primitives of the scene, as in a picture.
 FormResult result_of_form(const Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
     const answer::Answers answers = answer::evaluate(form, in.all);
@@ -123,7 +123,7 @@ const Intersector* with_generator_of(const Intersector& asked, const Intersector
     return generator && held ? &scene::rays::with_generator(*generator, *held) : held;
 }
 
-/// FormResult of another form on a ray and, if it is right there, on the rays around it.
+/// Result of another form on a ray and, if it is right there, on the rays around it.
 FormResult result_of_other_form(const Explanation& x, const OneRay& ray, const Intersector& form, const OneRay& its_ray,
                                 const Surroundings& around) {
     FormResult s = result_of_form(form, x.format, its_ray);

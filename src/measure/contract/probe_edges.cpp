@@ -228,7 +228,7 @@ bool any_hit(const Trial& trial, std::span<const Question> questions, std::span<
     return false;
 }
 
-/// EdgeRayCounts passes if the form claims no triangle that faces the ray. Those around the edge or vertex are asked in
+/// Light passes if the form claims no triangle that faces the ray. Those around the edge or vertex are asked in
 /// one batch, the others only if it claims none of these. Each scale has rays of its own.
 EdgeRayCounts light_at_scale(const Trial& trial, std::size_t scale) {
     constexpr int attempts = 768, rays_of_mesh = 16;

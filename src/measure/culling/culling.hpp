@@ -161,7 +161,7 @@ public:
     /// Index for the truth of the primitives as given. May be null, as may those of a format: test every primitive
     /// then.
     [[nodiscard]] const PrimitiveIndex* for_truth() const { return truth_.get(); }
-    /// Indices for forms in a format that receive `primitives`, and for the truth of those. LazyIndices on first use.
+    /// Indices for forms in a format that receive `primitives`, and for the truth of those. Made on first use.
     std::shared_ptr<const PrimitiveIndex> for_forms(const FloatFormat& format,
                                                     const scene::rays::PrimitiveList<double>& primitives);
     std::shared_ptr<const PrimitiveIndex> for_own_truth(const FloatFormat& format,

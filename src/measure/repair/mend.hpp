@@ -140,7 +140,7 @@ public:
     [[nodiscard]] Obstruction without_rounding(const Tape& tape) const;
 
 private:
-    /// CorrectAnswer answer of a ray. `t`: correctly rounded to a double, or the distance for a form that asks for
+    /// Right answer of a ray. `t`: correctly rounded to a double, or the distance for a form that asks for
     /// directions of length one.
     struct CorrectAnswer {
         truth::Truth::Decision decision;

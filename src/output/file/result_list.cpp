@@ -24,7 +24,7 @@ std::string text_of(const nlohmann::json& entry, const char* key) {
     return entry.contains(key) && entry[key].is_string() ? entry[key].get<std::string>() : std::string();
 }
 
-ResultFolder::ListedRun transformed_parts_of(const nlohmann::json& entry) {
+ResultFolder::ListedRun run_of(const nlohmann::json& entry) {
     ResultFolder::ListedRun made{{text_of(entry, "command"), text_of(entry, "program")}, {}};
     if (entry.contains("forms") && entry["forms"].is_object()) {
         for (const auto& [name, what] : entry["forms"].items())

@@ -261,7 +261,7 @@ TEST_CASE("each level that can lose a hit is reported apart", "[hull]") {
     CHECK(seen[Level::world_box] > 0);
     CHECK(seen[Level::nothing] > 0);
 
-    // CountedChange and moved 8 km, rays at its edges: M^-1 o is off by more than what rounding leaves of the faces.
+    // Turned and moved 8 km, rays at its edges: M^-1 o is off by more than what rounding leaves of the faces.
     Seeded r(31);
     int by_space = 0;
     for (int n = 0; n < 3000; ++n) {

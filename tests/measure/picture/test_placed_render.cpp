@@ -49,7 +49,7 @@ TEST_CASE("spheres under matrices are rendered like spheres with the moved numbe
 }
 
 TEST_CASE("the normal of a stretched sphere is that of its surface for every transform method") {
-    // AgainstOutcome what finite differences of the map say: the normal is across every way along the surface.
+    // Against what finite differences of the map say: the normal is across every way along the surface.
     scene::file::Scene scene = load("raycast-course.pixels", 32, 32);
     auto& primitive = scene.listed.front();
     const Vec<Real> c = rounded(primitive.sphere().centre);

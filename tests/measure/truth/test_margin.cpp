@@ -67,9 +67,9 @@ struct Seen {
 
 /// Tests the margin `said`: no change by that part of each number changes the result, neither a random one nor one
 /// towards a zero of one of the functions. `is_tight` if a change that is a fifth larger does.
-template <class N, class Functions, class Same, class CountedChange>
+template <class N, class Functions, class Same, class Turned>
 Seen look(const Problem<N>& problem, double said, std::uint64_t bits, const Functions& functions, const Same& same,
-          const CountedChange& turned) {
+          const Turned& turned) {
     Seen seen;
     const double farther = std::max(1.2 * said, 0x1p-80);
     for (std::size_t k = 0; k < 4; ++k)

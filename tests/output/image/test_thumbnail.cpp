@@ -29,7 +29,7 @@ TEST_CASE("a thumbnail averages in linear light, exactly and in any order of row
     for (int y = 0; y < 211; ++y) down.add_rows(y, std::span(noise).subspan(static_cast<std::size_t>(y) * 333, 333));
     for (int y = 210; y >= 0; --y) up.add_rows(y, std::span(noise).subspan(static_cast<std::size_t>(y) * 333, 333));
     CHECK((down.pixels() == up.pixels()));
-    // AgainstOutcome the definition: the mean over the pixel's exact area, in floating point.
+    // Against the definition: the mean over the pixel's exact area, in floating point.
     for (const auto& [i, j] : {std::pair{0, 0}, std::pair{159, 100}, std::pair{80, 50}}) {
         double sum = 0, weight = 0;
         for (int y = 0; y < 211; ++y) {
