@@ -59,7 +59,7 @@ double least_distance(const Vec<double>& p, const Primitive<double>& primitive) 
 /// Far sides of the primitive that is left, ahead of the rays to one side; for rays that go into it, their way out.
 struct FarSides {
     FarSide along_normal;
-    std::vector<FarSide> of;  ///< along each ray
+    std::vector<FarSide> along_rays;
 };
 
 /// One point, computed in the number type of its format.
@@ -83,35 +83,36 @@ public:
         std::optional<Vec<T>> light;
         if (work.light_) light = lift_vec<T>(*work.light_);
         if (!is_finite(p_) || !is_finite(n_)) return;
-        for (const Departure<T>& way : departures_from<T>(ray, p, leaving_->n, infinite, light)) {
-            if (is_finite(as_doubles(way.w))) ways_[way.side > T(0) ? 0 : 1].push_back(way);
+        for (const Departure<T>& departure : departures_from<T>(ray, p, leaving_->n, infinite, light)) {
+            if (is_finite(as_doubles(departure.w))) departures_[departure.side > T(0) ? 0 : 1].push_back(departure);
         }
         for (const Side side : both_sides) {
             FarSides& ahead = far_[static_cast<std::size_t>(side)];
             ahead.along_normal = far_ahead(side, side == Side::outside ? n_ : -1.0 * n_);
-            for (const Departure<T>& way : ways(side)) ahead.of.push_back(far_ahead(side, as_doubles(way.w)));
+            for (const Departure<T>& departure : departures(side))
+                ahead.along_rays.push_back(far_ahead(side, as_doubles(departure.w)));
         }
     }
 
     [[nodiscard]] bool is_there() const { return is_finite(p_) && is_finite(n_); }
     [[nodiscard]] const Vec<double>& p() const { return p_; }
     [[nodiscard]] const Vec<double>& n() const { return n_; }
-    [[nodiscard]] std::size_t count(Side side) const { return ways(side).size(); }
+    [[nodiscard]] std::size_t count(Side side) const { return departures(side).size(); }
 
     [[nodiscard]] std::vector<NewRay> rays(const Strategy& strategy, Side side) const {
         std::vector<NewRay> all;
-        for (const Departure<T>& way : ways(side)) {
+        for (const Departure<T>& departure : departures(side)) {
             Leaving<T> leaving = *leaving_;
-            leaving.w = way.w;
-            leaving.side = way.side;
-            leaving.reach = way.reach;
+            leaving.w = departure.w;
+            leaving.side = departure.side;
+            leaving.reach = departure.reach;
             const Respawn<T> r = strategy.respawn<T>(leaving);
-            all.push_back({.ray = {as_doubles(r.origin), as_doubles(way.w)},
+            all.push_back({.ray = {as_doubles(r.origin), as_doubles(departure.w)},
                            .tmin = as_double(r.tmin),
                            .tmax = as_double(r.tmax),
                            .asks_own = r.asks_own});
         }
-        for (std::size_t k = 0; k < all.size(); ++k) find_faults(all[k], side, sides_ahead(side).of[k]);
+        for (std::size_t k = 0; k < all.size(); ++k) find_faults(all[k], side, sides_ahead(side).along_rays[k]);
         find_faults_by_form(all, side);
         return all;
     }
@@ -123,11 +124,11 @@ public:
         if (!is_finite(origin) || e > (enters(side) ? ahead.wall : ahead.from)) return OffsetVerdict::too_much;
         std::vector<NewRay> all;
         for (std::size_t k = 0; k < count(side); ++k) {
-            const Departure<T>& way = ways(side)[k];
-            const Ray<double> ray{origin, as_doubles(way.w)};
-            if (!is_right(ray, side, sides_ahead(side).of[k]))
+            const Departure<T>& departure = departures(side)[k];
+            const Ray<double> ray{origin, as_doubles(departure.w)};
+            if (!is_right(ray, side, sides_ahead(side).along_rays[k]))
                 return e > ahead.from ? OffsetVerdict::too_much : OffsetVerdict::too_little;
-            if (by_form) all.push_back({.ray = ray, .tmin = 0, .tmax = as_double(way.reach)});
+            if (by_form) all.push_back({.ray = ray, .tmin = 0, .tmax = as_double(departure.reach)});
         }
         if (!by_form) return OffsetVerdict::enough;
         find_faults_by_form(all, side);
@@ -173,8 +174,8 @@ private:
         found.n = unit_of<T>(sign * times(rows, there.n));
         found.object = there;
     }
-    [[nodiscard]] const std::vector<Departure<T>>& ways(Side side) const {
-        return ways_[static_cast<std::size_t>(side)];
+    [[nodiscard]] const std::vector<Departure<T>>& departures(Side side) const {
+        return departures_[static_cast<std::size_t>(side)];
     }
     [[nodiscard]] const Primitive<double>& own() const { return own_; }
     [[nodiscard]] const FarSides& sides_ahead(Side side) const { return far_[static_cast<std::size_t>(side)]; }
@@ -264,7 +265,8 @@ private:
             NewRay& r = all[k];
             if (!r.asks_own || r.has(Fault::not_finite)) continue;
             const double first = hit[k] == 0 ? truth::missing : first_reported(told, r, {t[k], near[k], far[k]});
-            const double from = enters(side) ? exit_of(r.ray, own()).value_or(0) / 2 : sides_ahead(side).of[k].from;
+            const double from =
+                enters(side) ? exit_of(r.ray, own()).value_or(0) / 2 : sides_ahead(side).along_rays[k].from;
             if (enters(side) && std::isnan(first)) r.faults |= bit_of(Fault::lost_exit_by_form);
             else if (first < from) r.faults |= bit_of(Fault::self_hit_by_form);
         }
@@ -294,7 +296,7 @@ private:
     Primitive<double> own_;
     std::optional<Leaving<T>> leaving_;
     Vec<double> p_{0, 0, 0}, n_{0, 0, 0};
-    std::array<std::vector<Departure<T>>, 2> ways_;
+    std::array<std::vector<Departure<T>>, 2> departures_;
     std::array<FarSides, 2> far_;
 };
 

@@ -92,10 +92,10 @@ inline constexpr std::array glass{2, 3};
 
 /// Adds the ray w of length one, unless it lies in the surface or is not a direction.
 template <Number T>
-void add_departure(const Vec<T>& w, const Vec<T>& n, const T& reach, std::vector<Departure<T>>& ways) {
+void add_departure(const Vec<T>& w, const Vec<T>& n, const T& reach, std::vector<Departure<T>>& departures) {
     const T cosine = dot(n, w);
-    if (cosine > T(0)) ways.push_back({w, T(1), reach});
-    else if (cosine < T(0)) ways.push_back({w, T(-1), reach});
+    if (cosine > T(0)) departures.push_back({w, T(1), reach});
+    else if (cosine < T(0)) departures.push_back({w, T(-1), reach});
 }
 
 /// The directions of all rays that leave a point, in order: to the light, where there is one and it lies outside;
@@ -105,20 +105,20 @@ void add_departure(const Vec<T>& w, const Vec<T>& n, const T& reach, std::vector
 template <Number T>
 std::vector<Departure<T>> departures_from(const Ray<T>& ray, const Vec<T>& p, const Vec<T>& n, const T& infinite,
                                           const std::optional<Vec<T>>& light) {
-    std::vector<Departure<T>> ways;
+    std::vector<Departure<T>> departures;
     if (light) {
         const Vec<T> way = *light - p;
-        if (dot(n, way) > T(0)) add_departure<T>(unit_of<T>(way), n, length(way), ways);
+        if (dot(n, way) > T(0)) add_departure<T>(unit_of<T>(way), n, length(way), departures);
     }
     const Vec<T> d = unit_of<T>(ray.direction);
     const T facing = dot(d, n);
-    add_departure<T>(moved<T>(d, -(T(2) * facing), n), n, infinite, ways);
+    add_departure<T>(moved<T>(d, -(T(2) * facing), n), n, infinite, departures);
     const bool enters = facing < T(0);
     const T eta = enters ? T(glass[0]) / T(glass[1]) : T(glass[1]) / T(glass[0]);
     const T cosine = abs(facing), rest = T(1) - eta * eta * (T(1) - cosine * cosine);
     if (rest > T(0)) {
         const T along = enters ? eta * cosine - sqrt(rest) : sqrt(rest) - eta * cosine;
-        add_departure<T>(moved<T>(Vec<T>(eta * d.x, eta * d.y, eta * d.z), along, n), n, infinite, ways);
+        add_departure<T>(moved<T>(Vec<T>(eta * d.x, eta * d.y, eta * d.z), along, n), n, infinite, departures);
     }
 
     const T sign = copysign(T(1), n.z), a = T(-1) / (sign + n.z), b = n.x * n.y * a;
@@ -131,14 +131,14 @@ std::vector<Departure<T>> departures_from(const Ray<T>& ray, const Vec<T>& p, co
                 const Vec<T> tangent = moved<T>(Vec<T>(x * across.x, x * across.y, x * across.z), y, up);
                 const T height = side * up_cosine;
                 add_departure<T>(moved<T>(Vec<T>(height * n.x, height * n.y, height * n.z), sine, tangent), n, infinite,
-                                 ways);
+                                 departures);
                 const T turned = -y;
                 y = x;
                 x = turned;
             }
         }
     }
-    return ways;
+    return departures;
 }
 
 }  // namespace lostbits::measure::offset
