@@ -66,7 +66,7 @@ T longest_way(const Ray<T>& ray, const OrderedSlabs<T>& slabs) {
     T way(0);
     for (int axis = 0; axis < 3; ++axis) {
         const T d = ray.direction[axis], inv = T(1) / d;
-        const T dmax = (slabs.of[static_cast<std::size_t>(axis)].bmax - ray.origin[axis]) * inv;
+        const T dmax = (slabs.planes[static_cast<std::size_t>(axis)].bmax - ray.origin[axis]) * inv;
         way = max(inv * d, max(dmax * abs(d), way));
     }
     return way;
@@ -92,8 +92,8 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
         for (int axis = 0; axis < 3; ++axis) {
             add(ray.origin[axis]);
             add(ray.direction[axis]);
-            add(slabs.of[static_cast<std::size_t>(axis)].bmin);
-            add(slabs.of[static_cast<std::size_t>(axis)].bmax);
+            add(slabs.planes[static_cast<std::size_t>(axis)].bmin);
+            add(slabs.planes[static_cast<std::size_t>(axis)].bmax);
         }
         const mask_t<B> endless = number::wide::widen<B>(limit) >= far_away<B>();
         add(select(endless, T(0), limit));
@@ -115,8 +115,8 @@ static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, c
         const W d = wide(ray.direction[axis]), o = wide(ray.origin[axis]);
         const W sign = copysign(W(1), d);
         m[static_cast<std::size_t>(axis)] = abs(d);
-        n[static_cast<std::size_t>(axis)] = sign * (wide(slabs.of[static_cast<std::size_t>(axis)].bmin) - o);
-        f[static_cast<std::size_t>(axis)] = sign * (wide(slabs.of[static_cast<std::size_t>(axis)].bmax) - o);
+        n[static_cast<std::size_t>(axis)] = sign * (wide(slabs.planes[static_cast<std::size_t>(axis)].bmin) - o);
+        f[static_cast<std::size_t>(axis)] = sign * (wide(slabs.planes[static_cast<std::size_t>(axis)].bmax) - o);
     }
     const W v = unit_roundoff<W>(), end = min(wide(limit), far_away<W>());
     // The least of all comparisons: positive where every one is proved to hold, negative where one is proved to fail.
@@ -147,7 +147,7 @@ static Segment<T> segment_in(const Ray<T>& ray, const OrderedSlabs<T>& slabs, co
     using number::wide::narrow, number::wide::widen;
     W tmin(0), tmax = widen<W>(limit);
     for (int axis = 0; axis < 3; ++axis) {
-        const Planes<T>& planes = slabs.of[static_cast<std::size_t>(axis)];
+        const Planes<T>& planes = slabs.planes[static_cast<std::size_t>(axis)];
         const W d = widen<W>(ray.direction[axis]), o = widen<W>(ray.origin[axis]);
         const mask_t<W> runs = abs(d) > W(0);
         tmin = select(runs, max((widen<W>(planes.bmin) - o) / d, tmin), tmin);
@@ -162,7 +162,7 @@ template <Number T>
 Hit<T> in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>& found,
                       const SlabDecision<T>& known, const mask_t<T>& good) {
     const Vec<T>&o = ray.origin, &d = ray.direction;
-    const auto& [x, y, z] = slabs.of;
+    const auto& [x, y, z] = slabs.planes;
     const std::array<T, 13> in{o.x,    o.y,    o.z,    d.x,    d.y,    d.z,        x.bmin,
                                y.bmin, z.bmin, x.bmax, y.bmax, z.bmax, found.limit};
     const std::array<T, 3> all = number::wide::masked_lanes<T, 13, 3>(
@@ -203,7 +203,7 @@ Hit<T> in_a_call(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>
                              {{tmin, tmax}, value_of(found.limit)}, {{none < none, none < none}, in_range.value()});
     const Vec<T>&o = ray.origin, &d = ray.direction;
     const auto plane = [&](int axis, const auto& back) {
-        const Planes<T>& planes = slabs.of[static_cast<std::size_t>(axis)];
+        const Planes<T>& planes = slabs.planes[static_cast<std::size_t>(axis)];
         return select(back(d[axis]), planes.bmax, planes.bmin);
     };
     const auto low = [&](int axis) { return plane(axis, [](const T& x) { return copysign(T(1), x) < T(0); }); };

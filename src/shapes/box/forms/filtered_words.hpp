@@ -26,17 +26,17 @@ struct SlabDecision {
 /// A box's planes in the order in which the line meets them, which depends on the sign of d.
 template <Number T>
 struct OrderedSlabs {
-    std::array<Planes<T>, 3> of;
+    std::array<Planes<T>, 3> planes;
 };
 
 /// The same as plain numbers.
 template <Number T>
 auto value_of(const OrderedSlabs<T>& slabs) {
-    using P = decltype(number::wide::value_of(slabs.of[0].bmin));
+    using P = decltype(number::wide::value_of(slabs.planes[0].bmin));
     const auto planes = [](const Planes<T>& of) {
         return Planes<P>{number::wide::value_of(of.bmin), number::wide::value_of(of.bmax)};
     };
-    return OrderedSlabs<P>{{planes(slabs.of[0]), planes(slabs.of[1]), planes(slabs.of[2])}};
+    return OrderedSlabs<P>{{planes(slabs.planes[0]), planes(slabs.planes[1]), planes(slabs.planes[2])}};
 }
 
 /// A number beyond every t of floats, or of numbers in the range of `fits`.
@@ -94,8 +94,8 @@ auto ways_of(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     for (int axis = 0; axis < 3; ++axis) {
         const auto at = static_cast<std::size_t>(axis);
         const B d = word(ray.direction[axis]), o = word(ray.origin[axis]), sign = copysign(B(1), d);
-        const TwoWords<B> first = sum_of<B>(without_infinity(word(slabs.of[at].bmin)), -o),
-                          second = sum_of<B>(without_infinity(word(slabs.of[at].bmax)), -o);
+        const TwoWords<B> first = sum_of<B>(without_infinity(word(slabs.planes[at].bmin)), -o),
+                          second = sum_of<B>(without_infinity(word(slabs.planes[at].bmax)), -o);
         ways.m[at] = abs(d);
         ways.n[at] = {sign * first.hi, sign * first.lo};
         ways.f[at] = {sign * second.hi, sign * second.lo};
