@@ -296,14 +296,14 @@ Exit run(MapOptions o, const Common& common) {
 
     std::uint64_t units = 0;
     for (const SceneWork& work : works) units += work.units();
-    output::file::Progress progress(units / divided.division.share().of, "map", common.progress, common.quiet);
+    output::file::Progress progress(units / divided.division.share().count, "map", common.progress, common.quiet);
     const std::uint64_t unresolved = folders.each(works.size(), progress, [&](std::size_t k, const auto& complete) {
         SceneWork work = works[k];  // a copy that may point to objects of this iteration
         measure::truth::StageCounts stages;
         const auto bands = measure::evaluate::Bands(*work.map.scene, divided.division.share()).size();
-        output::file::Estimate estimate(progress, work.map.scene->id,
-                                        work.map.scene->pixels() * work.map.rows.size() / divided.division.share().of,
-                                        common.quiet, bands);
+        output::file::Estimate estimate(
+            progress, work.map.scene->id,
+            work.map.scene->pixels() * work.map.rows.size() / divided.division.share().count, common.quiet, bands);
         work.map.progress = advancing(progress, &estimate);
         work.map.stages = &stages;
         return map_scene(

@@ -157,7 +157,7 @@ std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun&
                                                             shard::keep_in(run.division, job));
     // Opening the files of many forms takes seconds, so the estimate starts after it.
     output::file::Estimate estimate(run.progress, study.scene.id,
-                                    units_of<Adapter>(study, o.values) / run.division.share().of, run.common.quiet);
+                                    units_of<Adapter>(study, o.values) / run.division.share().count, run.common.quiet);
     study.progress = advancing(run.progress, &estimate);
     const auto summaries = shard::run_divided(study, files, run.division, job);
     more.run(study, run.division);
@@ -203,7 +203,8 @@ Exit run_command(const StudyOptions& o, const Common& common) {
                          common);
     for (const auto& scene : scenes) selection::note_numbers(scene, o.scenes.set, rows, common.quiet);
 
-    output::file::Progress progress(units / divided.division.share().of, Adapter::name, common.progress, common.quiet);
+    output::file::Progress progress(units / divided.division.share().count, Adapter::name, common.progress,
+                                    common.quiet);
     const StudyRun run{o, common, divided.out, divided.division, progress};
     const std::uint64_t unproved = folders.each(studies.size(), progress, [&](std::size_t k, const auto& complete) {
         return measure_scene<Adapter>(studies[k], run, complete);

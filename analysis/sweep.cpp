@@ -99,7 +99,7 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     const auto owner = chosen.own(sweep.id, path);
     const auto files = owner ? std::make_unique<output::sweep::SweepFiles>(request, folder) : nullptr;
     request.share = chosen.division().share();
-    const auto units = measure::sweep::sweep_units(request) / request.share.of;
+    const auto units = measure::sweep::sweep_units(request) / request.share.count;
     const auto found = chosen.measured(sweep.id, units, request, measure::sweep::measure_sweep);
     if (!found) return;
     const auto& [steps, onsets] = *found;

@@ -49,7 +49,7 @@ std::vector<fs::path> state_files(const fs::path& named) {
     return found;
 }
 
-std::string shard_text(Share share) { return fmt::format("{}/{}", share.number, share.of); }
+std::string shard_text(Share share) { return fmt::format("{}/{}", share.number, share.count); }
 
 /// `2, 5 to 7 and 9`.
 std::string ranges_text(const std::vector<std::uint64_t>& numbers) {
@@ -81,7 +81,7 @@ Share share_named(const std::string& word) {
     return {*number, *of};
 }
 
-std::string folder_name(Share share) { return fmt::format("shard-{}-of-{}", share.number, share.of); }
+std::string folder_name(Share share) { return fmt::format("shard-{}-of-{}", share.number, share.count); }
 
 Shards::Shards(const std::vector<std::string>& folders, const std::string& program) {
     std::vector<fs::path> seen;
@@ -112,7 +112,7 @@ void Shards::check_same_run(const std::string& program) const {
         if (head.command != of.command)
             refuse(fmt::format("is a shard of another run: of `{}`, but {} is a shard of `{}`", head.command,
                                first.path().string(), of.command));
-        if (head.share.of != of.share.of)
+        if (head.share.count != of.share.count)
             refuse(fmt::format("is shard {}, but {} is shard {}: the run was divided in two ways",
                                shard_text(head.share), first.path().string(), shard_text(of.share)));
         if (head.inputs != of.inputs)
@@ -124,7 +124,7 @@ void Shards::check_same_run(const std::string& program) const {
 }
 
 void Shards::check_complete() const {
-    const std::uint64_t of = files_.front().head().share.of;
+    const std::uint64_t of = files_.front().head().share.count;
     for (std::size_t i = 1; i < files_.size(); ++i) {
         if (files_[i].head().share == files_[i - 1].head().share)
             throw InputError(fmt::format("{}: is shard {}, and so is {}; name one of them; nothing was joined",

@@ -13,17 +13,19 @@ struct Units {
     [[nodiscard]] bool holds(std::uint64_t unit) const { return first <= unit && unit < last; }
 };
 
-/// Shard `number` (from 1) of `of`; with `of` = 1 it is the whole run.
+/// Shard `number` (from 1) of `count`; with `count` = 1 it is the whole run.
 struct Share {
     static constexpr std::uint64_t most = 1'000'000;  ///< so that no product below overflows with 2^44 units
 
-    std::uint64_t number = 1, of = 1;
+    std::uint64_t number = 1, count = 1;
 
-    [[nodiscard]] bool is_whole() const { return of == 1; }
-    /// Units ⌊units·(number − 1)/of⌋ to ⌊units·number/of⌋. The shards of a run follow one another, share no unit, and
-    /// together have all units; their sizes differ by at most one. Where there are fewer units than shards, some shards
-    /// are empty.
-    [[nodiscard]] Units of_units(std::uint64_t units) const { return {units * (number - 1) / of, units * number / of}; }
+    [[nodiscard]] bool is_whole() const { return count == 1; }
+    /// Units ⌊units·(number − 1)/count⌋ to ⌊units·number/count⌋. The shards of a run follow one another, share no unit,
+    /// and together have all units; their sizes differ by at most one. Where there are fewer units than shards, some
+    /// shards are empty.
+    [[nodiscard]] Units of_units(std::uint64_t units) const {
+        return {units * (number - 1) / count, units * number / count};
+    }
     friend bool operator==(const Share&, const Share&) = default;
 };
 

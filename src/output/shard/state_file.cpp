@@ -65,7 +65,7 @@ void InputHash::add_file(const fs::path& path) {
 
 StateFileWriter::StateFileWriter(const fs::path& path, const StateHead& head) : file_(path) {
     write(fmt::format("{}\nprogram {}\ncommand {}\ninputs {:016x}\nshard {}/{}\n\n", heading, head.program,
-                      on_one_line(head.command), head.inputs, head.share.number, head.share.of));
+                      on_one_line(head.command), head.inputs, head.share.number, head.share.count));
 }
 
 void StateFileWriter::write(std::string_view bytes) {
@@ -134,7 +134,7 @@ void StateFileReader::read_head() {
     const std::string shard = line("shard");
     const std::size_t slash = std::min(shard.find('/'), shard.size() - 1);
     if (!parse(std::string_view(shard).substr(0, slash), head_.share.number) ||
-        !parse(std::string_view(shard).substr(slash + 1), head_.share.of))
+        !parse(std::string_view(shard).substr(slash + 1), head_.share.count))
         damaged();
     const auto [number, of] = head_.share;
     if (number < 1 || number > of || of > measure::shard::Share::most) damaged();
@@ -205,7 +205,7 @@ void UnfinishedFile::read(const std::function<void(BitReader&)>& take) const {
                         head.command, head_.command));
     if (head.share != head_.share)
         refuse(fmt::format("belongs to shard {}/{}, and this is {}/{}; leave out --resume to start over",
-                           head.share.number, head.share.of, head_.share.number, head_.share.of));
+                           head.share.number, head.share.count, head_.share.number, head_.share.count));
     if (head.inputs != head_.inputs)
         refuse(
             "belongs to a run that read other files: the sweep, its scene or a library has changed since; leave out "
