@@ -30,7 +30,7 @@ std::vector<Contract> greet(Child& child, const PipeTerms& terms) {
 
 /// Advice for the author of the program. A process of this program needs none: the author of a shader has no say in how
 /// it reads and writes.
-std::string duty(const PipeTerms& terms) {
+std::string author_advice(const PipeTerms& terms) {
     return terms.is_lostbits ? "" : "it must read a whole batch, answer it and flush its output";
 }
 
@@ -43,8 +43,8 @@ std::span<std::byte> bytes_of(T& value) {
 struct Partner {
     Partner(const std::string& command, const PipeTerms& terms)
         : memory(terms.is_lostbits ? std::make_unique<SharedMemory>() : nullptr),
-          child(command,
-                {terms.message_prefix, duty(terms), terms.seconds, memory ? memory->descriptor() : -1, terms.stop}),
+          child(command, {terms.message_prefix, author_advice(terms), terms.seconds, memory ? memory->descriptor() : -1,
+                          terms.stop}),
           contracts(greet(child, terms)) {
         if (memory && memory->descriptor() < 0) memory.reset();
         if (!memory) return;
