@@ -68,9 +68,9 @@ std::vector<std::string> record_all(const Intersector& form, const Target<double
                                     Tape& tape) {
     form.record_all(target, tape);
     auto made = some_ray(form, setting);
-    const bool is_led = made && form.info->direction != intersect::Direction::unit;
-    if (is_led) made->put_before(tape);
-    std::vector<std::string> names = names_of_inputs(form, target, is_led ? &*made : nullptr);
+    const bool is_put_before = made && form.info->direction != intersect::Direction::unit;
+    if (is_put_before) made->put_before(tape);
+    std::vector<std::string> names = names_of_inputs(form, target, is_put_before ? &*made : nullptr);
     if (setting.ranged) put_range_behind(tape, names, form, *find_format("f32"), {.tmin = 1, .tmax = 2});
     return names;
 }
@@ -188,8 +188,8 @@ const std::vector<std::int32_t>& Attributor::places(const std::function<std::vec
 RayAttribution Attributor::of(const Ray<double>& ray, const Target<double>& target, const Range<double>& range,
                               const std::optional<scene::rays::RecordedRay>& made) {
     form_.record(format_, ray, target, range.tmax, tape_);
-    const bool is_led = made && made->lead(tape_);
-    const auto names_without_range = [&] { return names_of_inputs(form_, target, is_led ? &*made : nullptr); };
+    const bool is_put_before = made && made->try_put_before(tape_);
+    const auto names_without_range = [&] { return names_of_inputs(form_, target, is_put_before ? &*made : nullptr); };
     std::vector<std::string> names;  // computed only where needed
     if (!range.is_whole()) {
         names = names_without_range();

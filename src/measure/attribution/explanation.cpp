@@ -213,7 +213,8 @@ std::optional<TruePrimitive> missed_primitive(const Intersector& form, const For
     const intersect::Target<double> target = aim;
     Tape tape;
     form.record(format, in.ray(*form.info), target, range.tmax, tape);
-    std::vector<std::string> names = names_of_inputs(form, target, made && made->lead(tape) ? &*made : nullptr);
+    std::vector<std::string> names =
+        names_of_inputs(form, target, made && made->try_put_before(tape) ? &*made : nullptr);
     put_range_behind(tape, names, form.of(target.primitives.front().shape), format, range);
     const Attribution of = attribute(tape);
     found.hit = tape[tape.outputs.hit].value != 0;
@@ -336,7 +337,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
         form.record(format, in.ray(*form.info), target, x.range.tmax, x.tape);
         const auto made = ray.recorded_ray(format);
         x.is_generated_ray = made.has_value();
-        x.names = names_of_inputs(form, target, made && made->lead(x.tape) ? &*made : nullptr);
+        x.names = names_of_inputs(form, target, made && made->try_put_before(x.tape) ? &*made : nullptr);
         put_range_behind(x.tape, x.names, form.of(x.shape), format, x.range);
         for (const TapeNode& n : x.tape.nodes) {
             if (n.op == TapeOp::input) x.inputs.push_back(n.value);

@@ -158,7 +158,7 @@ void RecordedRay::put_before(Tape& form) const {
     form = std::move(whole);
 }
 
-bool RecordedRay::lead(Tape& form) const {
+bool RecordedRay::try_put_before(Tape& form) const {
     const auto is_same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
     for (const TapeNode& n : form.nodes) {
         const auto k = static_cast<std::size_t>(n.operands[0]);

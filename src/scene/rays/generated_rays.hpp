@@ -26,7 +26,7 @@ struct RecordedRay {
     void put_before(Tape& form) const;
     /// The same, but only if the ray is the same to the bit; returns false otherwise. A form for unit directions gets
     /// another ray.
-    bool lead(Tape& form) const;
+    bool try_put_before(Tape& form) const;
 };
 
 class GeneratedRays {
