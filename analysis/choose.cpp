@@ -34,12 +34,12 @@ using output::repair::Proposal;
 namespace {
 
 /// Repaired forms; they stay loaded as long as the object lives.
-struct Mending {
-    struct Made {
+struct LoadedRepairs {
+    struct Loaded {
         intersect::external::Formula formula;
         Format format;
     };
-    std::vector<Made> made;
+    std::vector<Loaded> loaded;
     std::vector<output::choice::MendedCandidate> candidates;  ///< in the same order
 };
 
@@ -106,11 +106,11 @@ private:
 /// Repairs every row of the request that does not meet its requirement and whose operations are known. Compiles every
 /// result of `measure::repair::mend` that meets it, and writes it as a file into `folder`. Equal results of two forms
 /// count once. Throws EnvironmentError if nothing can be compiled. `command` is the command that asks for it.
-Mending mended(const ChoiceRequest& request, const measure::repair::CompilerSetup& setup,
-               const std::filesystem::path& folder, const std::string& command) {
+LoadedRepairs mended(const ChoiceRequest& request, const measure::repair::CompilerSetup& setup,
+                     const std::filesystem::path& folder, const std::string& command) {
     Bench bench(request, command);
     bench.mend_all();
-    Mending all;
+    LoadedRepairs all;
     if (bench.written.empty()) return all;
     auto formulas = compile_and_load({.scene = request.scene, .row = {}, .limit = request.limit}, bench.written, setup);
     for (std::size_t k = 0; k < formulas.size(); ++k) {
@@ -118,7 +118,7 @@ Mending mended(const ChoiceRequest& request, const measure::repair::CompilerSetu
         const auto file = folder / candidate.file;
         output::file::write_file(file, bench.written[k].header);
         candidate.file = file.string();
-        all.made.push_back({std::move(formulas[k]), bench.written[k].from.format});
+        all.loaded.push_back({std::move(formulas[k]), bench.written[k].from.format});
     }
     all.candidates = std::move(bench.candidates);
     return all;
@@ -218,10 +218,12 @@ Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
     request.progress = advancing(progress);
     if (!common.quiet) selection::note_idle_settings(o.set, scene.id, request.rows);
     if (!o.mend) return choose(request, files, owner, progress, common);
-    Mending mending = mended(request, {o.compiler, selection::form_flags_folder()}, folder,
-                             common.typed.of(selection::name_of_scene(scene, selection::data_folder(common.data))));
-    for (const auto& made : mending.made) request.rows.push_back({.form = &made.formula.row, .format = made.format});
-    return choose(request, files, owner, progress, common, std::move(mending.candidates));
+    LoadedRepairs repairs =
+        mended(request, {o.compiler, selection::form_flags_folder()}, folder,
+               common.typed.of(selection::name_of_scene(scene, selection::data_folder(common.data))));
+    for (const auto& repair : repairs.loaded)
+        request.rows.push_back({.form = &repair.formula.row, .format = repair.format});
+    return choose(request, files, owner, progress, common, std::move(repairs.candidates));
 }
 
 Exit choose_for_files(const ChooseOptions& o, const Common& common) {
