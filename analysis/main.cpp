@@ -126,7 +126,7 @@ void add_shell(const shell::Command& program) {
 }
 
 /// The common options of a run that joins shards. They replace those of the shards' own command lines.
-std::vector<std::string> words_of(const Common& common) {
+std::vector<std::string> arguments_of(const Common& common) {
     std::vector<std::string> words{"--progress", "none"};
     if (common.quiet) words.emplace_back("-q");
     if (common.verbose) words.emplace_back("-v");
@@ -150,7 +150,7 @@ Exit run_arguments(const std::vector<std::string>& words, std::shared_ptr<shard:
         add(program, common);
     shard::add_merge(program, program_and_version,
                      [&common](std::vector<std::string> again, std::shared_ptr<shard::Shards> shards) {
-                         std::ranges::move(words_of(common), std::back_inserter(again));
+                         std::ranges::move(arguments_of(common), std::back_inserter(again));
                          return run_arguments(again, std::move(shards));
                      });
     for (const auto add : {add_offsets, add_plugin, add_render, add_report, add_shader, add_sweep, add_trade})
