@@ -181,13 +181,13 @@ bool is_chosen(const Claim& c, const ReportOptions& o, const Work& work) {
 }
 
 /// The words of -i; without -i, all forms.
-std::vector<std::string> words_of(const ReportOptions& o) {
+std::vector<std::string> form_patterns_of(const ReportOptions& o) {
     return o.forms.empty() ? std::vector<std::string>{"*"} : o.forms;
 }
 
 /// The rows to time: the forms of -i in f32 and f64.
 std::vector<TestedForm> timed_rows(const ReportOptions& o) {
-    return selection::cross(selection::select_forms(words_of(o)), selection::select_formats({"f32", "f64"}));
+    return selection::cross(selection::select_forms(form_patterns_of(o)), selection::select_formats({"f32", "f64"}));
 }
 
 Work plan(const ReportOptions& o, const std::filesystem::path& data) {
@@ -208,7 +208,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
         if (!o.size.empty()) options.size = selection::parse_size(o.size);
         for (scene::file::Scene& scene : scene::file::load_scene(name.path, options)) {
             auto chosen = rows_for(scene.id, rows, claims, o.forms.empty());
-            auto fit = selection::rows_meeting({chosen, words_of(o), true}, scene.id,
+            auto fit = selection::rows_meeting({chosen, form_patterns_of(o), true}, scene.id,
                                                [&scene](Shapes forms) { return scene.meets(forms); });
             if (fit.empty()) continue;
             std::vector<const Metric*> wanted = asked;
@@ -231,12 +231,12 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     }
     for (const auto& path : subjects.sweeps) {
         auto all = rows_for(path.stem().string(), rows, claims, o.forms.empty());
-        plan_sweep(work, path, data, {all, words_of(o), true}, o.stop);
+        plan_sweep(work, path, data, {all, form_patterns_of(o), true}, o.stop);
     }
     for (SweepWork& sweep : work.sweeps) sweep.further_draws = o.seeds;
     for (const std::string& word : o.choices) {
         auto timed = timed_rows(o);
-        work.choices.push_back(report::choice_of(word, o.size, {timed, words_of(o), true}, data, o.stop));
+        work.choices.push_back(report::choice_of(word, o.size, {timed, form_patterns_of(o), true}, data, o.stop));
     }
     for (const std::string& word : o.mends.empty() && o.subjects.empty() ? defaults.mends : o.mends)
         work.mends.push_back(report::mend_of(word, o.size, data, o.stop));
