@@ -145,9 +145,9 @@ IdealRays rounded(const IdealRays& ideal, const InputFormats& formats) {
     return to;
 }
 
-std::optional<StretchedRays> stretched(const IdealRays& rays, Growth way, double factor) {
+std::optional<StretchedRays> stretched(const IdealRays& rays, Growth growth, double factor) {
     const Real k(factor);
-    switch (way) {
+    switch (growth) {
         case Growth::distance: return rays_farther(rays, k);
         case Growth::radius: return primitives_larger(rays, k);
         case Growth::offset: return rays_elsewhere(rays, k);

@@ -65,6 +65,6 @@ struct StretchedRays {
 ///
 /// Returns nothing if the growth does not apply: `view`, `distance` if the primitives lie behind all rays, `radius` if
 /// the point that stays is the centre of a sphere.
-std::optional<StretchedRays> stretched(const IdealRays& rays, Growth way, double factor);
+std::optional<StretchedRays> stretched(const IdealRays& rays, Growth growth, double factor);
 
 }  // namespace lostbits::measure::choice

@@ -54,10 +54,10 @@ std::optional<Stretched> wider(Scene scene, const Real& k) {
 
 }  // namespace
 
-std::optional<Stretched> stretched(const Scene& scene, Growth way, double factor) {
+std::optional<Stretched> stretched(const Scene& scene, Growth growth, double factor) {
     const bool plane = scene.camera.kind == Camera::Kind::pixel_plane;
     const Real k(factor);
-    switch (way) {
+    switch (growth) {
         case Growth::distance: return plane ? std::nullopt : farther_away(scene, k);
         case Growth::radius: return scene.flake ? std::nullopt : larger(scene, k);
         case Growth::offset: return plane ? std::nullopt : std::optional(elsewhere(scene, k));
@@ -89,13 +89,13 @@ struct Found {
     bool as_meant;
 };
 /// Measures at a factor; nothing if the growth does not apply there.
-using Look = std::function<std::optional<Found>(Growth way, double factor)>;
+using Look = std::function<std::optional<Found>(Growth growth, double factor)>;
 
 /// Search along one kind of growth.
 class Search {
 public:
-    Search(const Look& look, const Requirement& requirement, Growth way) : look_(look), requirement_(requirement) {
-        margin_.way = way;
+    Search(const Look& look, const Requirement& requirement, Growth growth) : look_(look), requirement_(requirement) {
+        margin_.growth = growth;
     }
 
     /// Nothing if the growth does not apply.
@@ -115,7 +115,7 @@ public:
 private:
     /// True if the requirement is met at that factor; records the result.
     bool try_at(double factor) {
-        const auto there = look_(margin_.way, factor);
+        const auto there = look_(margin_.growth, factor);
         if (!there) return false;
         known_ = true;
         const RowQuality& quality = there->quality;
@@ -142,8 +142,8 @@ private:
 };
 
 std::optional<Found> look_at_scene(const ChoiceRequest& request, const evaluate::TestedForm& row, const Scene& thin,
-                                   Growth way, double factor) {
-    const auto there = stretched(thin, way, factor);
+                                   Growth growth, double factor) {
+    const auto there = stretched(thin, growth, factor);
     if (!there) return std::nullopt;
     const Scene& scene = there->scene;
     culling::Culler culler(scene);
@@ -159,8 +159,8 @@ std::optional<Found> look_at_scene(const ChoiceRequest& request, const evaluate:
 }
 
 std::optional<Found> look_at_rays(const ChoiceRequest& request, const evaluate::TestedForm& row, const IdealRays& rays,
-                                  Growth way, double factor) {
-    const auto there = stretched(rays, way, factor);
+                                  Growth growth, double factor) {
+    const auto there = stretched(rays, growth, factor);
     if (!there) return std::nullopt;
     const truth::Band band(stored(there->rays, request.rays->format.parameters), request.limit);
     const RowQuality quality = quality_on(band, row, request.requirement);
@@ -177,17 +177,17 @@ std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluat
         constexpr std::size_t most_pairs = 1 << 24;
         const std::size_t faces = request.scene->mesh ? request.scene->mesh->faces.size() : 1;
         const int few = std::min(pixels, static_cast<int>(std::max<std::size_t>(most_pairs / faces, 64)));
-        look = [&, thin = with_smaller_picture(*request.scene, few)](Growth way, double factor) {
-            return look_at_scene(request, row, thin, way, factor);
+        look = [&, thin = with_smaller_picture(*request.scene, few)](Growth growth, double factor) {
+            return look_at_scene(request, row, thin, growth, factor);
         };
     } else {
-        look = [&, rays = ideal_of(request.rays->sample)](Growth way, double factor) {
-            return look_at_rays(request, row, rays, way, factor);
+        look = [&, rays = ideal_of(request.rays->sample)](Growth growth, double factor) {
+            return look_at_rays(request, row, rays, growth, factor);
         };
     }
     std::vector<GrowthMargin> all;
-    for (const Growth way : growths) {
-        if (const auto margin = Search(look, request.requirement, way).run()) all.push_back(*margin);
+    for (const Growth growth : growths) {
+        if (const auto margin = Search(look, request.requirement, growth).run()) all.push_back(*margin);
     }
     return all;
 }

@@ -26,7 +26,7 @@ struct Stretched {
 /// pixel plane, no distance of primitives that lie behind, no radius of a sphereflake, no view of parallel rays, and no
 /// view wider than 170 degrees. The offset at a factor k is (k − 1) times the distance from the eye to the centre of
 /// the primitives.
-std::optional<Stretched> stretched(const scene::file::Scene& scene, Growth way, double factor);
+std::optional<Stretched> stretched(const scene::file::Scene& scene, Growth growth, double factor);
 
 /// End of the search along one kind of growth.
 enum class End {
@@ -40,7 +40,7 @@ enum class End {
 inline constexpr std::array<std::string_view, 4> end_names{"fails", "nothing_hit", "other_scene", "none"};
 
 struct GrowthMargin {
-    Growth way = Growth::distance;
+    Growth growth = Growth::distance;
     double holds = 0, value = 0;  ///< largest factor at which the requirement was seen to hold, below the end, and the
                                   ///< value there; 0: it fails without any growth
     double beyond = 0;            ///< first factor seen at the end; 0 if there is none

@@ -51,7 +51,7 @@ Table<GrowthMargin> margin_table() {
     using measure::choice::End;
     Table<GrowthMargin> table{
         {"way", "string", "", "the quantity that grows: distance, radius, offset or view",
-         [](const GrowthMargin& r) { return measure::choice::growth_names[static_cast<std::size_t>(r.way)]; }},
+         [](const GrowthMargin& r) { return measure::choice::growth_names[static_cast<std::size_t>(r.growth)]; }},
         {"holds", "number", "1",
          "the largest factor at which the requirement was met; 0: not even by the scene as it is",
          &GrowthMargin::holds},

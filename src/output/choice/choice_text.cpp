@@ -108,8 +108,8 @@ std::string broken_by(const GrowthMargin& margin, const Requirement& requirement
 }
 
 /// `rays`: they come from files, so there is no camera.
-const char* growth_phrase(Growth way, bool rays) {
-    switch (way) {
+const char* growth_phrase(Growth growth, bool rays) {
+    switch (growth) {
         case Growth::distance: return rays ? "the rays start" : "the camera is";
         case Growth::radius: return "the primitives are";
         case Growth::offset: return "everything lies";
@@ -119,7 +119,7 @@ const char* growth_phrase(Growth way, bool rays) {
 }
 
 std::string so_far(const GrowthMargin& margin, bool rays) {
-    switch (margin.way) {
+    switch (margin.growth) {
         case Growth::distance:
             return fmt::format("{:.3g} times farther ({:.4g} units{})", margin.holds, margin.value,
                                rays ? ", the median" : "");
@@ -135,10 +135,10 @@ std::string margin_text(const GrowthMargin& margin, const ChoiceResult& chosen, 
     const bool rays = chosen.request.rays != nullptr;
     if (margin.holds == 0) {
         return fmt::format("has an unknown margin in {}: it already fails on the {} on which that is tried, by {}",
-                           measure::choice::growth_names[static_cast<std::size_t>(margin.way)],
+                           measure::choice::growth_names[static_cast<std::size_t>(margin.growth)],
                            rays ? "sample of the rays" : "smaller picture", broken_by(margin, requirement, precision));
     }
-    const std::string until = fmt::format("until {} {}", growth_phrase(margin.way, rays), so_far(margin, rays));
+    const std::string until = fmt::format("until {} {}", growth_phrase(margin.growth, rays), so_far(margin, rays));
     return "holds " + until +
            margin_end_text(margin, chosen.request.rays,
                            "; beyond that, it fails by " + broken_by(margin, requirement, precision));

@@ -36,7 +36,7 @@ std::string in_words(const RowQuality& quality, const measure::choice::Requireme
 }
 
 std::string margin_text(const GrowthMargin& margin, const MendResult& r) {
-    const auto way = measure::choice::growth_names[static_cast<std::size_t>(margin.way)];
+    const auto way = measure::choice::growth_names[static_cast<std::size_t>(margin.growth)];
     const auto& requirement = r.request.requirement;
     if (margin.holds == 0)
         return fmt::format("{}: fails already as it is, on a smaller picture: {}", way,

@@ -119,8 +119,8 @@ TEST_CASE("the format in which a form computes is read from its operations") {
 
 TEST_CASE("a scene stretched by 1 is unchanged, and by more shows the same picture from farther away") {
     const Scene scene = scene_named("near-benign");
-    for (const Growth way : growths) {
-        const auto same = stretched(scene, way, 1);
+    for (const Growth growth : growths) {
+        const auto same = stretched(scene, growth, 1);
         REQUIRE(same);
         CHECK(abs(same->scene.camera.eye.x - scene.camera.eye.x) < 1e-50);
         CHECK(abs(same->scene.camera.fov_deg - scene.camera.fov_deg) < 1e-50);
@@ -187,7 +187,7 @@ TEST_CASE("the margin ends where two spheres that differ only in radius round to
     const auto edge = [&asked](const std::string& variant) {
         const Scene scene = scene_named("rtg-fig-7-4." + variant);
         const auto margins = margins_of(request_of(scene, 16), asked, 4096);
-        const auto radius = std::ranges::find(margins, Growth::radius, &GrowthMargin::way);
+        const auto radius = std::ranges::find(margins, Growth::radius, &GrowthMargin::growth);
         REQUIRE(radius != margins.end());
         REQUIRE(radius->end == End::fails);
         return radius->value;
@@ -200,7 +200,7 @@ TEST_CASE("a margin ends where binary32 stores a different scene, even if all de
     const ChoiceRequest request = request_of(scene, 16);
     const TestedForm asked = row("sphere.unified", "f64");
     const auto margins = margins_of(request, asked, 48 * 48);
-    const auto offset = std::ranges::find(margins, Growth::offset, &GrowthMargin::way);
+    const auto offset = std::ranges::find(margins, Growth::offset, &GrowthMargin::growth);
     REQUIRE(offset != margins.end());
     CHECK(offset->end == End::other_scene);
     CHECK(offset->value > 1e5);
@@ -210,7 +210,7 @@ TEST_CASE("a margin ends where binary32 stores a different scene, even if all de
     ChoiceRequest of_own = request;
     of_own.scene = &own;
     const auto own_rooms = margins_of(of_own, asked, 24 * 24);
-    CHECK(std::ranges::find(own_rooms, Growth::offset, &GrowthMargin::way)->end != End::other_scene);
+    CHECK(std::ranges::find(own_rooms, Growth::offset, &GrowthMargin::growth)->end != End::other_scene);
 }
 
 TEST_CASE("a requirement that fails at once has no margin") {

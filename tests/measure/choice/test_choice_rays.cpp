@@ -155,9 +155,9 @@ TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points f
                                       scene::rays::shared_primitives(scene)};
     const IdealRays ideal = ideal_of(group);
     const measure::truth::Band here = ideal.band({});
-    for (const Growth way : {Growth::distance, Growth::radius, Growth::offset}) {
-        INFO(growth_names[static_cast<std::size_t>(way)]);
-        const auto same = stretched(ideal, way, 1);
+    for (const Growth growth : {Growth::distance, Growth::radius, Growth::offset}) {
+        INFO(growth_names[static_cast<std::size_t>(growth)]);
+        const auto same = stretched(ideal, growth, 1);
         REQUIRE(same);
         const auto back = stored(same->rays, binary32);
         CHECK(back.rays.ox == group.rays.ox);
@@ -165,11 +165,11 @@ TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points f
         for (std::size_t s = 0; s < 4; ++s) CHECK(back.primitives[s].numbers == group.primitives[s].numbers);
         // The primitive that is hit stays the same. From farther away the point does too, since the origin moves along
         // the ray.
-        const auto there = stretched(ideal, way, 4);
+        const auto there = stretched(ideal, growth, 4);
         REQUIRE(there);
         const measure::truth::Band band = there->rays.band({});
         std::size_t hits = 0;
-        for (std::size_t i = 0; i < here.pixels() && way != Growth::radius; ++i) {
+        for (std::size_t i = 0; i < here.pixels() && growth != Growth::radius; ++i) {
             REQUIRE(band.truth(i, {}).object == here.truth(i, {}).object);
             if (!here.truth(i, {}).is_hit()) continue;
             ++hits;
@@ -178,9 +178,9 @@ TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points f
                 return rays.rays[i].origin + Real(t) * rays.rays[i].direction;
             };
             const Vec<Real> apart = point(there->rays, band) - point(ideal, here);
-            if (way == Growth::distance) CHECK(length(apart) < 1e-14);
+            if (growth == Growth::distance) CHECK(length(apart) < 1e-14);
         }
-        CHECK((hits > 20 || way == Growth::radius));
+        CHECK((hits > 20 || growth == Growth::radius));
     }
     CHECK(stretched(ideal, Growth::distance, 8)->value ==
           Approx(8 * stretched(ideal, Growth::distance, 1)->value).epsilon(1e-14));
@@ -211,12 +211,12 @@ TEST_CASE("a requirement on rays holds at the edge of the margin and fails just 
     const auto margins = margins_of(request, row);
     REQUIRE(margins.size() == 3);
     for (const GrowthMargin& margin : margins) {
-        INFO(growth_names[static_cast<std::size_t>(margin.way)]);
+        INFO(growth_names[static_cast<std::size_t>(margin.growth)]);
         CHECK(margin.holds >= 1);
         if (margin.end != End::fails) continue;
         CHECK(margin.beyond / margin.holds <= 1.02);
         const auto at = [&](double factor) {
-            const auto there = stretched(ideal_of(rays.sample), margin.way, factor);
+            const auto there = stretched(ideal_of(rays.sample), margin.growth, factor);
             return quality_on(measure::truth::Band(stored(there->rays, binary32)), row, request.requirement);
         };
         CHECK(at(margin.holds).meets(request.requirement));
