@@ -203,7 +203,7 @@ private:
             return SymmetricSet{.operations = operations(sets[k]),
                                 .quality = quality[k],
                                 .groups = sets[k].size(),
-                                .of = groups_.size()};
+                                .all_groups = groups_.size()};
         }
         return std::nullopt;
     }

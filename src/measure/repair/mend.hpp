@@ -33,10 +33,10 @@ using identity::Rule;
 /// Set of operations done wider that treats x, y and z alike: groups of `exchanged_groups`.
 struct SymmetricSet {
     std::vector<NodeId> operations;
-    RowQuality quality{}, apart{};        ///< worth on the scene, and on rays that were not searched on
-    std::vector<RowQuality> probed = {};  ///< worth on each probe
-    std::size_t groups = 0, of = 0;       ///< number of groups in the set, and of all groups
-    bool is_smallest = false;             ///< no set of groups with fewer operations passes: all were tried
+    RowQuality quality{}, apart{};           ///< worth on the scene, and on rays that were not searched on
+    std::vector<RowQuality> probed = {};     ///< worth on each probe
+    std::size_t groups = 0, all_groups = 0;  ///< number of groups in the set, and of all groups
+    bool is_smallest = false;                ///< no set of groups with fewer operations passes: all were tried
 };
 
 /// Form written another way.

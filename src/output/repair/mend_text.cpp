@@ -122,7 +122,7 @@ std::string symmetric_set_text(const MendResult& r) {
         names_of(r, set.operations));
     text += diff_of(r, with_wider(m, set.operations));
     text += fmt::format("  These are {} of its {} groups of operations that are alike up to an exchange of axes; {}.\n",
-                        set.groups, set.of,
+                        set.groups, set.all_groups,
                         set.is_smallest ? "no groups with fewer operations are enough (all were tried)"
                                         : "none of these can be spared");
     return text + probes_text(r, set.probed) + apart_rays_text(r, set.quality, set.apart) +
