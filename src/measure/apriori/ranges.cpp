@@ -166,7 +166,7 @@ void ObservedErrors::append(const ObservedErrors& after) {
     wider += after.wider;
 }
 
-ObservedErrors see(const BoundQuery& asking, const std::vector<std::vector<double>>& rays) {
+ObservedErrors observe(const BoundQuery& asking, const std::vector<std::vector<double>>& rays) {
     std::vector<ObservedErrors> each(rays.size());
     intersect::process::in_parallel(std::size_t{0}, rays.size(), [&](std::size_t i) {
         asking.stop.check();
@@ -226,8 +226,8 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
             leaves.emplace_back(part, part->share / static_cast<double>(primitives));
         std::erase_if(rays, [&](const std::vector<double>& ray) { return !holds(r.ranges.back(), ray); });
         const BoundQuery asking{*request.form, request.format, divided.back(), primitive, request.limit.stop};
-        r.given.append(see(asking, rays));
-        r.drawn.append(see(asking, drawn(asking, drawn_boxes, drawn_rays)));
+        r.given.append(observe(asking, rays));
+        r.drawn.append(observe(asking, drawn(asking, drawn_boxes, drawn_rays)));
     }
     sum_up(r, leaves, bound, request.format.parameters);
     return r;

@@ -37,7 +37,7 @@ struct BoundQuery {
 };
 
 /// Errors of these inputs, all of which lie in the ranges.
-ObservedErrors see(const BoundQuery& asking, const std::vector<std::vector<double>>& rays);
+ObservedErrors observe(const BoundQuery& asking, const std::vector<std::vector<double>>& rays);
 
 /// Draws inputs in the `boxes` boxes with the largest bounds, `each` in each. Each number is one of the format.
 std::vector<std::vector<double>> drawn(const BoundQuery& asking, std::size_t boxes, int each);

@@ -26,10 +26,10 @@ using namespace lostbits;
 using intersect::table::Intersector;
 using measure::apriori::bound_over_ranges;
 using measure::apriori::InputBox;
+using measure::apriori::observe;
 using measure::apriori::ObservedErrors;
 using measure::apriori::RangesBound;
 using measure::apriori::RangesRequest;
-using measure::apriori::see;
 using measure::apriori::Subdivided;
 using measure::apriori::TapeBound;
 using test::form_named;
@@ -73,7 +73,7 @@ void check_box(const Intersector& form, const Format& format, const test::Hostil
                                                      : rounding::to_format(between, 0, format.parameters));
         }
     }
-    const ObservedErrors seen = see({form, format, parts, x.primitive, never}, rays);
+    const ObservedErrors seen = observe({form, format, parts, x.primitive, never}, rays);
     INFO(form.info->name << " in " << format.name);
     CHECK(seen.share <= 1 + 0x1p-40);
     all.append(seen);
