@@ -10,7 +10,7 @@
 #include "analysis/selection/ray_numbers.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/selection/sweep_options.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "number/error.hpp"
 #include "number/real.hpp"
 #include "output/file/number_text.hpp"

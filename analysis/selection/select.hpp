@@ -17,7 +17,7 @@
 #include "intersect/bounding_box/behind.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "intersect/table/table.hpp"
-#include "intersect/transform/space.hpp"
+#include "intersect/transform/transform_method.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/metric/metric_set.hpp"
 #include "number/error.hpp"

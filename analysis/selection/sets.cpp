@@ -7,7 +7,7 @@
 
 #include "analysis/selection/select.hpp"
 #include "intersect/bounding_box/behind.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/tape/contraction.hpp"
 #include "measure/tape/tape_form.hpp"
 #include "number/error.hpp"

@@ -6,7 +6,7 @@
 #include "catch.hpp"
 #include "intersect/bounding_box/box_methods.hpp"
 #include "intersect/table/table.hpp"
-#include "intersect/transform/space.hpp"
+#include "intersect/transform/transform_method.hpp"
 #include "measure/consistency/consistency.hpp"
 #include "measure/metric/metrics.hpp"
 #include "measure/offset/strategy.hpp"

@@ -7,7 +7,7 @@
 
 #include "catch.hpp"
 #include "intersect/bounding_box/box_methods.hpp"
-#include "intersect/transform/space.hpp"
+#include "intersect/transform/transform_method.hpp"
 #include "program.hpp"
 
 namespace test_cli_spaces {

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "intersect/bounding_box/box_methods.hpp"
-#include "intersect/transform/space.hpp"
+#include "intersect/transform/transform_method.hpp"
 
 namespace lostbits::test {
 

@@ -9,7 +9,7 @@
 #include "intersect/table/joined_tapes.hpp"
 #include "intersect/table/made_rows.hpp"
 #include "intersect/table/recording.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "number/error.hpp"
 #include "shapes/lift.hpp"
 #include "shapes/number_names.hpp"

@@ -116,7 +116,7 @@ struct Intersector {
     /// The forms of a set, in the order of their shapes.
     std::span<const Intersector* const> parts = {};
     bool is_placed =
-        false;  ///< it has a transform method, so it takes primitives under matrices (`transform/spaced.hpp`)
+        false;  ///< it has a transform method, so it takes primitives under matrices (`transform/transformed_form.hpp`)
 
     [[nodiscard]] bool exists_in(const Format& format) const {
         switch (format.engine) {

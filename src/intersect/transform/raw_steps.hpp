@@ -1,4 +1,4 @@
-// The interface between space.cpp and the objects of the register widths: plain pointers.
+// The interface between transform_method.cpp and the objects of the register widths: plain pointers.
 #pragma once
 
 #include <cstddef>

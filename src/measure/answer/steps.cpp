@@ -6,7 +6,7 @@
 #include <span>
 
 #include "intersect/simd/packed.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/truth/missing.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/real.hpp"

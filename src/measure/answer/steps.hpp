@@ -12,7 +12,7 @@
 #include "geometry/range.hpp"
 #include "intersect/bounding_box/behind.hpp"
 #include "intersect/table/table.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/truth/truth.hpp"
 
 namespace lostbits::measure::answer {

@@ -8,7 +8,7 @@
 #include "intersect/bounding_box/behind.hpp"
 #include "intersect/external/contract.hpp"
 #include "intersect/table/sets.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/answer/owners.hpp"
 #include "measure/attribution/culprits.hpp"

@@ -10,7 +10,7 @@
 #include "intersect/bounding_box/behind.hpp"
 #include "intersect/simd/packed.hpp"
 #include "intersect/table/sets.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/claim/claim_columns.hpp"
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/speed/timing.hpp"

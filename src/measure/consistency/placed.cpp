@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "intersect/table/sets.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/consistency/check.hpp"
 #include "measure/offset/offsets.hpp"
 

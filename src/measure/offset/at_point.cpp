@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "intersect/bounding_box/behind.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/answer/chunk.hpp"
 #include "measure/offset/ball_of.hpp"
 #include "measure/offset/half_line.hpp"

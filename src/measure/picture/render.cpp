@@ -5,7 +5,7 @@
 
 #include "intersect/bounding_box/behind.hpp"
 #include "intersect/process/parallel.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/picture/blockers.hpp"
 #include "measure/picture/stored_appearance.hpp"
 #include "measure/truth/unit_direction.hpp"

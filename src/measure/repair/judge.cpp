@@ -9,8 +9,8 @@
 
 #include "intersect/process/parallel.hpp"
 #include "intersect/table/in_range.hpp"
-#include "intersect/transform/space.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transform_method.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/answer/chunk.hpp"
 #include "measure/evaluate/bands.hpp"
 #include "measure/evaluate/measure_row.hpp"

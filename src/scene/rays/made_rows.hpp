@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "intersect/bounding_box/behind.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "scene/camera/ray_generators.hpp"
 
 namespace lostbits::scene::rays {

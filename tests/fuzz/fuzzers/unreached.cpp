@@ -3,7 +3,7 @@
 
 #include "intersect/bounding_box/behind.hpp"
 #include "intersect/bounding_box/box_methods.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/columns/columns.hpp"
 #include "output/claim/claim_files.hpp"
 #include "output/file/result_folder.hpp"

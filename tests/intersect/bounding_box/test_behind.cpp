@@ -9,7 +9,7 @@
 #include "intersect/bounding_box/behind.hpp"
 #include "intersect/box/box_exact.hpp"
 #include "intersect/methods.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/answer/steps.hpp"
 #include "measure/truth/box_distributions.hpp"
 #include "measure/truth/truth.hpp"

@@ -7,7 +7,7 @@
 #include "counts.hpp"
 #include "intersect/bounding_box/behind.hpp"
 #include "intersect/methods.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/answer/steps.hpp"
 #include "measure/truth/box_distributions.hpp"
 #include "scene/rays/rays.hpp"

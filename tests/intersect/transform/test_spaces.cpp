@@ -6,7 +6,7 @@
 
 #include "catch.hpp"
 #include "intersect/simd/packed.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/answer/self.hpp"
 #include "measure/answer/steps.hpp"
 #include "measure/seeded.hpp"

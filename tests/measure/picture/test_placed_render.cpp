@@ -1,6 +1,6 @@
 // Rendered pictures of spheres under matrices: against the same spheres where their numbers say, and against the map.
 #include "intersect/methods.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/picture/rendered.hpp"
 #include "number/real.hpp"
 #include "shapes/lift.hpp"

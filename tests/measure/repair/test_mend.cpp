@@ -9,7 +9,7 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "intersect/methods.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/repair/price.hpp"
 #include "measure/rows.hpp"
 #include "number/real.hpp"

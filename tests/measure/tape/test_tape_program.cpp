@@ -5,8 +5,8 @@
 
 #include "catch.hpp"
 #include "intersect/bounding_box/behind.hpp"
-#include "intersect/transform/space.hpp"
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transform_method.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/attribution/operation_error.hpp"
 #include "measure/attribution/operations.hpp"
 #include "measure/attribution/recorded_rays.hpp"

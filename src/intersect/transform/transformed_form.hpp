@@ -1,7 +1,7 @@
 // Forms with a transform method, as rows of the table. Scenes with primitives under matrices are measured by them.
 #pragma once
 
-#include "intersect/transform/space.hpp"
+#include "intersect/transform/transform_method.hpp"
 
 namespace lostbits::intersect::transform {
 

@@ -1,4 +1,4 @@
-#include "intersect/transform/spaced.hpp"
+#include "intersect/transform/transformed_form.hpp"
 
 #include <string>
 #include <tuple>

@@ -1,4 +1,4 @@
-#include "intersect/transform/space.hpp"
+#include "intersect/transform/transform_method.hpp"
 
 #include <vector>
 
