@@ -229,7 +229,7 @@ const Intersector& with_other_form(const Intersector& row, const Intersector& fo
     if (const BoxedFormParts made = boxed_parts_of(row); made.form != nullptr)
         return behind(*made.method, *made.box, with_other_form(*made.form, form));
     const auto placed = transform::transformed_parts_of(row);
-    return placed.form != nullptr ? transform::through(*placed.space, with_other_form(*placed.form, form)) : form;
+    return placed.form != nullptr ? transform::through(*placed.method, with_other_form(*placed.form, form)) : form;
 }
 
 }  // namespace lostbits::intersect::bounding_box

@@ -72,16 +72,16 @@ void evaluate(const BatchIn<T, S>& steps, const Kernel& kernel, const RayBatch<S
 }
 
 void ask32(void* own, const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
-    evaluate(of(own).space->batch32, simd::packed_kernels(*of(own).form).f32, rays, target, hits);
+    evaluate(of(own).method->batch32, simd::packed_kernels(*of(own).form).f32, rays, target, hits);
 }
 void ask64(void* own, const RayBatch<double>& rays, const Target<double>& target, const HitBatch<double>& hits) {
-    evaluate(of(own).space->batch64, simd::packed_kernels(*of(own).form).f64, rays, target, hits);
+    evaluate(of(own).method->batch64, simd::packed_kernels(*of(own).form).f64, rays, target, hits);
 }
 void evaluate_rounded(void* own, const FloatFormat& format, const RayBatch<double>& rays, const Target<double>& target,
                       const HitBatch<double>& hits) {
     const CurrentFormat::Scope scope(format);
     const auto kernel = [&](const auto&... a) { of(own).form->rounded(format, a...); };
-    evaluate(of(own).space->batch_rounded, kernel, rays, target, hits);
+    evaluate(of(own).method->batch_rounded, kernel, rays, target, hits);
 }
 
 /// Runs in an enclosure. If the determinant is not known to differ from 0, the answer stays open.
@@ -90,7 +90,7 @@ Hit<E> enclosed(void* own, const Ray<E>& ray, const Target<E>& target) {
     const TransformedFormParts row = of(own);
     const Primitive<E>& primitive = target.primitives.front();
     if (!primitive.placed) return (row.form->*kernel)(ray, target);
-    const StepsIn<E>& steps = row.space->*of_steps;
+    const StepsIn<E>& steps = row.method->*of_steps;
     const Maps<E> maps = steps.maps(*primitive.placed);
     const ObjectRay<E> in = steps.to_object(maps, ray);
     const Primitive<E> object = scaled(primitive, in.scale);
@@ -113,7 +113,7 @@ void record_with(const TransformedFormParts& row, const Format& format, const Ra
     for (std::size_t k = 0; k < world.matrix.size(); ++k) world.matrix[k] = input(primitive.placed->matrix[k]);
     world.is_inverse = primitive.placed->is_inverse;
     const NodeId end = input(tmax);
-    row.space->record(format, tape, world, [&](const ObjectNodes& object) {
+    row.method->record(format, tape, world, [&](const ObjectNodes& object) {
         const auto value = [&tape](NodeId node) { return tape[node].value; };
         const auto times = [&](NodeId a, NodeId b, double product) {
             return tape.add(TapeOp::mul, format.parameters, product, {a, b});

@@ -12,7 +12,7 @@ const table::Intersector& through(const TransformMethod& space, const table::Int
 
 /// The parts of such a row.
 struct TransformedFormParts {
-    const TransformMethod* space;
+    const TransformMethod* method;
     const table::Intersector* form;
 };
 /// The parts of a row; nulls if it was not made here.

@@ -87,8 +87,8 @@ public:
     }
 
     Steps walk(const Certified& truth) {
-        const StepsIn<T>& here = intersect::transform::steps_in<T>(*made_.space);
-        const StepsIn<Real>& exact = made_.space->real;
+        const StepsIn<T>& here = intersect::transform::steps_in<T>(*made_.method);
+        const StepsIn<Real>& exact = made_.method->real;
         Steps found;
         found.t[0] = truth;
         const Maps<T> maps = here.maps(transformed(*primitive_.placed, [](double x) { return static_cast<T>(x); }));
@@ -129,7 +129,7 @@ private:
         const truth::Truth truth = truth::find_truth(in.ray, object, {}, row_.info->convention().of(object.shape),
                                                      scaled_range(word_of(in.length)));
         if (!truth.is_hit()) return std::nullopt;
-        return known(made_.space->real.back(maps_, exact_world_, in, value_of(truth.t)));
+        return known(made_.method->real.back(maps_, exact_world_, in, value_of(truth.t)));
     }
 
     /// Answer of the form; nothing if it misses.
@@ -229,7 +229,7 @@ Levels levels_of(const Intersector& row, const Format& format, const Ray<double>
             now = behind.form;
         } else if (const auto through = intersect::transform::transformed_parts_of(*now); through.form != nullptr) {
             if (at.primitive.placed) {
-                at = object_of(*through.space, format, at);
+                at = object_of(*through.method, format, at);
                 const auto words = now->info->convention().of(primitive.shape);
                 if (!truth::find_truth(at.ray, at.primitive, {}, words, at.range).is_hit()) lose(Level::space);
             }

@@ -145,7 +145,7 @@ void find_better(Explanation& x, const OneRay& ray, const Surroundings& around,
     x.result.around = lost_around(*x.form, x.format, around, x.tells_t());
     std::vector<const Intersector*> all;
     for (const Intersector& other : intersect::table::intersectors()) all.push_back(&other);
-    if (const auto made = intersect::transform::transformed_parts_of(*x.form); made.space != nullptr)
+    if (const auto made = intersect::transform::transformed_parts_of(*x.form); made.method != nullptr)
         for (const auto& space : intersect::transform::transform_methods())
             all.push_back(&intersect::transform::through(space, *made.form));
     if (const auto made = intersect::bounding_box::boxed_parts_of(*x.form); made.form != nullptr)

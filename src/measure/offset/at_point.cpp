@@ -159,7 +159,7 @@ private:
         const auto& steps = intersect::transform::steps_in<T>(
             *intersect::transform::transformed_parts_of(
                  intersect::bounding_box::without_world_boxes(work_.row_.form->of(found.primitive.shape)))
-                 .space);
+                 .method);
         const Placement<T> placed = *std::exchange(found.primitive.placed, std::nullopt);
         const auto maps = steps.maps(placed);
         const auto in = steps.to_object(maps, found.ray);

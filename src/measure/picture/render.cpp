@@ -141,7 +141,7 @@ private:
         const auto& steps = intersect::transform::steps_in<T>(
             *intersect::transform::transformed_parts_of(
                  intersect::bounding_box::without_world_boxes(row_.form->of(primitive.shape)))
-                 .space);
+                 .method);
         const auto maps = steps.maps(*primitive.placed);
         const auto in = steps.to_object(maps, lift_ray<T>(ray));
         const Vec<T> p =

@@ -205,10 +205,10 @@ std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& r
     const auto made = intersect::transform::transformed_parts_of(*row.form);
     for (const auto& form : intersect::table::catalogue()) {
         if (form.shape != row.form->shape || !form.exists_in(row.format)) continue;
-        rows.push_back({made.form ? &intersect::transform::through(*made.space, form) : &form, row.format});
+        rows.push_back({made.form ? &intersect::transform::through(*made.method, form) : &form, row.format});
     }
     for (const auto& space : intersect::transform::transform_methods())
-        if (made.form && &space != made.space)
+        if (made.form && &space != made.method)
             rows.push_back({&intersect::transform::through(space, *made.form), row.format});
     return rows;
 }
