@@ -241,7 +241,7 @@ Forms select_composed(const std::string& word, const char* option) {
                        // A pattern skips forms that march, which take no transform, and forms that choose
                        // their operations by the ray, which have no tape. Named in full, they are refused.
                        std::erase_if(forms, [&](const Intersector* form) {
-                           return is_glob(name.form) && ((name.kind == Kind::space && !is_primitive(form->shape)) ||
+                           return is_glob(name.form) && ((name.kind == Kind::transform && !is_primitive(form->shape)) ||
                                                          (is_contracted && !measure::tape::has_tape(*form)));
                        });
                        return forms;

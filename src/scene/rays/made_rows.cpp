@@ -81,8 +81,8 @@ std::optional<ComposedName> split_composed_name(const std::string& name) {
                             {}};
     const std::size_t at = name.find_last_of("@^");
     if (at == std::string::npos) return std::nullopt;
-    ComposedName found{name[at] == '^' ? Kind::box : Kind::space, name.substr(0, at), name.substr(at + 1), {}};
-    if (found.kind == Kind::space && found.last.starts_with(generator_prefix)) {
+    ComposedName found{name[at] == '^' ? Kind::box : Kind::transform, name.substr(0, at), name.substr(at + 1), {}};
+    if (found.kind == Kind::transform && found.last.starts_with(generator_prefix)) {
         found.kind = Kind::generator;
         found.last.erase(0, generator_prefix.size());
     }
@@ -102,7 +102,7 @@ std::vector<const Intersector*> rows_of(const ComposedName& name, const NamedPar
                 for (const RayGenerator* const generator : parts.ray_generators(name.last))
                     all.push_back(&with_generator(*generator, *form));
                 break;
-            case ComposedName::Kind::space:
+            case ComposedName::Kind::transform:
                 for (const auto* const space : parts.transform_methods(name.last))
                     all.push_back(&intersect::transform::through(*space, require_no_generator(*form)));
                 break;

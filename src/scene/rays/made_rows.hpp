@@ -41,7 +41,7 @@ std::vector<std::string> forms_in_name(const std::string& name);
 /// A name of a composed row, split before its last part: FORM@TRANSFORM, FORM@ray-METHOD, FORM^BOX, FORM^BOX~METHOD or
 /// FORM+fma.
 struct ComposedName {
-    enum class Kind { space, generator, box, contracted } kind;
+    enum class Kind { transform, generator, box, contracted } kind;
     std::string form;                       ///< may be such a name itself
     std::string last;                       ///< the transform, the ray generator, or the form of boxes; "fma"
     std::optional<std::string> box_method;  ///< the method to compute the bounding box, if one is named
