@@ -35,7 +35,7 @@ namespace {
 
 /// The metrics of the request, made for its forms.
 std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, const JudgeRequest& request,
-                                      bool have_matrices, measure::metric::MetricSet& made) {
+                                      bool have_matrices, measure::metric::MetricSet& metric_set) {
     std::vector<measure::evaluate::TestedForm> asked = request.rows;
     std::erase_if(asked, [&request](const measure::evaluate::TestedForm& row) { return request.is_of_file(row); });
     if (asked.empty()) return selection::measured(drawn, request.rows);
@@ -48,8 +48,8 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
     for (Primitive<double>& primitive : group.primitives)
         if (have_matrices) primitive.placed = selection::any_matrix();
     group.march = request.march;
-    return made.for_forms(selection::measured(drawn, request.rows), measure::evaluate::forms_of(asked),
-                          [&group] { return measure::attribution::SettingOf(group); });
+    return metric_set.for_forms(selection::measured(drawn, request.rows), measure::evaluate::forms_of(asked),
+                                [&group] { return measure::attribution::SettingOf(group); });
 }
 
 /// Prints a note on stderr if the decimals of a file do not fit its format.
@@ -226,15 +226,15 @@ Exit run(const JudgeOptions& o, const Common& common) {
                              : fmt::format("--size {}: width and height are whole numbers from 1 to 65536", o.size));
     if (o.pictures == "all" && !request.picture)
         throw InputError("--pictures all: a list of rays is not a picture; give its columns and rows by --size WxH");
-    measure::metric::MetricSet made;
+    measure::metric::MetricSet metric_set;
     auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
-                                   : selection::select_metrics(o.metrics, made);
+                                   : selection::select_metrics(o.metrics, metric_set);
     drawn = selection::applicable_metrics(drawn, request.rows, o.file);
     if (!o.against.empty()) selection::add_pairs(drawn);
     selection::note_without_formula(drawn, request.rows, common.quiet);
     auto asked = drawn;
-    selection::add_requirement(o, made, asked);
-    request.metrics = metrics_of(asked, request, dump->layout().has_matrix(), made);
+    selection::add_requirement(o, metric_set, asked);
+    request.metrics = metrics_of(asked, request, dump->layout().has_matrix(), metric_set);
     for (const Metric*& m : drawn) m = request.metrics[measure::metric::index_of(request.metrics, m->name)];
     const selection::ThreadLimit limit(common.threads);
 

@@ -120,9 +120,9 @@ Listing metric_table(const Common& /*common*/) {
                         [](const measure::metric::Metric& m) {
                             return Words<5>{m.name, m.unit, m.layer, m.by_default ? "yes" : "no", m.meaning};
                         });
-    measure::metric::MetricSet made;
+    measure::metric::MetricSet metric_set;
     const auto add = [&](const char* name, const char* such_as, bool has_unit, const std::string& more) {
-        const measure::metric::Metric& m = *made.find(such_as);
+        const measure::metric::Metric& m = *metric_set.find(such_as);
         l.rows.push_back(
             {name, has_unit ? std::string(m.unit) : "", std::string(m.layer), "no", std::string(m.meaning) + more});
     };

@@ -79,16 +79,16 @@ struct SceneWork {
 };
 
 SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<TestedForm>& rows,
-                  const std::vector<const Metric*>& wanted, measure::metric::MetricSet& made) {
+                  const std::vector<const Metric*>& wanted, measure::metric::MetricSet& metric_set) {
     SceneWork work{{.scene = &scene,
                     .rows = selection::fitting(rows, [&](Shapes forms) { return scene.meets(forms); }),
                     .metrics = {},
                     .limit = {.stop = o.scenes.stop}},
                    {}};
     work.map.metrics =
-        made.for_forms(selection::measured(wanted, work.map.rows), measure::evaluate::forms_of(work.map.rows),
-                       [&scene] { return measure::attribution::SettingOf(scene); });
-    work.map.metrics = measure::evaluate::order_culprits(work.map, made);
+        metric_set.for_forms(selection::measured(wanted, work.map.rows), measure::evaluate::forms_of(work.map.rows),
+                             [&scene] { return measure::attribution::SettingOf(scene); });
+    work.map.metrics = measure::evaluate::order_culprits(work.map, metric_set);
     if (o.bits_needed > 0) selection::refuse_generators(rows, "--bits");
     if (o.bits_needed > 0)
         work.needed.emplace(NeededRequest{.scene = scene,
@@ -255,9 +255,9 @@ Exit run(MapOptions o, const Common& common) {
     require_folder(o.out);
     auto rows = selection::cross(selection::select_forms(o.forms), selection::select_formats(o.formats));
     if (!o.against.empty()) selection::compare_against(rows, o.against, common.quiet);
-    measure::metric::MetricSet made;
+    measure::metric::MetricSet metric_set;
     auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
-                                   : selection::select_metrics(o.metrics, made);
+                                   : selection::select_metrics(o.metrics, metric_set);
     if (!o.against.empty()) selection::add_pairs(drawn);
     auto wanted = drawn;
     if (o.envelope) {
@@ -275,7 +275,7 @@ Exit run(MapOptions o, const Common& common) {
     const selection::ThreadLimit limit(common.threads);
 
     std::vector<SceneWork> works;
-    for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted, made));
+    for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted, metric_set));
     for (const SceneWork& work : works)
         selection::applicable_metrics(drawn, work.map.rows, "scene " + work.map.scene->id);
     std::vector<std::filesystem::path> files;

@@ -141,7 +141,7 @@ std::vector<TestedForm> rows_for(const std::string& subject, std::vector<TestedF
 constexpr std::size_t small_map = 4096;
 
 struct Work {
-    measure::metric::MetricSet made;  ///< owns the metrics of the maps, so it must outlive them
+    measure::metric::MetricSet metric_set;  ///< owns the metrics of the maps, so it must outlive them
     std::vector<MapWork> maps;
     std::vector<SweepWork> sweeps;
     std::vector<ChoiceWork> choices;
@@ -202,7 +202,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     const auto rows = selection::cross(selection::select_forms(selection::form_words_or(o.forms, defaults.forms)),
                                        selection::select_formats(o.formats.empty() ? defaults.formats : o.formats));
     Work work;
-    const std::vector<const Metric*> asked = selection::select_metrics(o.metrics, work.made);
+    const std::vector<const Metric*> asked = selection::select_metrics(o.metrics, work.metric_set);
     for (const scene::file::SceneName& name : subjects.scenes) {
         scene::file::LoadOptions options{.variant = name.variant, .stop = o.stop};
         if (!o.size.empty()) options.size = selection::parse_size(o.size);
@@ -215,8 +215,8 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
                 wanted.push_back(measure::metric::find_metric(metric));
             if (scene.pixels() <= small_map) wanted.push_back(measure::metric::find_metric("culprit"));
-            auto all = work.made.for_forms(selection::measured(wanted, fit), measure::evaluate::forms_of(fit),
-                                           [&scene] { return measure::attribution::SettingOf(scene); });
+            auto all = work.metric_set.for_forms(selection::measured(wanted, fit), measure::evaluate::forms_of(fit),
+                                                 [&scene] { return measure::attribution::SettingOf(scene); });
             // Leaves out `residual` by default: its layer of floats would be the largest part of most pages.
             std::erase_if(all, [&](const Metric* m) {
                 return m->name == "residual" && std::ranges::find(asked, m) == asked.end();
@@ -284,7 +284,7 @@ Exit run(const ReportOptions& o, const Common& common) {
     report.program = "lostbits " LOSTBITS_VERSION;
     std::uint64_t unresolved = 0;
     for (MapWork& map : work.maps) {
-        report.maps.push_back(map_part(map, work.made, advance, common.stop));
+        report.maps.push_back(map_part(map, work.metric_set, advance, common.stop));
         unresolved += map.unresolved;
     }
     for (const SweepWork& sweep : work.sweeps) {

@@ -49,9 +49,9 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
     const scene::sweep::CaseFile file(path);
     const auto rows = selection::fitting(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
     measure::sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
-    request.metrics =
-        chosen.made.for_forms(selection::measured(chosen.asked, rows), measure::evaluate::forms_of(rows),
-                              [&file] { return measure::attribution::SettingOf(file.rays(0, binary64).front()); });
+    request.metrics = chosen.metric_set.for_forms(
+        selection::measured(chosen.asked, rows), measure::evaluate::forms_of(rows),
+        [&file] { return measure::attribution::SettingOf(file.rays(0, binary64).front()); });
     for (TestedForm row : rows) {
         for (const auto& judged : file.conventions) {
             row.judged = judged;
@@ -87,8 +87,8 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
         for (const char* name : {"model_error", "rounding_error"}) asked.push_back(measure::metric::find_metric(name));
     }
     request.metrics =
-        chosen.made.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
-                              [&sweep] { return measure::attribution::SettingOf(sweep.first_rays()); });
+        chosen.metric_set.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
+                                    [&sweep] { return measure::attribution::SettingOf(sweep.first_rays()); });
     for (TestedForm& row : request.rows) row.judged = sweep.convention;
     request.further_draws = chosen.o.seeds.value_or(2);
     request.recoveries = request.both_ends = true;
@@ -155,8 +155,8 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
         return [sweep](Shapes forms) { return sweep.meets(forms); };
     }
     const scene::sweep::SearchFile search(path, selection::read_changes(o).set);
-    measure::metric::MetricSet made;
-    const measure::metric::Metric* const metric = made.find(search.metric);
+    measure::metric::MetricSet metric_set;
+    const measure::metric::Metric* const metric = metric_set.find(search.metric);
     if (metric == nullptr) {
         std::vector<std::string> names;
         for (const measure::metric::Metric& m : measure::metric::metrics()) names.emplace_back(m.name);
@@ -179,19 +179,19 @@ void resume_stopped(const std::vector<std::unique_ptr<ExhaustiveRun>>& runs) {
 }
 
 Exit run(SweepOptions o, const Common& common) {
-    measure::metric::MetricSet made;
+    measure::metric::MetricSet metric_set;
     RunDivision divided;
     const std::vector<std::string> both{"f32", "f64"};
     SweepSelection chosen{selection::cross(selection::select_forms(o.forms),
                                            selection::select_formats(o.formats.empty() ? both : o.formats)),
                           {},
-                          made,
+                          metric_set,
                           divided,
                           o,
                           common};
     if (!o.against.empty()) selection::compare_against(chosen.rows, o.against, common.quiet);
     // The plots of a sweep have the envelope, which is the error that the problem itself costs.
-    if (!o.metrics.empty()) chosen.asked = selection::select_metrics(o.metrics, made);
+    if (!o.metrics.empty()) chosen.asked = selection::select_metrics(o.metrics, metric_set);
     if (!o.against.empty()) selection::add_pairs(chosen.asked);
     for (const char* name : {"inherent_bits", "excess_bits"})
         chosen.asked.push_back(measure::metric::find_metric(name));

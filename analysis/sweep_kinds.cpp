@@ -141,9 +141,9 @@ void run_search(const std::filesystem::path& path, const SweepSelection& chosen)
         .limit = {.stop = chosen.common.stop}};
     Primitive<double> any;  // labels do not depend on its numbers
     any.shape = search.shape;
-    request.metrics = chosen.made.for_forms(selection::measured({chosen.made.find(search.metric)}, request.rows),
-                                            measure::evaluate::forms_of(request.rows),
-                                            measure::attribution::Setting{std::span(&any, 1)});
+    request.metrics = chosen.metric_set.for_forms(
+        selection::measured({chosen.metric_set.find(search.metric)}, request.rows),
+        measure::evaluate::forms_of(request.rows), measure::attribution::Setting{std::span(&any, 1)});
     const auto folder = chosen.folder_of(search.id);
     const auto owner = chosen.own(search.id, path);
     if (owner) probe(folder / "worst.csv");

@@ -43,7 +43,7 @@ private:
 struct SweepSelection {
     std::vector<measure::evaluate::TestedForm> rows;
     std::vector<const measure::metric::Metric*> asked;  ///< metrics in addition to the default ones
-    measure::metric::MetricSet& made;
+    measure::metric::MetricSet& metric_set;
     RunDivision& divided;
     const SweepOptions& o;
     const Common& common;

@@ -55,7 +55,7 @@ Selection::Selection(const lostbits_choice* given, bool may_be_empty) : choice(g
     }
     if (!forms.empty()) std::ranges::copy(selection::select_forms(forms, "forms"), std::back_inserter(all));
     if (!all.empty()) rows = selection::cross(all, selection::select_formats(formats, "formats"));
-    asked = selection::select_metrics(words_of(choice.metrics, "metrics"), made);
+    asked = selection::select_metrics(words_of(choice.metrics, "metrics"), metric_set);
 }
 
 void Selection::keep_rows_for(const std::string& name, const selection::Meets& meets) {

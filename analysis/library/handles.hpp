@@ -262,7 +262,7 @@ struct Selection {
     lostbits_choice choice;
     std::vector<std::string> forms;  ///< as given, for messages and for sets
     std::vector<measure::evaluate::TestedForm> rows;
-    measure::metric::MetricSet made = {};
+    measure::metric::MetricSet metric_set = {};
     std::vector<const measure::metric::Metric*> asked = {};
 
     explicit Selection(const lostbits_choice* given, bool may_be_empty = false);

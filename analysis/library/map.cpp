@@ -22,9 +22,9 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& 
     measure::evaluate::EvaluationRequest request{
         .scene = &scene, .rows = chosen.rows, .metrics = {}, .limit = {.stop = running.stop()}};
     request.metrics =
-        chosen.made.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
-                              [&scene] { return measure::attribution::SettingOf(scene); });
-    request.metrics = measure::evaluate::order_culprits(request, chosen.made);
+        chosen.metric_set.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
+                                    [&scene] { return measure::attribution::SettingOf(scene); });
+    request.metrics = measure::evaluate::order_culprits(request, chosen.metric_set);
     request.progress = running.advancing(scene.pixels() * request.rows.size());
 
     auto result = std::make_unique<lostbits_result>();

@@ -146,12 +146,12 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
 
 }  // namespace
 
-page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
+page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
                        const std::function<void(std::uint64_t)>& advance, StopToken stop) {
     const scene::file::Scene& scene = work.scene;
     measure::evaluate::EvaluationRequest request{
         .scene = &scene, .rows = work.rows, .metrics = work.metrics, .limit = {.stop = stop}};
-    request.metrics = measure::evaluate::order_culprits(request, made);
+    request.metrics = measure::evaluate::order_culprits(request, metric_set);
     request.progress = advance;
     page::MapData data(request);
     std::vector<measure::evaluate::FormSummary> summaries;

@@ -29,7 +29,7 @@ struct MapWork {
     std::uint64_t unresolved = 0;  ///< after `map_part`: rays without a proved truth
 };
 /// Measures a map. `made` keeps the metrics that are made for it; `advance` gets the units of work that are done.
-output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& made,
+output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
                                const std::function<void(std::uint64_t)>& advance, StopToken stop);
 
 /// A sweep along one axis, over a plane, or over named cases, and the rows that can test it.

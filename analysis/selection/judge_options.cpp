@@ -184,7 +184,7 @@ std::optional<std::size_t> group_of(const JudgeOptions& o, const scene::dump::La
                                               : fmt::format("it has {}", fmt::join(kept, ", "))));
 }
 
-void add_requirement(const JudgeOptions& o, measure::metric::MetricSet& made,
+void add_requirement(const JudgeOptions& o, measure::metric::MetricSet& metric_set,
                      std::vector<const measure::metric::Metric*>& metrics) {
     std::vector<std::string> words;
     if (o.bits >= 0) words.push_back(fmt::format("enough_bits:{}", o.bits));
@@ -193,7 +193,7 @@ void add_requirement(const JudgeOptions& o, measure::metric::MetricSet& made,
                      {"distance_error", fmt::format("tolerance:{}", tolerance_in_units(o.tolerance, o.unit))});
     else if (!o.unit.empty())
         throw InputError("--unit " + o.unit + " is the unit of --tolerance, which is missing; write both");
-    for (const measure::metric::Metric* m : select_metrics(words, made)) add_once(metrics, m);
+    for (const measure::metric::Metric* m : select_metrics(words, metric_set)) add_once(metrics, m);
 }
 
 }  // namespace lostbits::analysis::selection

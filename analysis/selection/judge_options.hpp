@@ -84,7 +84,7 @@ inline Placement<double> any_matrix() { return {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1
 std::optional<std::size_t> group_of(const JudgeOptions& o, const scene::dump::Layout& layout);
 
 /// Adds the metrics that count the rays that fail `--bits` or `--tolerance`.
-void add_requirement(const JudgeOptions& o, measure::metric::MetricSet& made,
+void add_requirement(const JudgeOptions& o, measure::metric::MetricSet& metric_set,
                      std::vector<const measure::metric::Metric*>& metrics);
 
 /// The contract of the answers. Throws InputError for an option about answers if the file has none.

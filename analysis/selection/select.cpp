@@ -83,7 +83,8 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& glo
     return forms;
 }
 
-std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs, measure::metric::MetricSet& made) {
+std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
+                                          measure::metric::MetricSet& metric_set) {
     std::vector<const Metric*> chosen;
     for (const std::string& glob : globs) {
         if (glob.starts_with("step:") && is_glob(glob)) {
@@ -92,14 +93,14 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
                 const std::string name = "step:" + std::string(step);
                 if (!matches_any({glob}, name)) continue;
                 any = true;
-                add_once(chosen, made.find(name));
+                add_once(chosen, metric_set.find(name));
             }
             if (!any)
                 throw NothingSelected(fmt::format("--metric {}: no step matches this pattern; the steps are {}", glob,
                                                   fmt::join(intersect::transform::step_names, ", ")));
             continue;
         }
-        if (const Metric* const one = made.find(glob)) {
+        if (const Metric* const one = metric_set.find(glob)) {
             add_once(chosen, one);
             continue;
         }

@@ -70,7 +70,7 @@ std::vector<Format> select_formats(const std::vector<std::string>& names, const 
 /// The metrics of names and patterns, in the given order. `made` keeps the metrics that are made for labels. Throws
 /// InputError, which suggests a name, for an unknown one.
 std::vector<const measure::metric::Metric*> select_metrics(const std::vector<std::string>& globs,
-                                                           measure::metric::MetricSet& made);
+                                                           measure::metric::MetricSet& metric_set);
 
 /// The metrics that apply to at least one of the rows: metrics of marches are dropped if no row marches. Throws
 /// InputError if none is left. `what` names the scene or sweep.

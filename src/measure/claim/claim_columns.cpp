@@ -76,7 +76,7 @@ ClaimColumns::ClaimColumns(const std::vector<const Claim*>& claims, const std::v
         for (const std::string& word : claim->operations) meant_by(word, *claim, setting_);  // throws early
         add_labelled(*claim);
     }
-    metrics_ = made_.for_forms(std::move(metrics_), evaluate::forms_of(rows), setting_);
+    metrics_ = metric_set_.for_forms(std::move(metrics_), evaluate::forms_of(rows), setting_);
 }
 
 /// Adds the metric of `contribution_c_p50` or `cancellation_disc_max`, for a label of the claim's form.
@@ -85,7 +85,7 @@ void ClaimColumns::add_labelled(const Claim& claim) {
     for (const char* kind : {"contribution", "cancellation"}) {
         if (!claim.metric.starts_with(kind)) continue;
         for (const std::string_view label : attribution::labels_of(*claim_row(claim).form, setting_)) {
-            const Metric* const metric = made_.find(std::string(kind) + ":" + std::string(label));
+            const Metric* const metric = metric_set_.find(std::string(kind) + ":" + std::string(label));
             for (const metric::Statistic& statistic : metric::statistics) {
                 names.push_back(evaluate::column_name(*metric, statistic));
                 if (names.back() != claim.metric) continue;

@@ -32,7 +32,7 @@ private:
     [[nodiscard]] double culprit_share(const scene::claim::Claim& claim, const evaluate::FormSummary& summary) const;
 
     attribution::Setting setting_;
-    metric::MetricSet made_;
+    metric::MetricSet metric_set_;
     std::vector<const metric::Metric*> metrics_;
 };
 

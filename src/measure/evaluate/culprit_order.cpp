@@ -18,7 +18,7 @@ Scene small_picture_of(const Scene& scene, int most_across) {
     return small;
 }
 
-std::vector<const Metric*> order_culprits(const EvaluationRequest& request, metric::MetricSet& made) {
+std::vector<const Metric*> order_culprits(const EvaluationRequest& request, metric::MetricSet& metric_set) {
     const auto culprit = std::ranges::find_if(request.metrics, &Metric::by_run);
     if (culprit == request.metrics.end()) return request.metrics;
     const Scene small = small_picture_of(*request.scene, 96);
@@ -34,7 +34,7 @@ std::vector<const Metric*> order_culprits(const EvaluationRequest& request, metr
     std::vector<std::string> operations;
     for (const std::size_t place : order) operations.emplace_back(categories[place]);
     std::vector<const Metric*> metrics = request.metrics;
-    std::ranges::replace(metrics, *culprit, made.culprit_of(operations));
+    std::ranges::replace(metrics, *culprit, metric_set.culprit_of(operations));
     return metrics;
 }
 
