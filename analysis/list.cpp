@@ -298,9 +298,9 @@ constexpr std::pair<const char*, Listing (*)(const Common&)> lists[] = {
 };
 
 Exit run(const std::string& what, bool json, const Common& common) {
-    const Listing made = std::ranges::find(lists, what, [](const auto& list) { return list.first; })->second(common);
-    if (json) print_json(made);
-    else print(made);
+    const Listing chosen = std::ranges::find(lists, what, [](const auto& list) { return list.first; })->second(common);
+    if (json) print_json(chosen);
+    else print(chosen);
     return Exit::done;
 }
 

@@ -37,7 +37,7 @@ std::string argument(std::string_view option) {
 std::string in_arguments(std::string text) {
     if (const std::size_t at = text.find(of_misses); at != std::string::npos)
         text.replace(at, std::string::npos, "; give hit too: hit = t >= 0 if a negative t means a miss");
-    std::string made;
+    std::string rewritten;
     for (std::size_t i = 0; i < text.size(); ++i) {
         const bool begins = i == 0 || text[i - 1] == ' ' || text[i - 1] == '(';
         std::size_t end = i;
@@ -46,13 +46,13 @@ std::string in_arguments(std::string text) {
         const bool is_option =
             word.size() > 2 ? word.starts_with("--") && is_letter(word[2]) : word == "-i" || word == "-f";
         if (!is_option) {
-            made += text[i];
+            rewritten += text[i];
             continue;
         }
-        made += argument(word);
+        rewritten += argument(word);
         i = end - 1;
     }
-    return made;
+    return rewritten;
 }
 
 }  // namespace lostbits::analysis::library

@@ -11,16 +11,16 @@ namespace {
 
 /// A form that runs a function of the caller in this process.
 ForeignForm foreign_of(const lb_form& given) {
-    ForeignForm made{intersect::external::contract_of(given, "form"), "form", {}};
+    ForeignForm foreign{intersect::external::contract_of(given, "form"), "form", {}};
     const auto run = given.run;
     void* const own = given.own;
-    made.answer = [run, own, name = made.contract.name](const lb_batch& asked) {
+    foreign.answer = [run, own, name = foreign.contract.name](const lb_batch& asked) {
         const intersect::process::KeepsFloatingPoint keeps;
         lb_batch batch = asked;
         batch.own = own;
         if (const char* const refused = run(&batch)) throw EnvironmentError("form " + name + ": " + refused);
     };
-    return made;
+    return foreign;
 }
 
 TapeOp op_of_word(const char* word) {
@@ -76,11 +76,11 @@ int lostbits_form_make(const lb_form* forms, size_t count, lostbits_form** form,
         require(forms, "forms");
         require(form, "form");
         if (count != 1 && count != 2) throw InputError("count must be 1, or 2 to give a form for each of two formats");
-        auto made = std::make_unique<lostbits_form>();
-        made->asked = std::make_unique<intersect::external::ForeignRow>(foreign_of(forms[0]));
-        if (count == 2) made->asked->add(foreign_of(forms[1]));
-        renew(*made);
-        *form = made.release();
+        auto created = std::make_unique<lostbits_form>();
+        created->asked = std::make_unique<intersect::external::ForeignRow>(foreign_of(forms[0]));
+        if (count == 2) created->asked->add(foreign_of(forms[1]));
+        renew(*created);
+        *form = created.release();
         return Exit::done;
     });
 }
@@ -115,11 +115,11 @@ int lostbits_form_function(const char* named, lostbits_form** form, const lostbi
         require(named, "named");
         require(form, "form");
         require(result, "result");
-        auto made = std::make_unique<lostbits_form>();
-        made->function = intersect::function::load_function(named, {.stop = CallRun(run).stop()});
-        const auto& function = *made->function;
-        made->row = function.row;
-        made->alone = function.written->row(function.answers->info);
+        auto created = std::make_unique<lostbits_form>();
+        created->function = intersect::function::load_function(named, {.stop = CallRun(run).stop()});
+        const auto& function = *created->function;
+        created->row = function.row;
+        created->alone = function.written->row(function.answers->info);
         auto found = std::make_unique<lostbits_result>();
         found->tables
             .emplace_back("function",
@@ -133,7 +133,7 @@ int lostbits_form_function(const char* named, lostbits_form** form, const lostbi
             .add(function.shown)
             .end_row();
         hand_over(std::move(found), result);
-        *form = made.release();
+        *form = created.release();
         return Exit::done;
     });
 }

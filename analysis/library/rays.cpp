@@ -81,17 +81,17 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
     scene::dump::DumpOptions options{.stop = running.stop()};
     if (rays.open_ends != nullptr) options.open = open_ends_of(rays.open_ends);
     if (rays.format != nullptr) options.format = selection::select_formats({rays.format}, "format").front();
-    GivenRays made;
+    GivenRays result;
     if (rays.scene != nullptr) {
         if (rays.scene->scene.shapes().empty()) throw InputError("the scene has no primitives");
-        made.shape = rays.scene->scene.shapes().front();
+        result.shape = rays.scene->scene.shapes().front();
     } else {
         const auto shape = shape_named(rays.shape ? rays.shape : "");
         if (!shape || !is_primitive(*shape) || rays.primitives.data == nullptr)
             throw InputError(
                 "rays: there are no primitives; give their shape (\"sphere\", \"box\", ...) and their numbers, or a "
                 "scene");
-        made.shape = *shape;
+        result.shape = *shape;
         if (rays.paired != 0 && rays.primitive_count != rays.count)
             throw InputError("there are " + scene::toml::counted(rays.count, "ray") + " and " +
                              scene::toml::counted(rays.primitive_count, "primitive") +
@@ -100,18 +100,18 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
             throw InputError("there are no primitives; give at least one");
         if (rays.paired != 0) put_columns(columns, rays.primitives, column_names(*shape));
     }
-    if (rays.paired == 0 || rays.scene != nullptr) options.primitive = made.shape;
-    made.dump = std::make_unique<ArrayDump>(whose, std::move(columns), rays.count, options);
-    const Format& format = made.dump->format();
+    if (rays.paired == 0 || rays.scene != nullptr) options.primitive = result.shape;
+    result.dump = std::make_unique<ArrayDump>(whose, std::move(columns), rays.count, options);
+    const Format& format = result.dump->format();
     if (rays.scene != nullptr) {
-        made.stored = rays.scene->stored->in(rays.scene->scene, format.parameters);
-        made.primitives = made.stored->beside_mesh;
-        made.mesh = made.stored->mesh;
+        result.stored = rays.scene->stored->in(rays.scene->scene, format.parameters);
+        result.primitives = result.stored->beside_mesh;
+        result.mesh = result.stored->mesh;
     } else if (rays.paired == 0) {
-        made.primitives = shared_primitives_of(rays, made.shape, format);
+        result.primitives = shared_primitives_of(rays, result.shape, format);
     }
-    selection::put_under_matrices(*made.dump, made.examples());
-    return made;
+    selection::put_under_matrices(*result.dump, result.examples());
+    return result;
 }
 
 /// The contract that the arguments state, for primitives of that shape.
@@ -220,10 +220,10 @@ template <class Act>
 void by_piece(GivenRays& all, CallRun& running, std::size_t count, std::size_t many, const Act& act) {
     constexpr std::size_t piece = 8192;
     const auto advance = running.advancing(count);
-    std::optional<measure::culling::Culler> made;
+    std::optional<measure::culling::Culler> own_culler;
     const measure::culling::Culler* of_all = nullptr;
     if (all.mesh || all.primitives.size() >= many)
-        of_all = all.stored ? &all.stored->culler() : &made.emplace(primitive_list(all.primitives, all.mesh));
+        of_all = all.stored ? &all.stored->culler() : &own_culler.emplace(primitive_list(all.primitives, all.mesh));
     intersect::process::in_parallel(std::size_t{0}, (count + piece - 1) / piece, [&](std::size_t p) {
         const std::size_t first = p * piece, n = std::min(piece, count - first);
         scene::dump::Chunk chunk = all.dump->decode({.first = first, .count = n, .bytes = {}});

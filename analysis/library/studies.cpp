@@ -67,10 +67,10 @@ std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene,
     chosen.keep_rows_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     const TestedForm& row = only_row(chosen, "explain looks at one ray in one form and format");
     const auto* const generator = scene::rays::generator_of(*row.form);
-    const scene::file::Scene made = generator ? with_rays(scene, *generator) : scene;
-    const measure::answer::OneRay ray(made, x, y);
+    const scene::file::Scene generated = generator ? with_rays(scene, *generator) : scene;
+    const measure::answer::OneRay ray(generated, x, y);
     const auto found =
-        measure::attribution::explain(*row.form, row.format, ray, {}, measure::attribution::PixelOf{&made, x, y});
+        measure::attribution::explain(*row.form, row.format, ray, {}, measure::attribution::PixelOf{&generated, x, y});
     const auto march = output::attribution::end_of_march(*row.form, row.format, ray);
     auto result = std::make_unique<lostbits_result>();
     result->texts = {output::attribution::explain_text(found, false, march),
