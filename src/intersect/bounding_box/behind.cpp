@@ -198,18 +198,18 @@ bool has_box(const Intersector& row) {
 }
 
 const Intersector& without_world_boxes(const Intersector& row) {
-    const BoxedFormParts made = boxed_parts_of(row);
-    return made.form != nullptr && row.is_placed ? without_world_boxes(*made.form) : row;
+    const BoxedFormParts parts = boxed_parts_of(row);
+    return parts.form != nullptr && row.is_placed ? without_world_boxes(*parts.form) : row;
 }
 
 std::vector<std::string> names_on_tape(const Intersector& row, const Target<double>& target) {
     std::vector<std::string> names = table::input_names(row, target);
     const Intersector* now = &row;
     for (bool in_world = !target.primitives.empty() && target.primitives.front().placed;;) {
-        if (const BoxedFormParts made = boxed_parts_of(*now); made.form != nullptr) {
+        if (const BoxedFormParts parts = boxed_parts_of(*now); parts.form != nullptr) {
             for (const char* const number : {"lo.x", "lo.y", "lo.z", "hi.x", "hi.y", "hi.z"})
                 names.push_back(text(in_world ? "world_box." : "box.", number));
-            now = made.form;
+            now = parts.form;
         } else if (const auto placed = transform::transformed_parts_of(*now); placed.form != nullptr) {
             in_world = false;
             now = placed.form;
@@ -220,14 +220,14 @@ std::vector<std::string> names_on_tape(const Intersector& row, const Target<doub
 }
 
 const Intersector& innermost(const Intersector& row) {
-    if (const BoxedFormParts made = boxed_parts_of(row); made.form != nullptr) return innermost(*made.form);
+    if (const BoxedFormParts parts = boxed_parts_of(row); parts.form != nullptr) return innermost(*parts.form);
     const auto placed = transform::transformed_parts_of(row);
     return placed.form != nullptr ? innermost(*placed.form) : row;
 }
 
 const Intersector& with_other_form(const Intersector& row, const Intersector& form) {
-    if (const BoxedFormParts made = boxed_parts_of(row); made.form != nullptr)
-        return behind(*made.method, *made.box, with_other_form(*made.form, form));
+    if (const BoxedFormParts parts = boxed_parts_of(row); parts.form != nullptr)
+        return behind(*parts.method, *parts.box, with_other_form(*parts.form, form));
     const auto placed = transform::transformed_parts_of(row);
     return placed.form != nullptr ? transform::through(*placed.method, with_other_form(*placed.form, form)) : form;
 }

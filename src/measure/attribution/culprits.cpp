@@ -67,10 +67,10 @@ std::optional<scene::rays::RecordedRay> some_ray(const Intersector& form, const 
 std::vector<std::string> record_all(const Intersector& form, const Target<double>& target, const Setting& setting,
                                     Tape& tape) {
     form.record_all(target, tape);
-    auto made = some_ray(form, setting);
-    const bool is_put_before = made && form.info->direction != intersect::Direction::unit;
-    if (is_put_before) made->put_before(tape);
-    std::vector<std::string> names = names_of_inputs(form, target, is_put_before ? &*made : nullptr);
+    auto recorded_ray = some_ray(form, setting);
+    const bool is_put_before = recorded_ray && form.info->direction != intersect::Direction::unit;
+    if (is_put_before) recorded_ray->put_before(tape);
+    std::vector<std::string> names = names_of_inputs(form, target, is_put_before ? &*recorded_ray : nullptr);
     if (setting.ranged) put_range_behind(tape, names, form, *find_format("f32"), {.tmin = 1, .tmax = 2});
     return names;
 }
@@ -124,11 +124,11 @@ std::vector<std::string_view> labels_of(const Intersector& form, const Setting& 
 }
 
 std::vector<std::string> names_of_inputs(const Intersector& form, const Target<double>& target,
-                                         const scene::rays::RecordedRay* made) {
+                                         const scene::rays::RecordedRay* recorded_ray) {
     std::vector<std::string> names = intersect::bounding_box::names_on_tape(form, target);
-    if (made == nullptr) return names;
+    if (recorded_ray == nullptr) return names;
     names.erase(names.begin(), names.begin() + 6);
-    names.insert(names.begin(), made->names.begin(), made->names.end());
+    names.insert(names.begin(), recorded_ray->names.begin(), recorded_ray->names.end());
     return names;
 }
 
@@ -186,10 +186,12 @@ const std::vector<std::int32_t>& Attributor::places(const std::function<std::vec
 }
 
 RayAttribution Attributor::of(const Ray<double>& ray, const Target<double>& target, const Range<double>& range,
-                              const std::optional<scene::rays::RecordedRay>& made) {
+                              const std::optional<scene::rays::RecordedRay>& recorded_ray) {
     form_.record(format_, ray, target, range.tmax, tape_);
-    const bool is_put_before = made && made->try_put_before(tape_);
-    const auto names_without_range = [&] { return names_of_inputs(form_, target, is_put_before ? &*made : nullptr); };
+    const bool is_put_before = recorded_ray && recorded_ray->try_put_before(tape_);
+    const auto names_without_range = [&] {
+        return names_of_inputs(form_, target, is_put_before ? &*recorded_ray : nullptr);
+    };
     std::vector<std::string> names;  // computed only where needed
     if (!range.is_whole()) {
         names = names_without_range();

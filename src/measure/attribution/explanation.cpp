@@ -145,13 +145,13 @@ void find_better(Explanation& x, const OneRay& ray, const Surroundings& around,
     x.result.around = lost_around(*x.form, x.format, around, x.tells_t());
     std::vector<const Intersector*> all;
     for (const Intersector& other : intersect::table::intersectors()) all.push_back(&other);
-    if (const auto made = intersect::transform::transformed_parts_of(*x.form); made.method != nullptr)
+    if (const auto parts = intersect::transform::transformed_parts_of(*x.form); parts.method != nullptr)
         for (const auto& space : intersect::transform::transform_methods())
-            all.push_back(&intersect::transform::through(space, *made.form));
-    if (const auto made = intersect::bounding_box::boxed_parts_of(*x.form); made.form != nullptr)
-        for (const Intersector& box : intersect::table::intersectors(made.box->shape))
+            all.push_back(&intersect::transform::through(space, *parts.form));
+    if (const auto parts = intersect::bounding_box::boxed_parts_of(*x.form); parts.form != nullptr)
+        for (const Intersector& box : intersect::table::intersectors(parts.box->shape))
             if (intersect::external::is_safe_to_run(box))
-                all.push_back(&intersect::bounding_box::behind(*made.method, box, *made.form));
+                all.push_back(&intersect::bounding_box::behind(*parts.method, box, *parts.form));
     std::ranges::copy_if(beside, std::back_inserter(all), &Intersector::is_set);
     for (const Intersector* const other : all) {
         const bool named = std::ranges::find(beside, other) != beside.end();
@@ -203,7 +203,7 @@ void find_better_generators(Explanation& x, const OneRay& ray, const PixelOf& pi
 
 /// Evaluates the form on the primitive that the ray truly meets; called when the form answers another one.
 std::optional<TruePrimitive> missed_primitive(const Intersector& form, const Format& format, const OneRay::Inputs& in,
-                                              const std::optional<scene::rays::RecordedRay>& made, int truly) {
+                                              const std::optional<scene::rays::RecordedRay>& recorded_ray, int truly) {
     TruePrimitive found{.primitive = truly, .alone = scene::rays::group_of(in.all.rays[in.index])};
     const auto place = static_cast<std::size_t>(truly);
     found.alone.primitives = {in.all.primitives[place]};
@@ -214,7 +214,7 @@ std::optional<TruePrimitive> missed_primitive(const Intersector& form, const For
     Tape tape;
     form.record(format, in.ray(*form.info), target, range.tmax, tape);
     std::vector<std::string> names =
-        names_of_inputs(form, target, made && made->try_put_before(tape) ? &*made : nullptr);
+        names_of_inputs(form, target, recorded_ray && recorded_ray->try_put_before(tape) ? &*recorded_ray : nullptr);
     put_range_behind(tape, names, form.of(target.primitives.front().shape), format, range);
     const Attribution of = attribute(tape);
     found.hit = tape[tape.outputs.hit].value != 0;
@@ -335,9 +335,10 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     x.range = in.all.rays_for(*form.info).range(in.index);
     if (form.is_template()) {
         form.record(format, in.ray(*form.info), target, x.range.tmax, x.tape);
-        const auto made = ray.recorded_ray(format);
-        x.is_generated_ray = made.has_value();
-        x.names = names_of_inputs(form, target, made && made->try_put_before(x.tape) ? &*made : nullptr);
+        const auto recorded_ray = ray.recorded_ray(format);
+        x.is_generated_ray = recorded_ray.has_value();
+        x.names = names_of_inputs(form, target,
+                                  recorded_ray && recorded_ray->try_put_before(x.tape) ? &*recorded_ray : nullptr);
         put_range_behind(x.tape, x.names, form.of(x.shape), format, x.range);
         for (const TapeNode& n : x.tape.nodes) {
             if (n.op == TapeOp::input) x.inputs.push_back(n.value);

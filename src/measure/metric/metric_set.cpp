@@ -99,20 +99,20 @@ void refuse_unknown_label(const Metric& metric, const std::vector<const Intersec
 
 const Metric* MetricSet::find(std::string_view name) {
     if (const Metric* const row = find_metric(name)) return row;
-    const auto known = std::ranges::find(made_, name, &OwnedMetric::name);
-    if (known != made_.end()) return &known->row;
+    const auto known = std::ranges::find(owned_, name, &OwnedMetric::name);
+    if (known != owned_.end()) return &known->row;
     const auto kind = std::ranges::find_if(
         labelled, [&](const Metric& m) { return name.starts_with(m.name) && name.size() > m.name.size(); });
     if (kind == std::end(labelled)) return nullptr;
     if (kind->needs == needs_nothing) return of_number(*kind, name);
-    OwnedMetric& made = made_.emplace_back();
-    made.name = name;
-    made.layer = std::string(kind->layer) + made.name.substr(kind->name.size());
-    made.row = *kind;
-    made.row.name = made.name;
-    made.row.layer = made.layer;
-    made.row.label = made.row.name.substr(kind->name.size());
-    return &made.row;
+    OwnedMetric& owned = owned_.emplace_back();
+    owned.name = name;
+    owned.layer = std::string(kind->layer) + owned.name.substr(kind->name.size());
+    owned.row = *kind;
+    owned.row.name = owned.name;
+    owned.row.layer = owned.layer;
+    owned.row.label = owned.row.name.substr(kind->name.size());
+    return &owned.row;
 }
 
 const Metric* MetricSet::of_number(const Metric& kind, std::string_view name) {
@@ -121,27 +121,27 @@ const Metric* MetricSet::of_number(const Metric& kind, std::string_view name) {
         throw InputError("--metric " + std::string(name) +
                          ": write a finite number of at least 0 after the colon, such as " + std::string(kind.name) +
                          (kind.value == beyond ? "0.001" : "16"));
-    if (std::ranges::find(made_, column, [](const OwnedMetric& made) { return made.row.name; }) != made_.end())
+    if (std::ranges::find(owned_, column, [](const OwnedMetric& owned) { return owned.row.name; }) != owned_.end())
         throw InputError("--metric " + std::string(name) +
                          ": this metric takes one number a run; measure the other one in a run of its own");
-    OwnedMetric& made = made_.emplace_back();
-    made.name = name;
-    made.row = kind;
-    made.row.name = column;
-    made.row.label = std::string_view(made.name).substr(kind.name.size());
-    made.meaning = std::string(kind.meaning) + std::string(made.row.label);
-    made.row.meaning = made.meaning;
-    return &made.row;
+    OwnedMetric& owned = owned_.emplace_back();
+    owned.name = name;
+    owned.row = kind;
+    owned.row.name = column;
+    owned.row.label = std::string_view(owned.name).substr(kind.name.size());
+    owned.meaning = std::string(kind.meaning) + std::string(owned.row.label);
+    owned.row.meaning = owned.meaning;
+    return &owned.row;
 }
 
 const Metric* MetricSet::culprit_of(const std::vector<std::string>& operations) {
-    OwnedMetric& made = made_.emplace_back();
-    made.operations = operations;
-    made.categories.emplace_back(no_culprit);
-    made.categories.insert(made.categories.end(), made.operations.begin(), made.operations.end());
-    made.row = *find_metric("culprit");
-    made.row.categories = made.categories;
-    return &made.row;
+    OwnedMetric& owned = owned_.emplace_back();
+    owned.operations = operations;
+    owned.categories.emplace_back(no_culprit);
+    owned.categories.insert(owned.categories.end(), owned.operations.begin(), owned.operations.end());
+    owned.row = *find_metric("culprit");
+    owned.row.categories = owned.categories;
+    return &owned.row;
 }
 
 std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metrics,

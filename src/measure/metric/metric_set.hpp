@@ -42,7 +42,7 @@ private:
         std::vector<std::string_view> categories;
         Metric row;
     };
-    std::deque<OwnedMetric> made_;  // rows stay where they are
+    std::deque<OwnedMetric> owned_;  // rows stay where they are
 };
 
 }  // namespace lostbits::measure::metric

@@ -115,14 +115,14 @@ ResultFolder::ResultFolder(fs::path folder, Provenance made_by, Rules rules)
     std::error_code error, ignored;
     for (auto part = folder_; part != part.parent_path() && !fs::exists(fs::symlink_status(part, ignored));
          part = part.parent_path())
-        made_.push_back(part);
+        created_.push_back(part);
     fs::create_directories(folder_, error);
     if (!fs::is_directory(folder_, ignored))
         throw EnvironmentError(fmt::format("{}: cannot create the folder: {}; choose another -o", folder.string(),
                                            error ? error.message() : "a file has that name"));
-    for (ListedRun& made : listed_runs(folder_)) {
-        if (rules_.shared && kind_of(made.by.command) != kind_of(made_by_.command)) others_.push_back(std::move(made));
-        else earlier_.merge(made.files);
+    for (ListedRun& run : listed_runs(folder_)) {
+        if (rules_.shared && kind_of(run.by.command) != kind_of(made_by_.command)) others_.push_back(std::move(run));
+        else earlier_.merge(run.files);
     }
     refuse_strange_list();
     if (!rules_.keep) refuse_lasting_results();
@@ -151,7 +151,7 @@ ResultFolder::~ResultFolder() {
     if (marker_ >= 0) ::close(marker_);
     if (lock_ >= 0) ::close(lock_);
     std::error_code ignored;
-    for (const auto& part : made_) fs::remove(part, ignored);  // folders that are not empty stay
+    for (const auto& part : created_) fs::remove(part, ignored);  // folders that are not empty stay
 }
 
 void ResultFolder::refuse_strange_results() const {
@@ -191,7 +191,7 @@ void ResultFolder::refuse_strange(const std::string& name) {
     if (!fs::exists(status)) return;
     const bool elsewhere =
         name_in(fs::canonical(folder_, ignored), fs::weakly_canonical(path.parent_path(), ignored) / "x").empty();
-    const auto lists = [&name](const ListedRun& made) { return made.files.contains(name); };
+    const auto lists = [&name](const ListedRun& run) { return run.files.contains(name); };
     const std::lock_guard lock(mutex_);
     const bool own = earlier_.contains(name) || files_.contains(name) || std::ranges::any_of(others_, lists);
     if (own && !elsewhere && !fs::is_symlink(status)) return;

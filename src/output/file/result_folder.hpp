@@ -90,7 +90,7 @@ private:
     std::filesystem::path folder_;  // absolute, normal
     Provenance made_by_;
     Rules rules_;
-    std::vector<std::filesystem::path> made_;  // folders that were not there, deepest first
+    std::vector<std::filesystem::path> created_;  // folders that were not there, deepest first
     std::set<std::string> earlier_, files_;
     std::vector<ListedRun> others_;  // files of other commands, if the folder is shared
     std::mutex mutex_;

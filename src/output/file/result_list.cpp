@@ -25,16 +25,16 @@ std::string text_of(const nlohmann::json& entry, const char* key) {
 }
 
 ResultFolder::ListedRun run_of(const nlohmann::json& entry) {
-    ResultFolder::ListedRun made{{text_of(entry, "command"), text_of(entry, "program")}, {}};
+    ResultFolder::ListedRun run{{text_of(entry, "command"), text_of(entry, "program")}, {}};
     if (entry.contains("forms") && entry["forms"].is_object()) {
         for (const auto& [name, what] : entry["forms"].items())
-            made.by.forms.emplace_back(name, text_of(entry["forms"], name.c_str()));
+            run.by.forms.emplace_back(name, text_of(entry["forms"], name.c_str()));
     }
-    if (!entry.contains("files")) return made;
+    if (!entry.contains("files")) return run;
     for (const auto& name : entry["files"]) {
-        if (name.is_string() && stays_inside(name.get<std::string>())) made.files.insert(name.get<std::string>());
+        if (name.is_string() && stays_inside(name.get<std::string>())) run.files.insert(name.get<std::string>());
     }
-    return made;
+    return run;
 }
 
 OrderedJson json_of(const Provenance& by, const std::set<std::string>& names) {

@@ -97,7 +97,7 @@ const CameraNumbers<double>& GeneratedRays::stored(const FloatFormat& format) co
 }
 
 template <class T>
-RayBlock GeneratedRays::made(camera::MakeIn<T> make, const FloatFormat& format, int y0, int y1) const {
+RayBlock GeneratedRays::generate(camera::MakeIn<T> make, const FloatFormat& format, int y0, int y1) const {
     const CameraNumbers<T> numbers = stored(format).each([](double x) { return T(x); });
     RayBlock block;
     block.width = numbers_.width, block.y0 = y0, block.y1 = y1;
@@ -106,10 +106,10 @@ RayBlock GeneratedRays::made(camera::MakeIn<T> make, const FloatFormat& format, 
 }
 
 RayBlock GeneratedRays::in(const FloatFormat& format, int y0, int y1) const {
-    if (format == binary32) return made<float>(by_->f32, format, y0, y1);
-    if (format == binary64) return made<double>(by_->f64, format, y0, y1);
+    if (format == binary32) return generate<float>(by_->f32, format, y0, y1);
+    if (format == binary64) return generate<double>(by_->f64, format, y0, y1);
     const CurrentFormat::Scope scope(format);
-    return made<RoundedAny>(by_->rounded, format, y0, y1);
+    return generate<RoundedAny>(by_->rounded, format, y0, y1);
 }
 
 RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates at) const {
@@ -126,7 +126,7 @@ RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates
         if (!is_used[static_cast<std::size_t>(i)]) continue;
         for (const NodeId operand : whole.operands_of(i)) is_used[static_cast<std::size_t>(operand)] = true;
     }
-    RecordedRay made;
+    RecordedRay recorded;
     std::vector<NodeId> place(whole.nodes.size(), no_node);
     for (NodeId i = 0; i < whole.size(); ++i) {
         const TapeNode& n = whole[i];
@@ -137,19 +137,19 @@ RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates
         };
         NodeId& there = place[static_cast<std::size_t>(i)];
         if (n.op == TapeOp::input) {
-            made.names.push_back(names[static_cast<std::size_t>(n.operands[0])]);
-            there = made.tape.add_input(format.parameters, n.value);
+            recorded.names.push_back(names[static_cast<std::size_t>(n.operands[0])]);
+            there = recorded.tape.add_input(format.parameters, n.value);
         } else {
-            there = made.tape.add(n.op, whole.format_of(i), n.value, {operand(0), operand(1), operand(2)});
-            made.tape[there].label = n.label;
+            there = recorded.tape.add(n.op, whole.format_of(i), n.value, {operand(0), operand(1), operand(2)});
+            recorded.tape[there].label = n.label;
         }
     }
     constexpr std::array<std::string_view, 6> numbers{"o.x", "o.y", "o.z", "d.x", "d.y", "d.z"};
     for (std::size_t k = 0; k < ray.size(); ++k) {
-        made.ray[k] = place[static_cast<std::size_t>(ray[k])];
-        made.tape.name(made.ray[k], numbers[k]);
+        recorded.ray[k] = place[static_cast<std::size_t>(ray[k])];
+        recorded.tape.name(recorded.ray[k], numbers[k]);
     }
-    return made;
+    return recorded;
 }
 
 void RecordedRay::put_before(Tape& form) const {

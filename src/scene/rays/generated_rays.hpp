@@ -45,7 +45,7 @@ private:
     /// The numbers rounded once for each format.
     [[nodiscard]] const camera::CameraNumbers<double>& stored(const FloatFormat& format) const;
     template <class T>
-    RayBlock made(camera::MakeIn<T> make, const FloatFormat& format, int y0, int y1) const;
+    RayBlock generate(camera::MakeIn<T> make, const FloatFormat& format, int y0, int y1) const;
 
     const camera::RayGenerator* by_;
     CameraFrame<Real> frame_;
