@@ -35,7 +35,7 @@ struct Common {
     std::string isa;  ///< a name of `isa_names`; empty: the widest of the processor
     selection::ExternalOptions external;
     intersect::process::StopToken stop = {};     ///< stops the work of the command
-    selection::Typed typed;                      ///< the command as it was typed
+    selection::TypedCommand typed;               ///< the command as it was typed
     bool force = false;                          ///< also write to folders that have files of others
     std::vector<std::string> figures = {};       ///< kinds of pictures: png, svg, pdf; empty: png
     std::shared_ptr<shard::Shards> joined = {};  ///< finished shards of the command to join; null: do the work here

@@ -44,7 +44,7 @@ std::string words_of(const shell::Option& option) {
 }
 
 /// Adds the options and arguments that were given.
-void add_words(const shell::Command& command, Typed& words) {
+void add_words(const shell::Command& command, TypedCommand& words) {
     for (const shell::Option& option : command.options()) {
         if (option.words().empty() || !of_result(option)) continue;
         if (option.is_argument()) {
@@ -180,8 +180,8 @@ std::vector<std::string> split_shell_words(const std::string& command) {
     return words;
 }
 
-Typed typed(const shell::Command& program) {
-    Typed words;
+TypedCommand typed(const shell::Command& program) {
+    TypedCommand words;
     for (const shell::Command& command : program.given()) {
         words.before += (words.before.empty() ? "" : " ") + command.name();
         add_words(command, words);

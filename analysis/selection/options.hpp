@@ -37,7 +37,7 @@ void add_changes(const shell::Command& command, SceneChoice& scenes, const std::
 
 /// The command that was typed, in words of a shell: the arguments, and the options in the order of the help. Options
 /// that change no result are left out: the folder, the number of threads, what is printed.
-struct Typed {
+struct TypedCommand {
     std::string before;    ///< `lostbits map`
     std::string subjects;  ///< ` two_step`, with the blank in front; empty if there are none
     std::string after;     ///< ` -f f32 --size 64x64`
@@ -50,7 +50,7 @@ struct Typed {
         return before + (subject.empty() ? "" : " ") + subject + after;
     }
 };
-Typed typed(const shell::Command& program);
+TypedCommand typed(const shell::Command& program);
 
 /// Finds arguments that begin with `data/`, as in the documentation, in the data folder (`data` is `--data`) if they do
 /// not exist here, and replaces them. `*`, `?` and `[…]` stand for characters, as in a shell.
