@@ -67,7 +67,7 @@ ExhaustiveState ExhaustiveRun::try_all(bool keep) {
     probe(unfinished_.path());
     const std::uint64_t each = sweep_.rays.size() * request_.rows.size();
     const std::uint64_t floats = measure::sweep::floats_of(sweep_, request_.share);
-    Watched progress(sweep_.id, floats * each, chosen_.common, state_.tried * each);
+    ProgressWithEstimate progress(sweep_.id, floats * each, chosen_.common, state_.tried * each);
     request_.progress = progress.advancing();
     auto kept = std::chrono::steady_clock::now();
     request_.keep = [&](const ExhaustiveState& state) {

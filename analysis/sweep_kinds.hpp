@@ -25,10 +25,10 @@ struct SweepOptions : selection::SweepChangeOptions {
 };
 
 /// A progress bar with an estimate of the time, which is printed in long runs.
-class Watched {
+class ProgressWithEstimate {
 public:
     /// `done`: units that were done by the run that this one resumes.
-    Watched(const std::string& id, std::uint64_t units, const Common& common, std::uint64_t done = 0)
+    ProgressWithEstimate(const std::string& id, std::uint64_t units, const Common& common, std::uint64_t done = 0)
         : progress_(units, id, common.progress, common.quiet), estimate_(progress_, id, units - done, common.quiet) {
         if (done > 0) progress_.advance(done);
     }
@@ -65,7 +65,7 @@ struct SweepSelection {
     /// The result of a sweep of so many units, measured here or joined from shards; nothing in a shard.
     template <class Request, class Measure>
     auto measured(const std::string& id, std::uint64_t units, Request& request, const Measure& measure) const {
-        Watched progress(id, units, common);
+        ProgressWithEstimate progress(id, units, common);
         request.progress = progress.advancing();
         auto found = division().result_of("sweep " + id, [&] { return measure(request); });
         progress.finish();
