@@ -162,7 +162,7 @@ Exit run_arguments(const std::vector<std::string>& words, std::shared_ptr<shard:
         const auto parsed = program.parse(read.words);
         if (parsed == shell::CommandLine::Parsed::help) fmt::print("{}", shell::help_page(program, below_help));
         if (parsed != shell::CommandLine::Parsed::command) return Exit::done;
-    } catch (const shell::Misread& error) {
+    } catch (const shell::CommandLineError& error) {
         fmt::print(stderr, "lostbits: {}\nlostbits: see `{} --help`\n",
                    output::file::terminal_text(shell::describe_misread(program, error)), program.command_path());
         return Exit::bad_input;

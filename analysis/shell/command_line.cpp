@@ -58,21 +58,22 @@ Option finished(CLI::Option* option, const ValueRule& check) {
     if (!option->get_positional() && option->get_expected_max() > 1) option->allow_extra_args(false);
     const auto hold = [wrong = check.wrong, option](const std::string& word) {
         // Throw: the parser would put the option's name in front of a returned text.
-        if (std::string text = wrong(option->get_name(), word); !text.empty()) throw Misread(Misread::said, text);
+        if (std::string text = wrong(option->get_name(), word); !text.empty())
+            throw CommandLineError(CommandLineError::said, text);
         return std::string();
     };
     if (check.wrong) option->check(hold, check.description);
     return Option(option);
 }
 
-Misread::Kind kind_of(const CLI::ParseError& error) {
+CommandLineError::Kind kind_of(const CLI::ParseError& error) {
     using Code = CLI::ExitCodes;
     switch (static_cast<Code>(error.get_exit_code())) {
-        case Code::ExtrasError: return Misread::nothing_takes_it;
-        case Code::RequiredError: return Misread::missing;
-        case Code::ConversionError: return Misread::unread;
-        case Code::ArgumentMismatch: return Misread::wrong_count;
-        default: return Misread::said;
+        case Code::ExtrasError: return CommandLineError::nothing_takes_it;
+        case Code::RequiredError: return CommandLineError::missing;
+        case Code::ConversionError: return CommandLineError::unread;
+        case Code::ArgumentMismatch: return CommandLineError::wrong_count;
+        default: return CommandLineError::said;
     }
 }
 
@@ -200,7 +201,7 @@ Option Command::add_named(const std::string& option, const std::vector<std::stri
     for (const std::string& name : names) places.emplace(name, places.size());
     const CLI::CheckedTransformer mapped(places);
     const auto map = [=](std::string& word) {
-        if (!mapped(word).empty()) throw Misread(Misread::said, not_one_of(option, word, names));
+        if (!mapped(word).empty()) throw CommandLineError(CommandLineError::said, not_one_of(option, word, names));
         return std::string();
     };
     return Option(app_->add_option_function<int>(option, take, help)
@@ -310,13 +311,13 @@ CommandLine::Parsed CommandLine::parse(const std::vector<std::string>& words) {
         // A word that should name a command, but does not, has no help.
         const std::vector<std::string> words_left = leftover();
         if (!words_left.empty() && !words_left.front().starts_with('-') && !given().back().names_of_commands().empty())
-            throw Misread(Misread::nothing_takes_it, asked.what());
+            throw CommandLineError(CommandLineError::nothing_takes_it, asked.what());
         return Parsed::help;
     } catch (const CLI::Success& asked) {  // --version
         app_->exit(asked);
         return Parsed::version;
     } catch (const CLI::ParseError& error) {
-        throw Misread(kind_of(error), error.what());
+        throw CommandLineError(kind_of(error), error.what());
     }
 }
 

@@ -130,9 +130,9 @@ private:
 };
 
 /// An error in the words of a command line, with the text of the parser.
-struct Misread : std::runtime_error {
+struct CommandLineError : std::runtime_error {
     enum Kind { nothing_takes_it, missing, unread, wrong_count, said };
-    Misread(Kind which, const std::string& text) : std::runtime_error(text), kind(which) {}
+    CommandLineError(Kind which, const std::string& text) : std::runtime_error(text), kind(which) {}
     Kind kind;  ///< `said`: the text is already a finished message
 };
 
@@ -156,7 +156,7 @@ private:
 };
 
 /// A message for what the parser threw: what is wrong, why, and what to try.
-std::string describe_misread(const CommandLine& program, const Misread& error);
+std::string describe_misread(const CommandLine& program, const CommandLineError& error);
 
 /// The message, with line breaks that come from one of the words written as `\n`. The line breaks of the message itself
 /// stay.

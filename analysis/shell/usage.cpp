@@ -83,14 +83,15 @@ std::string leftover(const CommandLine& program, const std::string& fallback) {
 
 }  // namespace
 
-std::string describe_misread(const CommandLine& program, const Misread& error) {
+std::string describe_misread(const CommandLine& program, const CommandLineError& error) {
     const std::string text = output::file::terminal_line(error.what());
     // A misspelt name makes something else seem to be missing, so the name is reported.
-    if (error.kind == Misread::nothing_takes_it || (error.kind == Misread::missing && !program.leftover().empty()))
+    if (error.kind == CommandLineError::nothing_takes_it ||
+        (error.kind == CommandLineError::missing && !program.leftover().empty()))
         return leftover(program, text);
     const Command command = program.given().back();
     std::smatch part;
-    const auto says = [&](Misread::Kind kind, const char* pattern) {
+    const auto says = [&](CommandLineError::Kind kind, const char* pattern) {
         return error.kind == kind && std::regex_match(text, part, std::regex(pattern));
     };
     /// The option in the first part of the match, of the command or of the program.
@@ -98,18 +99,18 @@ std::string describe_misread(const CommandLine& program, const Misread& error) {
         const Option own = command.option(part[1]);
         return own ? own : program.option(part[1]);
     };
-    if (says(Misread::missing, "A subcommand.*"))
+    if (says(CommandLineError::missing, "A subcommand.*"))
         return fmt::format("name a command: {}{}", fmt::join(command.names_of_commands(), ", "),
                            program.given().size() == 1 ? "; start with map, explain or judge" : "");
-    if (says(Misread::missing, R"(.*at most 1 options be given from \[(.*)\])"))
+    if (says(CommandLineError::missing, R"(.*at most 1 options be given from \[(.*)\])"))
         return std::regex_replace(part[1].str(), std::regex(","), ", ") + ": give only one of them";
-    if (says(Misread::missing, "(.*) is required")) return missing_text(option());
-    if (says(Misread::unread, "Could not convert: (.*) = (.*)"))
+    if (says(CommandLineError::missing, "(.*) is required")) return missing_text(option());
+    if (says(CommandLineError::unread, "Could not convert: (.*) = (.*)"))
         return fmt::format("{} {} is not a {}number, or is too large", part[1].str(), part[2].str(),
                            option().type().find("INT") == std::string::npos ? "" : "whole ");
-    if (says(Misread::wrong_count, "(.*?): [0-9]+ required .* missing"))
+    if (says(CommandLineError::wrong_count, "(.*?): [0-9]+ required .* missing"))
         return fmt::format("{}: its value is missing: {}", part[1].str(), option().help());
-    if (says(Misread::wrong_count, "(.*?): At Most 1 required but received ([0-9]+)"))
+    if (says(CommandLineError::wrong_count, "(.*?): At Most 1 required but received ([0-9]+)"))
         return fmt::format("{} is given {} times but takes one value", part[1].str(), part[2].str());
     return text;
 }
