@@ -44,9 +44,9 @@ struct LoadedRepairs {
 };
 
 /// Repairs forms one after another. Deques keep requests and results at fixed addresses.
-class Bench {
+class FormRepairer {
 public:
-    Bench(const ChoiceRequest& asked, std::string command) : asked_(asked), command_(std::move(command)) {}
+    FormRepairer(const ChoiceRequest& asked, std::string command) : asked_(asked), command_(std::move(command)) {}
 
     void mend_all() {
         ChoiceRequest quiet = asked_;
@@ -108,7 +108,7 @@ private:
 /// count once. Throws EnvironmentError if nothing can be compiled. `command` is the command that asks for it.
 LoadedRepairs mended(const ChoiceRequest& request, const measure::repair::CompilerSetup& setup,
                      const std::filesystem::path& folder, const std::string& command) {
-    Bench bench(request, command);
+    FormRepairer bench(request, command);
     bench.mend_all();
     LoadedRepairs all;
     if (bench.written.empty()) return all;
