@@ -17,9 +17,9 @@ using scene::file::Scene;
 namespace {
 
 /// A form that is mended, with the requirement of its claims.
-class Bench {
+class MendedForm {
 public:
-    Bench(const Claim& claim, const MendSubject& on, const ClaimRequest& run) : scene_(one_scene(claim, run)) {
+    MendedForm(const Claim& claim, const MendSubject& on, const ClaimRequest& run) : scene_(one_scene(claim, run)) {
         if (on.size) std::tie(scene_.width, scene_.height) = *on.size;
         request_.scene = &scene_;
         request_.row = row_for(claim, scene_);
@@ -56,7 +56,7 @@ private:
     std::optional<repair::Rewriting> rewriting_;
 };
 
-double value_of(const Claim& claim, Bench& bench) {
+double value_of(const Claim& claim, MendedForm& bench) {
     const auto of_rewritten = [&](const auto& value) {
         const auto found = bench.rewritten();
         return found ? static_cast<double>(value(*found)) : truth::missing;
@@ -80,7 +80,7 @@ void measure(const ClaimsOn<MendSubject>& claims, const ClaimRequest& run) {
     std::map<decltype(what(claims.front().claim, claims.front().on)), ClaimsOn<MendSubject>> alike;
     for (const auto& asked : claims) alike[what(asked.claim, asked.on)].push_back(asked);
     for (const auto& [same, some] : alike) {
-        Bench bench(some.front().claim, some.front().on, run);
+        MendedForm bench(some.front().claim, some.front().on, run);
         for (const auto& [claim, on, result] : some) result = judge(claim, value_of(claim, bench), nullptr);
     }
 }
