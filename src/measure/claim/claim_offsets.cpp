@@ -63,7 +63,8 @@ offset::Side side_of(const Claim& claim, const OffsetsSubject& on) {
 }
 
 /// Finds or adds the row of a claim, and adds the claim to it.
-RowClaims& row_of(const ClaimOn<OffsetsSubject>& asked, const scene::file::Scene& scene, std::vector<RowClaims>& rows) {
+RowClaims& row_of(const SubjectClaim<OffsetsSubject>& asked, const scene::file::Scene& scene,
+                  std::vector<RowClaims>& rows) {
     const Claim& claim = asked.claim;
     const evaluate::TestedForm row = row_for(claim, scene);
     if (!offset::can_be_asked(*row.form))

@@ -27,14 +27,14 @@ std::size_t place_of_word(const scene::claim::Claim& claim, const char* what, co
 
 /// A claim, its subject, and its result.
 template <class Kind>
-struct ClaimOn {
+struct SubjectClaim {
     const scene::claim::Claim& claim;
     const Kind& on;
     ClaimResult& result;
 };
 /// Claims about one scene, sweep or table, measured together.
 template <class Kind>
-using ClaimsOn = std::vector<ClaimOn<Kind>>;
+using ClaimsOn = std::vector<SubjectClaim<Kind>>;
 
 /// One function for each kind of subject.
 void measure(const ClaimsOn<scene::claim::SceneSubject>& claims, const ClaimRequest& run);
@@ -67,7 +67,7 @@ void add_draw(ClaimResult& result, const ClaimResult& draw);
 template <class Kind, class Measure>
 void measure_draws(const ClaimsOn<Kind>& claims, const ClaimRequest& run, const Measure& measure_draw) {
     measure_draw(claims, 0);
-    const bool any = std::ranges::any_of(claims, [](const ClaimOn<Kind>& c) { return c.result.is_drawn(); });
+    const bool any = std::ranges::any_of(claims, [](const SubjectClaim<Kind>& c) { return c.result.is_drawn(); });
     const auto further = static_cast<std::size_t>(any ? run.further_draws : 0);
     std::vector<std::vector<ClaimResult>> draws(further, std::vector<ClaimResult>(claims.size()));
     intersect::process::in_parallel(std::size_t{0}, further, [&](std::size_t d) {
@@ -105,7 +105,7 @@ inline std::size_t place_or_added(std::vector<evaluate::TestedForm>& rows, const
 template <class Kind>
 std::vector<const scene::claim::Claim*> claims_in(const ClaimsOn<Kind>& claims) {
     std::vector<const scene::claim::Claim*> all;
-    for (const ClaimOn<Kind>& c : claims) all.push_back(&c.claim);
+    for (const SubjectClaim<Kind>& c : claims) all.push_back(&c.claim);
     return all;
 }
 

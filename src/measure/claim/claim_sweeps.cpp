@@ -58,7 +58,7 @@ std::optional<metric::Bounds> bounds_of(const Claim& claim, const ClaimColumns& 
 }
 
 /// Position of the claim on the axes. Throws InputError if it does not fit them.
-std::vector<double> place_on(const ClaimOn<SweepSubject>& asked, const scene::sweep::SweepFile& sweep) {
+std::vector<double> place_on(const SubjectClaim<SweepSubject>& asked, const scene::sweep::SweepFile& sweep) {
     const auto& [claim, on, result] = asked;
     const auto* const part = on.part_if<SweepSubject::At>();
     std::vector<double> at = part ? part->values : std::vector<double>{};
