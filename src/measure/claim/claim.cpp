@@ -219,7 +219,7 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
         const auto begin = std::chrono::steady_clock::now();
         std::visit(
             [&]<class Kind>(const Kind&) {
-                ClaimsOn<Kind> some;
+                SubjectClaims<Kind> some;
                 for (const std::size_t i : places) some.push_back({claims[i], *claims[i].on<Kind>(), results[i]});
                 measure(some, request);
             },

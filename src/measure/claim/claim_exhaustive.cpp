@@ -155,7 +155,7 @@ ClaimResult judge_tally(const Claim& claim, std::size_t row, const ExhaustiveReq
 /// Claims about one range of one ray. The truth of a float is found once for all of them.
 struct RangeClaims {
     ExhaustiveFile file;
-    ClaimsOn<SweepSubject> claims = {};
+    SubjectClaims<SweepSubject> claims = {};
 };
 
 void measure_range(const RangeClaims& of, truth::TruthLimit limit) {
@@ -171,7 +171,7 @@ void measure_range(const RangeClaims& of, truth::TruthLimit limit) {
 
 }  // namespace
 
-void measure_exhaustive(const ClaimsOn<SweepSubject>& claims, const std::filesystem::path& path,
+void measure_exhaustive(const SubjectClaims<SweepSubject>& claims, const std::filesystem::path& path,
                         const ClaimRequest& run) {
     const ExhaustiveFile whole(path, run.data_dir, run.stop);
     std::vector<RangeClaims> together;

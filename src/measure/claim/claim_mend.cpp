@@ -72,12 +72,12 @@ double value_of(const Claim& claim, MendedForm& bench) {
 
 }  // namespace
 
-void measure(const ClaimsOn<MendSubject>& claims, const ClaimRequest& run) {
+void measure(const SubjectClaims<MendSubject>& claims, const ClaimRequest& run) {
     // Claims about the same form, format, size and requirement are measured together.
     const auto what = [](const Claim& c, const MendSubject& on) {
         return std::tuple(c.form, c.format, on.requirement.bits, on.requirement.wrong, on.requirement.at, on.size);
     };
-    std::map<decltype(what(claims.front().claim, claims.front().on)), ClaimsOn<MendSubject>> alike;
+    std::map<decltype(what(claims.front().claim, claims.front().on)), SubjectClaims<MendSubject>> alike;
     for (const auto& asked : claims) alike[what(asked.claim, asked.on)].push_back(asked);
     for (const auto& [same, some] : alike) {
         MendedForm bench(some.front().claim, some.front().on, run);

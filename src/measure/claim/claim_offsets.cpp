@@ -24,7 +24,7 @@ namespace {
 /// offset takes as long as all the rest.
 struct RowClaims {
     offset::OffsetRow row;
-    ClaimsOn<OffsetsSubject> claims = {};
+    SubjectClaims<OffsetsSubject> claims = {};
     std::vector<const offset::Strategy*> strategies = {};
     bool quiet = false;
 };
@@ -94,7 +94,7 @@ void judge_row(const RowClaims& row, const OffsetSummary& summary) {
 
 }  // namespace
 
-void measure(const ClaimsOn<OffsetsSubject>& claims, const ClaimRequest& run) {
+void measure(const SubjectClaims<OffsetsSubject>& claims, const ClaimRequest& run) {
     const scene::file::Scene scene = one_scene(claims.front().claim, run);
     find_for_claim(claims.front().claim, [&] { offset::require_few_primitives(scene); });
     std::vector<RowClaims> rows;
@@ -143,7 +143,7 @@ evaluate::WorstRay witness_of_disagreement(const consistency::ShownDisagreement&
 
 }  // namespace
 
-void measure(const ClaimsOn<ConsistencySubject>& claims, const ClaimRequest& run) {
+void measure(const SubjectClaims<ConsistencySubject>& claims, const ClaimRequest& run) {
     const scene::file::Scene scene = one_scene(claims.front().claim, run);
     find_for_claim(claims.front().claim, [&] { offset::require_few_primitives(scene); });
     consistency::ConsistencyStudy study{.scene = scene, .rows = {}, .checks = {}, .limit = {.stop = run.stop}};

@@ -82,9 +82,9 @@ scene::file::Scene one_scene(const Claim& claim, const ClaimRequest& run) {
     return std::move(scenes.front());
 }
 
-void measure(const ClaimsOn<SceneSubject>& claims, const ClaimRequest& run) {
+void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run) {
     const scene::file::Scene scene = one_scene(claims.front().claim, run);
-    ClaimsOn<SceneSubject> pictures;
+    SubjectClaims<SceneSubject> pictures;
     for (const auto& asked : claims) {
         const auto& [claim, on, result] = asked;
         if (on.step) result = judge(claim, trace_value(claim, *on.step, scene, {.stop = run.stop}), nullptr);
@@ -111,7 +111,7 @@ void measure(const ClaimsOn<SceneSubject>& claims, const ClaimRequest& run) {
 }
 
 /// Measures the claims about one rendered scene in one run, with all stages that they name.
-void measure(const ClaimsOn<RenderSubject>& claims, const ClaimRequest& run) {
+void measure(const SubjectClaims<RenderSubject>& claims, const ClaimRequest& run) {
     const Claim& first = claims.front().claim;
     const scene::file::Scene scene = one_scene(first, run);
     const std::string called = "scene \"" + first.subject_name() + "\"";

@@ -34,22 +34,22 @@ struct SubjectClaim {
 };
 /// Claims about one scene, sweep or table, measured together.
 template <class Kind>
-using ClaimsOn = std::vector<SubjectClaim<Kind>>;
+using SubjectClaims = std::vector<SubjectClaim<Kind>>;
 
 /// One function for each kind of subject.
-void measure(const ClaimsOn<scene::claim::SceneSubject>& claims, const ClaimRequest& run);
-void measure(const ClaimsOn<scene::claim::SweepSubject>& claims, const ClaimRequest& run);
-void measure(const ClaimsOn<scene::claim::RenderSubject>& claims, const ClaimRequest& run);
-void measure(const ClaimsOn<scene::claim::OffsetsSubject>& claims, const ClaimRequest& run);
-void measure(const ClaimsOn<scene::claim::ConsistencySubject>& claims, const ClaimRequest& run);
-void measure(const ClaimsOn<scene::claim::SearchSubject>& claims, const ClaimRequest& run);
-void measure(const ClaimsOn<scene::claim::MendSubject>& claims, const ClaimRequest& run);
-void measure(const ClaimsOn<scene::claim::TableSubject>& claims, const ClaimRequest& run);
-void measure(const ClaimsOn<scene::claim::TimingSubject>& claims, const ClaimRequest& run);
-void measure(const ClaimsOn<scene::claim::ChoiceSubject>& claims, const ClaimRequest& run);
+void measure(const SubjectClaims<scene::claim::SceneSubject>& claims, const ClaimRequest& run);
+void measure(const SubjectClaims<scene::claim::SweepSubject>& claims, const ClaimRequest& run);
+void measure(const SubjectClaims<scene::claim::RenderSubject>& claims, const ClaimRequest& run);
+void measure(const SubjectClaims<scene::claim::OffsetsSubject>& claims, const ClaimRequest& run);
+void measure(const SubjectClaims<scene::claim::ConsistencySubject>& claims, const ClaimRequest& run);
+void measure(const SubjectClaims<scene::claim::SearchSubject>& claims, const ClaimRequest& run);
+void measure(const SubjectClaims<scene::claim::MendSubject>& claims, const ClaimRequest& run);
+void measure(const SubjectClaims<scene::claim::TableSubject>& claims, const ClaimRequest& run);
+void measure(const SubjectClaims<scene::claim::TimingSubject>& claims, const ClaimRequest& run);
+void measure(const SubjectClaims<scene::claim::ChoiceSubject>& claims, const ClaimRequest& run);
 
 /// Measures those of the claims that are about a sweep over every float.
-void measure_exhaustive(const ClaimsOn<scene::claim::SweepSubject>& claims, const std::filesystem::path& path,
+void measure_exhaustive(const SubjectClaims<scene::claim::SweepSubject>& claims, const std::filesystem::path& path,
                         const ClaimRequest& run);
 
 /// Measures what it changes to pass on the nearest hit. The rays are seeded rays of `scene::box::BoxDistribution`,
@@ -65,13 +65,13 @@ void add_draw(ClaimResult& result, const ClaimResult& draw);
 /// Measures claims on the subject's own draw and on further ones, with `measure_draw(claims, draw)`; `draw` counts the
 /// seeds after its own.
 template <class Kind, class Measure>
-void measure_draws(const ClaimsOn<Kind>& claims, const ClaimRequest& run, const Measure& measure_draw) {
+void measure_draws(const SubjectClaims<Kind>& claims, const ClaimRequest& run, const Measure& measure_draw) {
     measure_draw(claims, 0);
     const bool any = std::ranges::any_of(claims, [](const SubjectClaim<Kind>& c) { return c.result.is_drawn(); });
     const auto further = static_cast<std::size_t>(any ? run.further_draws : 0);
     std::vector<std::vector<ClaimResult>> draws(further, std::vector<ClaimResult>(claims.size()));
     intersect::process::in_parallel(std::size_t{0}, further, [&](std::size_t d) {
-        ClaimsOn<Kind> again;
+        SubjectClaims<Kind> again;
         for (std::size_t i = 0; i < claims.size(); ++i) again.push_back({claims[i].claim, claims[i].on, draws[d][i]});
         measure_draw(again, static_cast<int>(d) + 1);
     });
@@ -103,7 +103,7 @@ inline std::size_t place_or_added(std::vector<evaluate::TestedForm>& rows, const
 }
 
 template <class Kind>
-std::vector<const scene::claim::Claim*> claims_in(const ClaimsOn<Kind>& claims) {
+std::vector<const scene::claim::Claim*> claims_in(const SubjectClaims<Kind>& claims) {
     std::vector<const scene::claim::Claim*> all;
     for (const SubjectClaim<Kind>& c : claims) all.push_back(&c.claim);
     return all;

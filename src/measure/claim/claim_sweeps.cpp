@@ -28,7 +28,8 @@ using truth::missing;
 
 namespace {
 
-void measure_cases(const ClaimsOn<SweepSubject>& claims, const std::filesystem::path& path, truth::TruthLimit limit) {
+void measure_cases(const SubjectClaims<SweepSubject>& claims, const std::filesystem::path& path,
+                   truth::TruthLimit limit) {
     const scene::sweep::CaseFile file(path);
     sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = limit};
     for (const auto& asked : claims) request.rows.push_back(row_for(asked.claim, file));
@@ -78,7 +79,7 @@ std::vector<double> place_on(const SubjectClaim<SweepSubject>& asked, const scen
 
 /// Claims about one position on the axes of a sweep, or about its onsets.
 struct AxesClaims {
-    const ClaimsOn<SweepSubject>& claims;
+    const SubjectClaims<SweepSubject>& claims;
     const ClaimColumns& columns;
     const std::vector<std::size_t>& rows;  ///< row of each claim, among those of the request
 };
@@ -122,8 +123,8 @@ void measure_onsets(const AxesClaims& on, sweep::SweepRequest request) {
 /// Position on the axes of a sweep; absent for claims about onsets.
 using AxesPosition = std::optional<std::vector<double>>;
 
-void measure_axes(const ClaimsOn<SweepSubject>& claims, const AxesPosition& place, const scene::sweep::SweepFile& sweep,
-                  truth::TruthLimit limit) {
+void measure_axes(const SubjectClaims<SweepSubject>& claims, const AxesPosition& place,
+                  const scene::sweep::SweepFile& sweep, truth::TruthLimit limit) {
     sweep::SweepRequest request{.sweep = sweep, .rows = {}, .metrics = {}, .limit = limit};
     std::vector<std::size_t> rows;
     for (const auto& [claim, on, result] : claims) {
@@ -140,7 +141,7 @@ void measure_axes(const ClaimsOn<SweepSubject>& claims, const AxesPosition& plac
 
 }  // namespace
 
-void measure(const ClaimsOn<SweepSubject>& claims, const ClaimRequest& run) {
+void measure(const SubjectClaims<SweepSubject>& claims, const ClaimRequest& run) {
     const Claim& first = claims.front().claim;
     const std::string& called = first.subject_name();
     const auto path = find_for_claim(first, [&] { return scene::sweep::find_sweep(called, run.data_dir); });
@@ -161,11 +162,11 @@ void measure(const ClaimsOn<SweepSubject>& claims, const ClaimRequest& run) {
                                   called + "\" is of another kind; leave it out");
     }
     const scene::sweep::SweepFile sweep(path, run.data_dir, {}, run.stop);
-    std::map<AxesPosition, ClaimsOn<SweepSubject>> together;
+    std::map<AxesPosition, SubjectClaims<SweepSubject>> together;
     for (const auto& asked : claims)
         together[asked.claim.onset.empty() ? AxesPosition(place_on(asked, sweep)) : std::nullopt].push_back(asked);
     for (const auto& part : together) {
-        measure_draws(part.second, run, [&](const ClaimsOn<SweepSubject>& some, int draw) {
+        measure_draws(part.second, run, [&](const SubjectClaims<SweepSubject>& some, int draw) {
             measure_axes(some, part.first, sweep.with_seed_offset(draw), {.stop = run.stop});
         });
     }
@@ -207,7 +208,8 @@ std::uint64_t count_of(const edges::EdgeFinding& found, const CensusMetric& metr
 }
 
 /// Runs the census of an edge search, without the search for the nearest crack.
-void measure_census(const ClaimsOn<SearchSubject>& claims, const std::filesystem::path& path, const ClaimRequest& run) {
+void measure_census(const SubjectClaims<SearchSubject>& claims, const std::filesystem::path& path,
+                    const ClaimRequest& run) {
     edges::EdgeRequest request{.search = scene::sweep::EdgeSearchFile(path, run.data_dir, {}, run.stop),
                                .rows = {},
                                .limit = {.stop = run.stop},
@@ -229,7 +231,7 @@ void measure_census(const ClaimsOn<SearchSubject>& claims, const std::filesystem
 
 }  // namespace
 
-void measure(const ClaimsOn<SearchSubject>& claims, const ClaimRequest& run) {
+void measure(const SubjectClaims<SearchSubject>& claims, const ClaimRequest& run) {
     const Claim& first = claims.front().claim;
     const std::string& called = first.subject_name();
     const auto path = find_for_claim(first, [&] { return scene::sweep::find_sweep(called, run.data_dir); });

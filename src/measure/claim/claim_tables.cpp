@@ -182,8 +182,8 @@ ClaimResult judge_closest(const Claim& claim, const TableSubject& on, std::uint6
 
 }  // namespace
 
-void measure(const ClaimsOn<TableSubject>& claims, const ClaimRequest& run) {
-    measure_draws(claims, run, [&run](const ClaimsOn<TableSubject>& some, int draw) {
+void measure(const SubjectClaims<TableSubject>& claims, const ClaimRequest& run) {
+    measure_draws(claims, run, [&run](const SubjectClaims<TableSubject>& some, int draw) {
         const auto seed = 1 + static_cast<std::uint64_t>(draw);
         for (const auto& [claim, on, result] : some) {
             if (on.name != "arithmetic" && on.name != "closest_as_tmax") {

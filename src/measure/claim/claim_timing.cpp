@@ -76,7 +76,7 @@ double speedup_per_processor(const Claim& claim, const TimingSubject& t, std::si
 
 }  // namespace
 
-void measure(const ClaimsOn<TimingSubject>& claims, const ClaimRequest& run) {
+void measure(const SubjectClaims<TimingSubject>& claims, const ClaimRequest& run) {
     for (const auto& [claim, t, result] : claims) {
         const std::size_t bytes = speed::working_set_bytes(t.data, speed::cache_sizes());
         if (bytes == 0) scene::toml::fail(claim.where, "unknown data \"" + t.data + "\"; write l1, l2 or memory");
@@ -191,7 +191,7 @@ double chosen_value(const Claim& claim, const ChoiceSubject& on, const ClaimRequ
 
 }  // namespace
 
-void measure(const ClaimsOn<ChoiceSubject>& claims, const ClaimRequest& run) {
+void measure(const SubjectClaims<ChoiceSubject>& claims, const ClaimRequest& run) {
     for (const auto& [claim, on, result] : claims) result = judge(claim, chosen_value(claim, on, run), nullptr);
 }
 
