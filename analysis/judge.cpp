@@ -49,7 +49,7 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
         if (have_matrices) primitive.placed = selection::any_matrix();
     group.march = request.march;
     return metric_set.for_forms(selection::measured(drawn, request.rows), measure::evaluate::forms_of(asked),
-                                [&group] { return measure::attribution::SettingOf(group); });
+                                [&group] { return measure::attribution::OwnedSetting(group); });
 }
 
 /// Prints a note on stderr if the decimals of a file do not fit its format.

@@ -87,7 +87,7 @@ SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<Tes
                    {}};
     work.map.metrics =
         metric_set.for_forms(selection::measured(wanted, work.map.rows), measure::evaluate::forms_of(work.map.rows),
-                             [&scene] { return measure::attribution::SettingOf(scene); });
+                             [&scene] { return measure::attribution::OwnedSetting(scene); });
     work.map.metrics = measure::evaluate::order_culprits(work.map, metric_set);
     if (o.bits_needed > 0) selection::refuse_generators(rows, "--bits");
     if (o.bits_needed > 0)

@@ -216,7 +216,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
                 wanted.push_back(measure::metric::find_metric(metric));
             if (scene.pixels() <= small_map) wanted.push_back(measure::metric::find_metric("culprit"));
             auto all = work.metric_set.for_forms(selection::measured(wanted, fit), measure::evaluate::forms_of(fit),
-                                                 [&scene] { return measure::attribution::SettingOf(scene); });
+                                                 [&scene] { return measure::attribution::OwnedSetting(scene); });
             // Leaves out `residual` by default: its layer of floats would be the largest part of most pages.
             std::erase_if(all, [&](const Metric* m) {
                 return m->name == "residual" && std::ranges::find(asked, m) == asked.end();

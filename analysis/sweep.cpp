@@ -51,7 +51,7 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
     measure::sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
     request.metrics = chosen.metric_set.for_forms(
         selection::measured(chosen.asked, rows), measure::evaluate::forms_of(rows),
-        [&file] { return measure::attribution::SettingOf(file.rays(0, binary64).front()); });
+        [&file] { return measure::attribution::OwnedSetting(file.rays(0, binary64).front()); });
     for (TestedForm row : rows) {
         for (const auto& judged : file.conventions) {
             row.judged = judged;
@@ -88,7 +88,7 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     }
     request.metrics =
         chosen.metric_set.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
-                                    [&sweep] { return measure::attribution::SettingOf(sweep.first_rays()); });
+                                    [&sweep] { return measure::attribution::OwnedSetting(sweep.first_rays()); });
     for (TestedForm& row : request.rows) row.judged = sweep.convention;
     request.further_draws = chosen.o.seeds.value_or(2);
     request.recoveries = request.both_ends = true;

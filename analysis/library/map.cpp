@@ -23,7 +23,7 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& 
         .scene = &scene, .rows = chosen.rows, .metrics = {}, .limit = {.stop = running.stop()}};
     request.metrics =
         chosen.metric_set.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
-                                    [&scene] { return measure::attribution::SettingOf(scene); });
+                                    [&scene] { return measure::attribution::OwnedSetting(scene); });
     request.metrics = measure::evaluate::order_culprits(request, chosen.metric_set);
     request.progress = running.advancing(scene.pixels() * request.rows.size());
 

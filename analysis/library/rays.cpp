@@ -167,7 +167,7 @@ std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Selection& 
         if (group.primitives.empty()) group.primitives.emplace_back(all.shape);
         if (all.dump->layout().has_matrix()) group.primitives.front().placed = selection::any_matrix();
         request.metrics = chosen.metric_set.for_forms(request.metrics, measure::evaluate::forms_of(chosen.rows),
-                                                      [&group] { return measure::attribution::SettingOf(group); });
+                                                      [&group] { return measure::attribution::OwnedSetting(group); });
     }
     const auto advance = running.advancing(rays.count);
     request.progress = [&advance](std::uint64_t done, std::uint64_t) { advance(done); };

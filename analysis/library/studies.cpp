@@ -36,7 +36,7 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
         .sweep = sweep, .rows = chosen.rows, .metrics = {}, .limit = {.stop = running.stop()}};
     request.metrics =
         chosen.metric_set.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
-                                    [&sweep] { return measure::attribution::SettingOf(sweep.first_rays()); });
+                                    [&sweep] { return measure::attribution::OwnedSetting(sweep.first_rays()); });
     for (TestedForm& row : request.rows) row.judged = sweep.convention;
     request.further_draws = 2;
     request.recoveries = request.both_ends = true;

@@ -88,7 +88,7 @@ auto of_parts(const Intersector& set, const Setting& setting, const Names& names
 
 }  // namespace
 
-SettingOf::SettingOf(const scene::file::Scene& scene)
+OwnedSetting::OwnedSetting(const scene::file::Scene& scene)
     : primitives_(scene::rays::shared_primitives(scene)),
       scene_(std::shared_ptr<void>(), &scene),
       ranged_(!scene.range.is_whole()) {

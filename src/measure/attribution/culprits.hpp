@@ -37,10 +37,10 @@ struct Setting {
 
 /// Primitives and constants of a scene or a step as a `Setting`. They live as long as this object; a scene must outlive
 /// it.
-class SettingOf {
+class OwnedSetting {
 public:
-    explicit SettingOf(const scene::file::Scene& scene);
-    explicit SettingOf(const scene::rays::RayGroup& rays)
+    explicit OwnedSetting(const scene::file::Scene& scene);
+    explicit OwnedSetting(const scene::rays::RayGroup& rays)
         : primitives_(rays.primitives), march_(rays.march), scene_(rays.scene), ranged_(rays.rays.have_ranges()) {}
     [[nodiscard]] Setting get() const { return {primitives_, march_ ? &*march_ : nullptr, scene_.get(), ranged_}; }
 

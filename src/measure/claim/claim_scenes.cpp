@@ -16,7 +16,7 @@
 
 namespace lostbits::measure::claim {
 
-using attribution::SettingOf;
+using attribution::OwnedSetting;
 using evaluate::TestedForm;
 using scene::claim::Claim;
 using scene::claim::RenderSubject;
@@ -94,7 +94,7 @@ void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run)
     evaluate::EvaluationRequest request{.scene = &scene, .rows = {}, .metrics = {}, .limit = {.stop = run.stop}};
     std::vector<std::size_t> rows;
     for (const auto& asked : pictures) rows.push_back(place_or_added(request.rows, row_for(asked.claim, scene)));
-    const SettingOf setting(scene);
+    const OwnedSetting setting(scene);
     const ClaimColumns columns(claims_in(pictures), request.rows, setting.get());
     request.metrics = columns.metrics();
     const auto whole = [](const auto& asked) { return !asked.on.pixel; };

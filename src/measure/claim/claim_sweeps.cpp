@@ -18,7 +18,7 @@
 
 namespace lostbits::measure::claim {
 
-using attribution::SettingOf;
+using attribution::OwnedSetting;
 using evaluate::TestedForm;
 using scene::claim::Claim;
 using scene::claim::SearchSubject;
@@ -33,7 +33,7 @@ void measure_cases(const SubjectClaims<SweepSubject>& claims, const std::filesys
     const scene::sweep::CaseFile file(path);
     sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = limit};
     for (const auto& asked : claims) request.rows.push_back(row_for(asked.claim, file));
-    const SettingOf setting(file.rays(0, binary64).front());
+    const OwnedSetting setting(file.rays(0, binary64).front());
     const ClaimColumns columns(claims_in(claims), request.rows, setting.get());
     request.metrics = columns.metrics();
     for (std::size_t k = 0; k < claims.size(); ++k) {
@@ -132,7 +132,7 @@ void measure_axes(const SubjectClaims<SweepSubject>& claims, const AxesPosition&
         if (!row.judged) row.judged = sweep.convention;
         rows.push_back(place_or_added(request.rows, row));
     }
-    const SettingOf setting(sweep.first_rays());
+    const OwnedSetting setting(sweep.first_rays());
     const ClaimColumns columns(claims_in(claims), request.rows, setting.get());
     request.metrics = columns.metrics();
     if (place) measure_place({claims, columns, rows}, request, *place);

@@ -162,7 +162,7 @@ std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metri
 
 std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metrics,
                                                 const std::vector<const Intersector*>& forms,
-                                                const std::function<attribution::SettingOf()>& setting) {
+                                                const std::function<attribution::OwnedSetting()>& setting) {
     if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run || is_of_operation(*m); })) return metrics;
     return for_forms(std::move(metrics), forms, setting().get());
 }

@@ -31,7 +31,7 @@ public:
     /// primitives.
     std::vector<const Metric*> for_forms(std::vector<const Metric*> metrics,
                                          const std::vector<const intersect::table::Intersector*>& forms,
-                                         const std::function<attribution::SettingOf()>& setting);
+                                         const std::function<attribution::OwnedSetting()>& setting);
 
 private:
     const Metric* of_number(const Metric& kind, std::string_view name);

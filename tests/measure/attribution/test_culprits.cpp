@@ -148,7 +148,7 @@ TEST_CASE("categories are ordered by how often they are to blame", "[culprits]")
         request.rows.push_back({&form, *find_format("f32")});
     MetricSet made;
     request.metrics = made.for_forms(request.metrics, measure::evaluate::forms_of(request.rows),
-                                     measure::attribution::SettingOf(scene).get());
+                                     measure::attribution::OwnedSetting(scene).get());
     const Metric* const before = request.metrics[1];
     request.metrics = order_culprits(request, made);
     const Metric* const after = request.metrics[1];
