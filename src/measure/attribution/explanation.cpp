@@ -32,7 +32,7 @@ using truth::missing;
 namespace {
 
 /// Draws −1, 0 or 1, the same in every run, with Knuth's generator (MMIX). Its high bits are the good ones.
-class Moves {
+class RandomMoves {
 public:
     int next() {
         state_ = state_ * 6364136223846793005u + 1442695040888963407u;
@@ -254,7 +254,7 @@ bool is_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan
 std::vector<answer::OneRay> neighbours_of(const answer::OneRay& ray, const answer::OneRay::Inputs& in,
                                           const FloatFormat& format, const std::vector<Primitive<double>>& primitives) {
     std::vector<answer::OneRay> all;
-    Moves moves;
+    RandomMoves moves;
     const Ray<double> middle = in.all.rays[in.index];
     for (int k = 0; k < neighbours; ++k) {
         Ray<double> beside = middle;
