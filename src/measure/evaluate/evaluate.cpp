@@ -133,7 +133,7 @@ std::vector<FormsOfGenerator> by_generator(const std::vector<TestedForm>& rows) 
 }
 
 /// Groups of rays with one primitive each, joined into one group whose rays are paired with their primitives.
-struct Joined {
+struct JoinedRays {
     scene::rays::RayGroup rays = {.rays = {}, .primitives = {}, .paired = true};
     std::vector<std::size_t> first = {};  ///< index of the first ray of each group
 
@@ -152,7 +152,7 @@ struct Joined {
 
 /// Joins the groups; nothing if there is only one, or if one of them has several primitives. Joining pays: the fixed
 /// cost of a band is a hundred times the cost of a ray, and ray distributions have a group for each ray.
-std::optional<Joined> join(const std::vector<scene::rays::RayGroup>& groups) {
+std::optional<JoinedRays> join(const std::vector<scene::rays::RayGroup>& groups) {
     const auto fits = [&](const scene::rays::RayGroup& g) {
         return g.primitives.size() == 1 && !g.paired && g.rays.size() > 0 && g.rays.width > 0 &&
                g.primitives[0].shape == groups[0].primitives[0].shape &&
@@ -161,7 +161,7 @@ std::optional<Joined> join(const std::vector<scene::rays::RayGroup>& groups) {
                g.rays.open.tmax == groups[0].rays.open.tmax;
     };
     if (groups.size() < 2 || groups[0].primitives.empty() || !std::ranges::all_of(groups, fits)) return std::nullopt;
-    Joined all;
+    JoinedRays all;
     scene::rays::RayBlock& rays = all.rays.rays;
     for (const scene::rays::RayGroup& g : groups) {
         all.first.push_back(rays.size());
@@ -212,7 +212,7 @@ std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> group
     std::vector<FormSummary> summaries;
     for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
     // Forms that march are not joined: a field of distances contains all primitives of a group, for every ray.
-    std::optional<Joined> joined = join(groups);
+    std::optional<JoinedRays> joined = join(groups);
     std::vector<TestedForm> at_once, one_by_one;
     std::vector<FormSummary*> of_once, of_each;
     for (std::size_t r = 0; r < rows.size(); ++r) {
