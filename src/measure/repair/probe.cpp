@@ -206,9 +206,9 @@ private:
 };
 
 /// Sets that are joined.
-class Joined {
+class DisjointSets {
 public:
-    explicit Joined(std::size_t n) : of_(n) { std::iota(of_.begin(), of_.end(), NodeId(0)); }
+    explicit DisjointSets(std::size_t n) : of_(n) { std::iota(of_.begin(), of_.end(), NodeId(0)); }
     NodeId of(NodeId i) {
         NodeId& up = of_[static_cast<std::size_t>(i)];
         return up == i ? i : up = of(up);
@@ -220,7 +220,7 @@ private:
 };
 
 /// Joins each partial sum that is used by one sum alone, and that some exchange maps to no operation, with that sum.
-void join_partial_sums(const Tape& tape, const std::set<NodeId>& incomplete, Joined& groups) {
+void join_partial_sums(const Tape& tape, const std::set<NodeId>& incomplete, DisjointSets& groups) {
     std::map<NodeId, std::vector<NodeId>> users;
     for (NodeId i = 0; i < tape.size(); ++i)
         if (!is_given(tape[i].op))
@@ -238,7 +238,7 @@ std::vector<std::vector<NodeId>> exchanged_groups(const Tape& tape, const std::v
     Expressions expressions(tape);
     const std::vector<int> own = expressions.numbers_with(exchanged_inputs(like, same));
     std::map<int, NodeId> first;
-    Joined groups(tape.nodes.size());
+    DisjointSets groups(tape.nodes.size());
     for (const NodeId i : operations) {
         const auto [at, is_new] = first.try_emplace(own[static_cast<std::size_t>(i)], i);
         if (!is_new) groups.join(i, at->second);
