@@ -141,9 +141,9 @@ std::vector<int> exchanged_inputs(const Primitive<double>& like, const Isometry&
 
 /// Expressions as numbers: two nodes have the same number if they are the same expression, up to the order of operands
 /// and the brackets of sums, minima and maxima.
-class Expressions {
+class ValueNumbering {
 public:
-    explicit Expressions(const Tape& tape) : tape_(tape) {}
+    explicit ValueNumbering(const Tape& tape) : tape_(tape) {}
 
     /// The number of each node, with other inputs in place of its own.
     std::vector<int> numbers_with(const std::vector<int>& inputs) {
@@ -235,7 +235,7 @@ void join_partial_sums(const Tape& tape, const std::set<NodeId>& incomplete, Dis
 std::vector<std::vector<NodeId>> exchanged_groups(const Tape& tape, const std::vector<NodeId>& operations,
                                                   const Primitive<double>& like) {
     constexpr Isometry same{"", "", {1, 0, 0, 0, 1, 0, 0, 0, 1}, 1};
-    Expressions expressions(tape);
+    ValueNumbering expressions(tape);
     const std::vector<int> own = expressions.numbers_with(exchanged_inputs(like, same));
     std::map<int, NodeId> first;
     DisjointSets groups(tape.nodes.size());
