@@ -86,7 +86,7 @@ EnclosedNode sum(const EnclosedNode& a, const EnclosedNode& b, int sign, const F
     return r;
 }
 
-EnclosedNode product(const EnclosedNode& a, const EnclosedNode& b, const EnclosedNode* c, const Enclosing& of) {
+EnclosedNode product(const EnclosedNode& a, const EnclosedNode& b, const EnclosedNode* c, const NodeContext& of) {
     const bool is_square = of.node.operands[0] == of.node.operands[1];
     EnclosedNode r;
     r.exact = is_square ? square(a.exact) : a.exact * b.exact;
@@ -162,7 +162,7 @@ EnclosedNode neighbour(const EnclosedNode& a, int sign, const FloatFormat& forma
     return r;
 }
 
-EnclosedNode converted(const EnclosedNode& a, const Enclosing& of) {
+EnclosedNode converted(const EnclosedNode& a, const NodeContext& of) {
     EnclosedNode r{.known = true, .exact = a.exact, .computed = a.computed, .own = Interval(0)};
     r.quotients[0] = Interval(1);
     if (!holds(of.format, of.from)) put_rounded(r, a.computed, of.format);
@@ -273,7 +273,7 @@ EnclosedNode enclose_input(double low, double high) {
     return r;
 }
 
-EnclosedNode enclose(const Enclosing& of) {
+EnclosedNode enclose(const NodeContext& of) {
     const TapeOp op = of.node.op;
     if (op == TapeOp::constant) return constant(of.node);
     const EnclosedNode &a = *of.operands[0], &b = of.operands[1] ? *of.operands[1] : a;

@@ -23,14 +23,14 @@ struct EnclosedNode {
 };
 
 /// A node, its operands, and the formats of its result and of its first operand.
-struct Enclosing {
+struct NodeContext {
     const TapeNode& node;
     std::array<const EnclosedNode*, 3> operands;
     FloatFormat format, from;
 };
 
 /// Encloses a node that is not an input.
-EnclosedNode enclose(const Enclosing& of);
+EnclosedNode enclose(const NodeContext& of);
 
 /// Encloses an input. An end at infinity becomes a number beyond every number of a format.
 EnclosedNode enclose_input(double low, double high);

@@ -47,7 +47,7 @@ private:
     static std::size_t place(NodeId i) { return static_cast<std::size_t>(i); }
 
     [[nodiscard]] EnclosedNode made(NodeId i, const std::vector<EnclosedNode>& from) const {
-        Enclosing of{tape_[i], {}, tape_.format_of(i), tape_.format_of(i)};
+        NodeContext of{tape_[i], {}, tape_.format_of(i), tape_.format_of(i)};
         const auto operands = tape_.operands_of(i);
         for (std::size_t k = 0; k < operands.size(); ++k) of.operands[k] = &from[place(operands[k])];
         if (tape_[i].op == TapeOp::convert) of.from = tape_.format_of(operands[0]);
