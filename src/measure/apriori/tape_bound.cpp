@@ -25,9 +25,9 @@ Interval common(const Interval& a, const Interval& b) {
 /// node also has its value m at the middle of the box and slopes s_k, with v = m + Σ s_k (x_k − middle of x_k) without
 /// rounding. The slopes come from the same quotients as errors do, taken between v and m. Δ is the whole rounding error
 /// of the node.
-class Enclosed {
+class EnclosedTape {
 public:
-    Enclosed(const Tape& tape, const std::vector<bool>& needed, const InputBox& box)
+    EnclosedTape(const Tape& tape, const std::vector<bool>& needed, const InputBox& box)
         : tape_(tape),
           box_(box),
           all_(tape.nodes.size()),
@@ -181,7 +181,7 @@ TapeBound::TapeBound(const Tape& tape) : tape_(tape), needed_(nodes_of_answer(ta
 
 BoxBound TapeBound::over(const InputBox& box) const {
     const Interval::Precision precision(bits);
-    const Enclosed enclosed(tape_, needed_, box);
+    const EnclosedTape enclosed(tape_, needed_, box);
     const auto& all = enclosed.nodes();
     const EnclosedNode& hit = all[static_cast<std::size_t>(tape_.outputs.hit)];
     BoxBound bound;
@@ -201,7 +201,7 @@ BoxBound TapeBound::over(const InputBox& box) const {
 
 std::vector<double> TapeBound::shares(const InputBox& box) const {
     const Interval::Precision precision(bits);
-    const Enclosed enclosed(tape_, needed_, box);
+    const EnclosedTape enclosed(tape_, needed_, box);
     const auto& all = enclosed.nodes();
     std::vector<double> made(all.size());
     const auto slope = slopes(tape_, all);
