@@ -45,7 +45,7 @@ std::vector<std::vector<double>> drawn(const BoundQuery& asking, std::size_t box
 /// Range that replaces the scene's for the input of this name (`intersect::table::input_names`).
 struct GivenRange {
     std::string name;
-    Between range;
+    InputRange range;
 };
 
 /// Rays of a step of a sweep. For a ray distribution these are the ones that it draws; others of its kind may lie

@@ -211,7 +211,7 @@ std::vector<double> TapeBound::shares(const InputBox& box) const {
 
 Subdivided::Subdivided(const TapeBound& bound, InputBox whole, std::size_t boxes,
                        const intersect::process::StopToken& stop) {
-    free_ = static_cast<int>(std::ranges::count_if(whole, [](const Between& x) { return !x.is_point(); }));
+    free_ = static_cast<int>(std::ranges::count_if(whole, [](const InputRange& x) { return !x.is_point(); }));
     parts_.push_back({.bound = bound.over(whole)});
     parts_.front().box = std::move(whole);
     for (std::size_t leaves = 1; leaves < boxes;) {
@@ -249,7 +249,7 @@ void Subdivided::halve(std::span<const std::size_t> which, const TapeBound& boun
     for (const std::size_t i : which) {
         BoundedPart& p = parts_[i];
         p.axis = widest(p.box, parts_.front().box);
-        Between& range = p.box[static_cast<std::size_t>(p.axis)];
+        InputRange& range = p.box[static_cast<std::size_t>(p.axis)];
         p.middle = range.low / 2 + range.high / 2;
         p.below = parts_.size();
         BoundedPart below = p, above = p;

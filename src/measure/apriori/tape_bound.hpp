@@ -23,12 +23,12 @@
 namespace lostbits::measure::apriori {
 
 /// Range of one input: low ≤ x ≤ high.
-struct Between {
+struct InputRange {
     double low, high;
     [[nodiscard]] bool is_point() const { return low == high; }
 };
 /// Ranges of all inputs, in the order of a tape's inputs.
-using InputBox = std::vector<Between>;
+using InputBox = std::vector<InputRange>;
 
 /// Bounds that hold for every number of the format in a box.
 struct BoxBound {
