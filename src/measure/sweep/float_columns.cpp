@@ -146,13 +146,13 @@ double per_ulp(double hi, double lo) {
     return std::bit_cast<double>(sum - (std::bit_cast<std::uint64_t>(size) & exponent));
 }
 
-struct Between {
+struct ValueRange {
     double low, high;
 };
 
 /// Bounds of |t − t*|/ulp(t*) where |t* − (hi + lo)| ≤ bound. t − hi is rounded once, and so is the difference with lo,
 /// each to 2^-53 of itself; where they cancel, t − hi is exact. 2^-50 covers both, and the product with the bound.
-Between between(float t, double hi, double lo, double bound) {
+ValueRange between(float t, double hi, double lo, double bound) {
     const double scale = per_ulp(hi, lo);
     const double size = std::fabs((static_cast<double>(t) - hi) - lo) * scale;
     const double aside = bound * scale;
@@ -220,7 +220,7 @@ void UlpColumns::compare(std::span<const float> t, std::span<const std::uint8_t>
     const float* const answer = t.data();
     double *const low = low_.data(), *const high = high_.data();
     for (std::size_t i = 0; i < n; ++i) {
-        const Between b = between(answer[i], hi[i], lo[i], bound[i]);
+        const ValueRange b = between(answer[i], hi[i], lo[i], bound[i]);
         low[i] = b.low;
         high[i] = b.high;
     }
@@ -250,7 +250,7 @@ void UlpColumns::refine(std::span<const std::size_t> places) {
     for (std::size_t k = 0; k < places.size(); ++k) {
         const std::size_t i = places[k];
         if (std::isnan(closer_.hi[k]) || std::isinf(t_[i])) continue;
-        const Between b = between(t_[i], closer_.hi[k], closer_.lo[k], closer_.bound[k]);
+        const ValueRange b = between(t_[i], closer_.hi[k], closer_.lo[k], closer_.bound[k]);
         low_[i] = b.low;
         high_[i] = b.high;
     }
