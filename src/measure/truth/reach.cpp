@@ -18,13 +18,13 @@ namespace {
 
 /// The quadratic P as seen from t. `B` bounds how far P(t) can be from 0, `slope` is half of the slope there, and
 /// |P''|/2 lies between `least` and `most` on the way to t'.
-struct Bend {
+struct LocalQuadratic {
     double B;
     AllValues slope;
     double least, most;
     double unevenness = 1;  ///< √(most/least) if P'' may change on the way
 
-    Bend(const Perturbable& problem, const QuadraticSpan<Differentiated>& s)
+    LocalQuadratic(const Perturbable& problem, const QuadraticSpan<Differentiated>& s)
         : B(problem.aside(s.c)),
           slope(s.h.value()),
           least(AllValues(s.a.value()).least()),
@@ -47,7 +47,7 @@ struct Bend {
 /// the least and the largest a', and the first bound holds. Near a tangent, the root comes no later than the minimum of
 /// P. That is at most |s'|/a' away for the smallest a', and s'² < a'B for the largest a': √(B/a') for the smallest a',
 /// times √(most/least).
-double moved_root(const Bend& bend) {
+double moved_root(const LocalQuadratic& bend) {
     if (bend.B == 0) return 0;
     const double sigma = std::max(bend.slope.low, -bend.slope.high), aB = bend.most * bend.B * outward + tiny;
     if (sigma > 0 && sigma * sigma >= aB) return bend.B / (sigma + std::sqrt(sigma * sigma - aB));
@@ -56,7 +56,7 @@ double moved_root(const Bend& bend) {
 }
 
 double moved_root(const Perturbable& problem, const QuadraticSpan<Differentiated>& s) {
-    return moved_root(Bend(problem, s));
+    return moved_root(LocalQuadratic(problem, s));
 }
 
 /// Bound on |δ|. δ = t' − t is a root of f'(b' + a' δ) = Σ cₖ δᵏ with |c₀| ≤ B. If |cₖ| ρᵏ > Σ |cⱼ| ρʲ over all other
@@ -182,8 +182,8 @@ public:
     template <class Shape>
     PiecesAlongAxis(const Perturbable& problem, const Shape& s, const Ray<Differentiated>& ray)
         : slab_(slab_of(s.start, s.end, ray)),
-          bends_{Bend(problem, ball(s.start, s.radius, ray)), Bend(problem, side(s, ray)),
-                 Bend(problem, ball(s.end, s.radius, ray))} {}
+          bends_{LocalQuadratic(problem, ball(s.start, s.radius, ray)), LocalQuadratic(problem, side(s, ray)),
+                 LocalQuadratic(problem, ball(s.end, s.radius, ray))} {}
 
     [[nodiscard]] double moved() const {
         const auto here = within(0);
@@ -216,8 +216,8 @@ private:
         return {!(low.low - way > 0), !(low.high + way < 0) && !(high.high + way < 0), !(high.low - way > 0)};
     }
     /// Bounds of P(t) and its slope over the pieces `here`, and of its second derivative over the pieces `passed`.
-    [[nodiscard]] Bend joined(const Pieces& here, const Pieces& passed) const {
-        std::optional<Bend> all;
+    [[nodiscard]] LocalQuadratic joined(const Pieces& here, const Pieces& passed) const {
+        std::optional<LocalQuadratic> all;
         for (std::size_t i = 0; i < 3; ++i) {
             if (!here[i]) continue;
             if (!all) all = bends_[i];
@@ -233,7 +233,7 @@ private:
     }
 
     Slab slab_;
-    std::array<Bend, 3> bends_;
+    std::array<LocalQuadratic, 3> bends_;
 };
 
 /// Bound on how far the answer moves, for a ray that begins at its answer. By shape:
