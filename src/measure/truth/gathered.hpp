@@ -92,17 +92,17 @@ struct BatchFindings {
 
 /// Problems from anywhere, gathered in a row. The last one is repeated to fill whole registers.
 template <class S>
-struct Gathered {
+struct GatheredProblems {
     alignas(64) S numbers[most_columns][column_capacity];
     BatchFindings found;
     std::size_t size = 0;  ///< number of problems that were added one by one
 
     /// Buffer of this thread for a shape, or for columns of any shape. It is reused, because some callers settle one
     /// ray at a time, thousands of times.
-    static Gathered& of_thread(std::optional<Shape> shape = {}) {
-        thread_local std::array<std::unique_ptr<Gathered>, shape_rows.size() + 1> all;
+    static GatheredProblems& of_thread(std::optional<Shape> shape = {}) {
+        thread_local std::array<std::unique_ptr<GatheredProblems>, shape_rows.size() + 1> all;
         auto& wanted = all[shape ? static_cast<std::size_t>(*shape) : shape_rows.size()];
-        if (!wanted) wanted = std::make_unique<Gathered>();
+        if (!wanted) wanted = std::make_unique<GatheredProblems>();
         return *wanted;
     }
 
@@ -176,7 +176,7 @@ public:
         if (left == 0) return;
         std::array<std::size_t, most_lanes> last;
         std::iota(last.begin(), last.end(), begin + whole);
-        auto& rest = Gathered<S>::of_thread();
+        auto& rest = GatheredProblems<S>::of_thread();
         auto raw = rest.gather(problems_, std::span(last).first(left), lanes);
         raw.ranged = ranged_;
         if (!found.t.hi) raw.out.t = {};

@@ -136,7 +136,7 @@ private:
             for (std::size_t i = 0; i < count_; ++i) out_.object[begin_ + i] = hit[i] != 0 ? place(i) : -1;
             return;
         }
-        BatchFindings& found = Gathered<double>::of_thread(shape_rows.front().shape).found;
+        BatchFindings& found = GatheredProblems<double>::of_thread(shape_rows.front().shape).found;
         ask(found.raw());
         for (std::size_t i = 0; i < count_; ++i)
             if (found.hit[i] != 0) keep_nearest(found, i, place(i));
@@ -213,7 +213,7 @@ private:
 
     void add_pair(std::size_t i, std::uint32_t s) {
         const Primitive<S> primitive = problems_.primitives[s];
-        Gathered<double>& to = gathered(primitive.shape);
+        GatheredProblems<double>& to = gathered(primitive.shape);
         stages::UnderMatrix& matrix = matrices_[static_cast<std::size_t>(primitive.shape)];
         if (const auto its = under_matrix(primitive); !(its == matrix)) {
             settle(primitive.shape);
@@ -239,11 +239,11 @@ private:
         if (to.size == settled_together) settle(primitive.shape);
     }
 
-    static Gathered<double>& gathered(Shape shape) { return Gathered<double>::of_thread(shape); }
+    static GatheredProblems<double>& gathered(Shape shape) { return GatheredProblems<double>::of_thread(shape); }
     std::array<std::size_t, settled_together>& places(Shape shape) { return places_[static_cast<std::size_t>(shape)]; }
 
     void settle(Shape shape) {
-        Gathered<double>& together = gathered(shape);
+        GatheredProblems<double>& together = gathered(shape);
         if (together.size == 0) return;
         std::vector<std::size_t> left(together.size);
         std::iota(left.begin(), left.end(), std::size_t{0});
@@ -269,7 +269,7 @@ private:
         const stages::Stages stages = stages::stages_of(shape, isa_);
         const bool are_plain = !two_words && !ranged_ && !matrices_[static_cast<std::size_t>(shape)].placed;
         if (left.empty() || !stages.ties || !are_plain) return;
-        Gathered<double>& ties = Gathered<double>::of_thread();
+        GatheredProblems<double>& ties = GatheredProblems<double>::of_thread();
         stages.ties(ties.gather(gathered(shape).columns(shape), left, stages.lanes));
         take(ties.found, shape, left, [](std::size_t k) { return k; });
     }

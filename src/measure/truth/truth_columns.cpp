@@ -100,7 +100,7 @@ private:
     /// happens.
     void settle_gathered(const stages::ShapeStage<double>& stage) {
         if (!stage || open_.empty()) return;
-        auto& gathered = Gathered<double>::of_thread();
+        auto& gathered = GatheredProblems<double>::of_thread();
         const std::vector<std::size_t> which = std::exchange(open_, {});
         auto raw = gathered.gather(problems_, which, stages_.lanes);
         raw.ranged = in_place_.has_own_ranges();
