@@ -157,9 +157,9 @@ struct GatheredProblems {
 
 /// Problems read in place. A column of one number is repeated in a register of its own.
 template <class S>
-class InPlace {
+class ProblemsInPlace {
 public:
-    explicit InPlace(const ProblemColumns<S>& p) : problems_(p), ranged_(have_ranges(p.tmin, p.tmax, p.open)) {
+    explicit ProblemsInPlace(const ProblemColumns<S>& p) : problems_(p), ranged_(have_ranges(p.tmin, p.tmax, p.open)) {
         stages::RawProblems<S> raw{};
         S* to = same_[0];
         for_each_column(p, raw, [&](std::span<const S> from, stages::RawColumn<S>&, S absent) {

@@ -120,7 +120,7 @@ private:
     template <class Place>
     void meet(const ProblemColumns<double>& columns, bool is_first, const Place& place) {
         const stages::Stages stages = stages::stages_of(columns.shape, isa_);
-        const InPlace<double> rays(columns);
+        const ProblemsInPlace<double> rays(columns);
         const auto ask = [&](const stages::RawFindings& found) {
             rays.settle(stages.double_double, stages.lanes, 0, count_, found);
             for (std::size_t i = 0; i < count_; ++i) open_[i] |= static_cast<std::uint8_t>(found.settled[i] == 0);

@@ -148,7 +148,7 @@ private:
     const ColumnTerms& terms_;
     TruthColumns& out_;
     stages::Stages stages_;
-    InPlace<S> in_place_;
+    ProblemsInPlace<S> in_place_;
     stages::ShapeStage<double> ties_;  ///< empty if ties are not looked for
     std::vector<std::size_t> open_;
 };
