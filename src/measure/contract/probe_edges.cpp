@@ -39,8 +39,8 @@ Primitive<double> pointed(Primitive<double> primitive) {
 /// Rays at one kind of place of random primitives. Half of them are aimed at the place itself, the others up to 2^-10
 /// of the primitive beside it. All are benign. A ray that misses counts only if the place is not of the surface: one
 /// that touches an edge from outside would pass for benign, as few rays near it hit.
-std::vector<Known> rays_at(const Trial& trial, const scene::sweep::DistributionRow& distribution, int aim,
-                           bool upright) {
+std::vector<AnsweredQuestion> rays_at(const Trial& trial, const scene::sweep::DistributionRow& distribution, int aim,
+                                      bool upright) {
     constexpr int attempts = 320, changes = 32;
     constexpr std::size_t most = 64;
     RandomNumbers random;
@@ -63,7 +63,7 @@ std::vector<Known> rays_at(const Trial& trial, const scene::sweep::DistributionR
 }
 
 /// Rays at all places of a shape, by the name of the place.
-using Places = std::vector<std::pair<std::string_view, std::vector<Known>>>;
+using Places = std::vector<std::pair<std::string_view, std::vector<AnsweredQuestion>>>;
 
 Places places_of(const Trial& trial, const scene::sweep::DistributionRow& distribution, bool upright) {
     Places places;

@@ -189,15 +189,15 @@ Question scaled_by(const Question& q, Shape shape, int power) {
     return to;
 }
 
-std::vector<Known> with_truth(const Trial& trial, const std::vector<Question>& questions) {
-    std::vector<Known> rays;
+std::vector<AnsweredQuestion> with_truth(const Trial& trial, const std::vector<Question>& questions) {
+    std::vector<AnsweredQuestion> rays;
     for (const Question& q : questions) rays.push_back({q, trial.truth(q)});
     return rays;
 }
 
-Wrong::Wrong(const Trial& trial, const std::vector<Known>& rays, int power) : asked(rays.size()) {
+Wrong::Wrong(const Trial& trial, const std::vector<AnsweredQuestion>& rays, int power) : asked(rays.size()) {
     std::vector<Question> questions;
-    for (const Known& one : rays) questions.push_back(scaled_by(one.question, trial.shape, power));
+    for (const AnsweredQuestion& one : rays) questions.push_back(scaled_by(one.question, trial.shape, power));
     const std::vector<Reply> replies = ask(trial.form, questions);
     for (std::size_t i = 0; i < asked; ++i) {
         const auto& [plain, right] = rays[i];

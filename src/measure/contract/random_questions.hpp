@@ -55,11 +55,11 @@ std::string numbers_text(std::span<const double> numbers);
 std::string words_of(const Trial& trial, const HitOrMiss& d);
 
 /// A question with its right answer.
-struct Known {
+struct AnsweredQuestion {
     Question question;
     HitOrMiss right;
 };
-std::vector<Known> with_truth(const Trial& trial, const std::vector<Question>& questions);
+std::vector<AnsweredQuestion> with_truth(const Trial& trial, const std::vector<Question>& questions);
 
 /// Number of wrong answers among some rays, and a description of the first.
 struct Wrong {
@@ -68,7 +68,7 @@ struct Wrong {
 
     Wrong() = default;
     /// All lengths are multiplied by 2^power.
-    Wrong(const Trial& trial, const std::vector<Known>& rays, int power = 0);
+    Wrong(const Trial& trial, const std::vector<AnsweredQuestion>& rays, int power = 0);
     /// True if more than one in twenty is wrong. Fewer may be rays for which the arithmetic of the format is not
     /// enough.
     [[nodiscard]] bool is_many() const { return 20 * wrong > asked; }
