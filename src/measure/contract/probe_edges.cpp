@@ -72,10 +72,10 @@ Places places_of(const Trial& trial, const scene::sweep::DistributionRow& distri
     return places;
 }
 
-Wrong wrong_at_scale(const Trial& trial, const Places& places, int power) {
-    Wrong found;
+WrongCount wrong_at_scale(const Trial& trial, const Places& places, int power) {
+    WrongCount found;
     for (const auto& [name, known] : places) {
-        Wrong there(trial, known, power);
+        WrongCount there(trial, known, power);
         if (!there.first.empty()) there.first = fmt::format("aimed at its {}, {}", name, there.first);
         found.add(there);
     }
@@ -101,7 +101,7 @@ void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution)
     for (const bool upright : {true, false}) {
         if (upright && !has_axis(trial.shape)) continue;
         const Places places = places_of(trial, distribution, upright);
-        const Wrong plain = wrong_at_scale(trial, places, 0);
+        const WrongCount plain = wrong_at_scale(trial, places, 0);
         asked += plain.asked;
         if (plain.wrong > 0) {
             const bool oblique = !upright && has_axis(trial.shape);
@@ -112,7 +112,7 @@ void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution)
             return plain.is_many() && !oblique ? trial.broken(words) : trial.noted(words);
         }
         for (const int power : scale_powers)
-            if (const Wrong found = wrong_at_scale(trial, places, power); found.is_many() && beyond.empty())
+            if (const WrongCount found = wrong_at_scale(trial, places, power); found.is_many() && beyond.empty())
                 beyond = scale_text(power, found.wrong, found.asked);
     }
     const std::string words =

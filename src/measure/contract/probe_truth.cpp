@@ -101,7 +101,7 @@ std::vector<Question> aimed(const Trial& trial, const Aim& aim, bool upright) {
     return all;
 }
 
-std::string wrong_count_text(const Wrong& found, const Aim& aim) {
+std::string wrong_count_text(const WrongCount& found, const Aim& aim) {
     return std::to_string(found.wrong) + " of " + std::to_string(found.asked) + " rays " + aim.words +
            " are answered wrongly, none of them near an edge; the first: " + found.first;
 }
@@ -195,7 +195,7 @@ std::vector<AnsweredQuestion> with_truth(const Trial& trial, const std::vector<Q
     return rays;
 }
 
-Wrong::Wrong(const Trial& trial, const std::vector<AnsweredQuestion>& rays, int power) : asked(rays.size()) {
+WrongCount::WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& rays, int power) : asked(rays.size()) {
     std::vector<Question> questions;
     for (const AnsweredQuestion& one : rays) questions.push_back(scaled_by(one.question, trial.shape, power));
     const std::vector<Reply> replies = ask(trial.form, questions);
@@ -255,7 +255,7 @@ void try_rays(Trial& trial) {
         for (const Aim& aim : aims) {
             const std::vector<Question> questions = aimed(trial, aim, upright);
             if (questions.size() < 24) continue;  // rays from within a flat shape
-            const Wrong found(trial, with_truth(trial, questions));
+            const WrongCount found(trial, with_truth(trial, questions));
             asked += found.asked;
             if (found.wrong == 0) continue;
             const bool oblique = !upright && has_axis(trial.shape);

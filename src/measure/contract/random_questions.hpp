@@ -62,17 +62,17 @@ struct AnsweredQuestion {
 std::vector<AnsweredQuestion> with_truth(const Trial& trial, const std::vector<Question>& questions);
 
 /// Number of wrong answers among some rays, and a description of the first.
-struct Wrong {
+struct WrongCount {
     std::size_t asked = 0, wrong = 0;
     std::string first = {};
 
-    Wrong() = default;
+    WrongCount() = default;
     /// All lengths are multiplied by 2^power.
-    Wrong(const Trial& trial, const std::vector<AnsweredQuestion>& rays, int power = 0);
+    WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& rays, int power = 0);
     /// True if more than one in twenty is wrong. Fewer may be rays for which the arithmetic of the format is not
     /// enough.
     [[nodiscard]] bool is_many() const { return 20 * wrong > asked; }
-    void add(const Wrong& more) {
+    void add(const WrongCount& more) {
         asked += more.asked, wrong += more.wrong;
         if (first.empty()) first = more.first;
     }
