@@ -17,13 +17,13 @@ namespace {
 /// Rays along z at distances of 0 to `reach` from the middle of a sphere of this radius, which `told` answers: a t, or
 /// NaN for a miss.
 template <class Told>
-std::vector<measure::contract::Judged> beside(double radius, double reach, const Told& told) {
-    std::vector<measure::contract::Judged> all;
+std::vector<measure::contract::AnswerSample> beside(double radius, double reach, const Told& told) {
+    std::vector<measure::contract::AnswerSample> all;
     for (int i = 0; i < 400; ++i) {
         const double side = reach * i / 400, from = 4 * radius, left = radius * radius - side * side;
-        measure::contract::Judged j{.ray = {{side, 0, -from}, {0, 0, 1}},
-                                    .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, radius}),
-                                    .truly_hits = left >= 0};
+        measure::contract::AnswerSample j{.ray = {{side, 0, -from}, {0, 0, 1}},
+                                          .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, radius}),
+                                          .truly_hits = left >= 0};
         if (j.truly_hits) j.true_t = j.other_measure = from - std::sqrt(left);
         j.t = told(side, from);
         j.hit = !std::isnan(j.t);
@@ -52,7 +52,7 @@ TEST_CASE("suspicion: a guess must explain hits and misses, and more than all-mi
         }
     }
     for (const ShapeRow& shape : shape_rows) {
-        std::vector<measure::contract::Judged> all;
+        std::vector<measure::contract::AnswerSample> all;
         const Primitive<double> primitive = primitive_around<double>(shape.shape, {0, 0, 0}, 0.01);
         for (int i = 0; i < 50; ++i)
             all.push_back(

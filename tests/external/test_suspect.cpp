@@ -23,16 +23,16 @@ const std::string odd = plugin("odd_plugin");
 
 /// Rays of many lengths from everywhere at a sphere of radius 3, answered by `answer(true near, true far, ray)`.
 template <class Answer>
-std::vector<measure::contract::Judged> judged(const Answer& answer) {
-    std::vector<measure::contract::Judged> all;
+std::vector<measure::contract::AnswerSample> judged(const Answer& answer) {
+    std::vector<measure::contract::AnswerSample> all;
     for (int i = 0; i < 500; ++i) {
         const double length = 0.5 + 0.01 * i, from = 4 + 0.03 * i, side = 0.005 * i, half = std::sqrt(9 - side * side);
-        measure::contract::Judged j{.ray = {{side, 0, -from}, {0, 0, length}},
-                                    .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 3}),
-                                    .truly_hits = true,
-                                    .true_t = (from - half) / length,
-                                    .other_measure = from - half,
-                                    .hit = true};
+        measure::contract::AnswerSample j{.ray = {{side, 0, -from}, {0, 0, length}},
+                                          .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 3}),
+                                          .truly_hits = true,
+                                          .true_t = (from - half) / length,
+                                          .other_measure = from - half,
+                                          .hit = true};
         j.t = answer(j.true_t, (from + half) / length, length);
         all.push_back(j);
     }
@@ -83,12 +83,12 @@ TEST_CASE("suspicion: t in other units is recognised and the factor reported", "
     // A factor that is another for each ray is none, and neither is one answer to rays that are all alike.
     int n = 0;
     CHECK_FALSE(has(suspicion(judged([&n](double t, double, double) { return t * (2 + n++ % 7); })), "units"));
-    std::vector<measure::contract::Judged> alike;
+    std::vector<measure::contract::AnswerSample> alike;
     for (int i = 0; i < 100; ++i) alike.push_back(judged([](double t, double, double) { return 3 * t; }).front());
     CHECK_FALSE(has(suspicion(alike), "units"));
     // From far away all t are nearly alike: a factor that is written on purpose is known there too.
     const auto from_afar = [](double factor) {
-        std::vector<measure::contract::Judged> all;
+        std::vector<measure::contract::AnswerSample> all;
         for (int i = 0; i < 100; ++i) {
             all.push_back(judged([](double t, double, double) { return t; }).front());
             all.back().true_t *= 1 + 0x1p-17 * i;
@@ -104,7 +104,7 @@ TEST_CASE("suspicion: t in other units is recognised and the factor reported", "
 
 TEST_CASE("suspicion: answers that fit the ray itself do not suggest another ray", "[external]") {
     // They end where they enter, which is a miss where a touch is one. y = z, so that exchanged they are the same rays.
-    std::vector<measure::contract::Judged> all;
+    std::vector<measure::contract::AnswerSample> all;
     for (int i = 0; i < 20; ++i) {
         const double y = 0.02 * i;
         all.push_back({.ray = {{-5, y, y}, {1, 0, 0}},
@@ -117,7 +117,7 @@ TEST_CASE("suspicion: answers that fit the ray itself do not suggest another ray
 }
 
 TEST_CASE("suspicion: changes to the rays or to the primitive are recognised from the answers", "[external]") {
-    using measure::contract::Judged;
+    using measure::contract::AnswerSample;
     using R = Ray<double>;
     using S = Sphere<double>;
     const auto nearest = [](const R& ray, const S& s) {
@@ -130,7 +130,7 @@ TEST_CASE("suspicion: changes to the rays or to the primitive are recognised fro
     // Rays from around (1, -2, 0) at a sphere around (4, 6, -20), some of which miss. They are answered as they are,
     // and told as `change` leaves them.
     const auto asked = [&nearest](const auto& change, bool inverted = false) {
-        std::vector<Judged> all;
+        std::vector<AnswerSample> all;
         for (int i = 0; i < 400; ++i) {
             const double u = (i % 20 - 9.5) / 4, v = (i / 20 - 9.5) / 4;
             R ray{{1 + u / 8, -2, v / 8}, {3 + u, 8 + v, -20}};
@@ -172,15 +172,15 @@ TEST_CASE("suspicion: errors from inside are told apart", "[external]") {
     using measure::contract::suspicion;
     // From inside of a sphere of radius 3, nearer to its back; `right` is the true t, `told` the answer.
     const auto asked = [](const auto& right, const auto& told, AnswerSource source = AnswerSource::intersector) {
-        std::vector<measure::contract::Judged> all;
+        std::vector<measure::contract::AnswerSample> all;
         for (int i = 0; i < 200; ++i) {
             const double z = -2.5 + 0.01 * i, near = -3 - z, far = 3 - z;
-            measure::contract::Judged j{.ray = {{0, 0, z}, {0, 0, 1}},
-                                        .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 3}),
-                                        .truly_hits = true,
-                                        .true_t = right(near, far),
-                                        .other_measure = right(near, far),
-                                        .hit = true};
+            measure::contract::AnswerSample j{.ray = {{0, 0, z}, {0, 0, 1}},
+                                              .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 3}),
+                                              .truly_hits = true,
+                                              .true_t = right(near, far),
+                                              .other_measure = right(near, far),
+                                              .hit = true};
             j.t = told(near, far);
             all.push_back(j);
         }
@@ -205,17 +205,17 @@ TEST_CASE("suspicion: errors from inside are told apart", "[external]") {
 
 TEST_CASE("suspicion: swapped origin and direction are recognised by hits, not by misses", "[external]") {
     const auto asked = [](bool ever_hits) {
-        std::vector<measure::contract::Judged> all;
+        std::vector<measure::contract::AnswerSample> all;
         for (int i = 0; i < 300; ++i) {
             // The ray from (x, 0, -5) along z is exchanged for one from (0, 0, 1) along d = (x, 0, -5), whose t has
             // d² t² - 10 t + 1 - r² = 0.
             const double x = -0.45 + 0.003 * i, half = std::sqrt(0.25 - x * x), d2 = x * x + 25;
-            measure::contract::Judged j{.ray = {{x, 0, -5}, {0, 0, 1}},
-                                        .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 0.5}),
-                                        .truly_hits = true,
-                                        .true_t = 5 - half,
-                                        .other_measure = 5 - half,
-                                        .hit = ever_hits};
+            measure::contract::AnswerSample j{.ray = {{x, 0, -5}, {0, 0, 1}},
+                                              .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 0.5}),
+                                              .truly_hits = true,
+                                              .true_t = 5 - half,
+                                              .other_measure = 5 - half,
+                                              .hit = ever_hits};
             j.t = ever_hits ? (5 - std::sqrt(25 - 0.75 * d2)) / d2 : std::nan("");
             all.push_back(j);
         }
@@ -224,11 +224,11 @@ TEST_CASE("suspicion: swapped origin and direction are recognised by hits, not b
     CHECK(has(asked(true), "the origin and the direction seem to be exchanged"));
     CHECK_FALSE(has(asked(false), "exchanged"));
     CHECK(has(asked(false), "wrong on 300 of the 300 rays that hit or should hit: 300 miss what they should hit"));
-    const measure::contract::Judged one{.ray = {{0, 0, -5}, {0, 0, 1}},
-                                        .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 1}),
-                                        .truly_hits = true,
-                                        .true_t = 4,
-                                        .other_measure = 4};
+    const measure::contract::AnswerSample one{.ray = {{0, 0, -5}, {0, 0, 1}},
+                                              .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 1}),
+                                              .truly_hits = true,
+                                              .true_t = 4,
+                                              .other_measure = 4};
     CHECK(has(measure::contract::suspicion({one}),
               "wrong on the only ray that hits or should hit: it misses what it should hit"));
 }
@@ -238,15 +238,15 @@ TEST_CASE("suspicion: a radius is blamed only if it explains everything, not for
     const double nan = std::nan("");
     // Rays from 1 to 2.7 beside the middle of a sphere of radius 3; those beyond 1.5 miss one of half the radius.
     const auto asked = [&](const auto& t_of) {
-        std::vector<measure::contract::Judged> all;
+        std::vector<measure::contract::AnswerSample> all;
         for (int i = 0; i < 500; ++i) {
             const double side = 1 + 0.0035 * i, t = 10 - std::sqrt(9 - side * side);
-            measure::contract::Judged j{.ray = {{side, 0, -10}, {0, 0, 1}},
-                                        .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 3}),
-                                        .truly_hits = true,
-                                        .true_t = t,
-                                        .other_measure = t,
-                                        .hit = side < 1.5};
+            measure::contract::AnswerSample j{.ray = {{side, 0, -10}, {0, 0, 1}},
+                                              .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 3}),
+                                              .truly_hits = true,
+                                              .true_t = t,
+                                              .other_measure = t,
+                                              .hit = side < 1.5};
             j.t = t_of(t, side);
             all.push_back(j);
         }

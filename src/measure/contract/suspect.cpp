@@ -13,14 +13,14 @@
 namespace lostbits::measure::contract {
 namespace {
 
-using Explains = std::function<bool(const Judged&)>;
+using Explains = std::function<bool(const AnswerSample&)>;
 
-std::size_t count_unexplained(const std::vector<Judged>& some, const Explains& explains) {
+std::size_t count_unexplained(const std::vector<AnswerSample>& some, const Explains& explains) {
     return some.size() - static_cast<std::size_t>(std::ranges::count_if(some, explains));
 }
 
 /// True if nine in ten of the answers are explained; there must be at least one.
-bool explains_most(const std::vector<Judged>& some, const Explains& explains) {
+bool explains_most(const std::vector<AnswerSample>& some, const Explains& explains) {
     return !some.empty() && 10 * count_unexplained(some, explains) <= some.size();
 }
 
@@ -45,10 +45,10 @@ bool is_round(double factor) {
 }
 
 /// Counts of wrong answers by kind, or what is wrong with a single one, if no known mistake explains them.
-std::string error_counts_text(const std::vector<Judged>& wrong) {
+std::string error_counts_text(const std::vector<AnswerSample>& wrong) {
     const bool is_single = wrong.size() == 1;
     std::size_t missed = 0, hit = 0, no_number = 0;
-    for (const Judged& j : wrong) {
+    for (const AnswerSample& j : wrong) {
         missed += !j.hit;
         hit += j.hit && !j.truly_hits;
         no_number += j.hit && j.truly_hits && !std::isfinite(j.t);
@@ -70,18 +70,18 @@ std::string error_counts_text(const std::vector<Judged>& wrong) {
 
 /// Answers to analyse: of the rays that hit or should hit, or of a part of these rays.
 struct SuspectAnswers {
-    std::vector<Judged> all, wrong, right_misses;  ///< `all` does not contain the right misses
-    std::uint64_t more_right_misses = 0;           ///< right misses of which only the number is known
+    std::vector<AnswerSample> all, wrong, right_misses;  ///< `all` does not contain the right misses
+    std::uint64_t more_right_misses = 0;                 ///< right misses of which only the number is known
 
     SuspectAnswers() = default;
     template <class Belongs>
-    SuspectAnswers(const std::vector<Judged>& rays, const Belongs& belongs) {
-        for (const Judged& j : rays) add(j, belongs(j));
+    SuspectAnswers(const std::vector<AnswerSample>& rays, const Belongs& belongs) {
+        for (const AnswerSample& j : rays) add(j, belongs(j));
     }
-    explicit SuspectAnswers(const std::vector<Judged>& rays)
-        : SuspectAnswers(rays, [](const Judged& j) { return j.hit || j.truly_hits; }) {}
+    explicit SuspectAnswers(const std::vector<AnswerSample>& rays)
+        : SuspectAnswers(rays, [](const AnswerSample& j) { return j.hit || j.truly_hits; }) {}
 
-    void add(const Judged& j, bool belongs = true) {
+    void add(const AnswerSample& j, bool belongs = true) {
         if (!j.hit && !j.truly_hits) return right_misses.push_back(j);
         if (!belongs) return;
         all.push_back(j);
@@ -92,8 +92,8 @@ struct SuspectAnswers {
     [[nodiscard]] std::array<SuspectAnswers, 2> halves() const {
         std::array<SuspectAnswers, 2> two;
         std::array<std::size_t, 8> seen{};
-        const auto divide = [&](const std::vector<Judged>& some) {
-            for (const Judged& j : some) {
+        const auto divide = [&](const std::vector<AnswerSample>& some) {
+            for (const AnswerSample& j : some) {
                 const std::size_t kind = (j.hit ? 1U : 0U) + (j.truly_hits ? 2U : 0U) + (is_right(j) ? 4U : 0U);
                 two[seen[kind]++ % 2].add(j);
             }
@@ -115,8 +115,8 @@ struct SuspectAnswers {
         using About = Reason::About;
         if (!explains_most(wrong, reason.explains)) return false;
         if (reason.about == About::t || reason.about == About::wrong) return true;
-        std::vector<Judged> hits;
-        std::ranges::copy_if(all, std::back_inserter(hits), [](const Judged& j) { return j.hit; });
+        std::vector<AnswerSample> hits;
+        std::ranges::copy_if(all, std::back_inserter(hits), [](const AnswerSample& j) { return j.hit; });
         const bool decides = reason.about == About::decisions;
         const std::size_t unexplained = count_unexplained(all, reason.explains) +
                                         count_unexplained(right_misses, reason.explains) +
@@ -128,9 +128,9 @@ struct SuspectAnswers {
 private:
     /// Number of answers left unexplained by the better of two constants: "every ray misses", and "every ray hits where
     /// it truly does". A guess that does no better explains nothing.
-    [[nodiscard]] std::size_t unexplained_by_constants(const std::vector<Judged>& hits, bool decides) const {
+    [[nodiscard]] std::size_t unexplained_by_constants(const std::vector<AnswerSample>& hits, bool decides) const {
         const std::size_t misses = all.size() - hits.size() + right_misses.size() + more_right_misses;
-        const auto is_no_more_than_a_hit = [decides](const Judged& j) {
+        const auto is_no_more_than_a_hit = [decides](const AnswerSample& j) {
             return decides || std::isnan(j.t) || is_right(j);
         };
         return std::min(hits.size(), misses + count_unexplained(hits, is_no_more_than_a_hit));
@@ -150,7 +150,7 @@ double middle_of(std::vector<double> numbers) {
 /// t are about the same, a factor and a constant cannot be told apart.
 std::string other_units(const std::array<SuspectAnswers, 2>& halves) {
     std::vector<double> factors, offsets;
-    for (const Judged& j : halves[0].wrong) {
+    for (const AnswerSample& j : halves[0].wrong) {
         if (!j.hit || !j.truly_hits || !(j.true_t > 0) || !std::isfinite(j.t) || j.t == 0) continue;
         factors.push_back(j.t / j.true_t);
         offsets.push_back(j.t - j.true_t);
@@ -161,12 +161,16 @@ std::string other_units(const std::array<SuspectAnswers, 2>& halves) {
         return std::ranges::all_of(halves,
                                    [&fits](const SuspectAnswers& half) { return explains_most(half.wrong, fits); });
     };
-    const auto scales = [factor](const Judged& j) { return j.hit && j.truly_hits && is_about(j.t, factor * j.true_t); };
-    const auto adds = [offset](const Judged& j) { return j.hit && j.truly_hits && is_about(j.t, j.true_t + offset); };
+    const auto scales = [factor](const AnswerSample& j) {
+        return j.hit && j.truly_hits && is_about(j.t, factor * j.true_t);
+    };
+    const auto adds = [offset](const AnswerSample& j) {
+        return j.hit && j.truly_hits && is_about(j.t, j.true_t + offset);
+    };
     if (!in_both(scales)) return "";
     std::vector<double> truths, answers;
     for (const SuspectAnswers& half : halves) {
-        for (const Judged& j : half.wrong) {
+        for (const AnswerSample& j : half.wrong) {
             if (!scales(j)) continue;
             truths.push_back(j.true_t);
             answers.push_back(j.t);
@@ -181,12 +185,12 @@ std::string other_units(const std::array<SuspectAnswers, 2>& halves) {
 
 }  // namespace
 
-std::string suspicion(const std::vector<Judged>& rays, AnswerSource source, std::uint64_t more_misses) {
+std::string suspicion(const std::vector<AnswerSample>& rays, AnswerSource source, std::uint64_t more_misses) {
     SuspectAnswers asked(rays);
     asked.more_right_misses = more_misses;
     // If enough rays both hit and should hit, mistakes about t are tested on those only.
-    const SuspectAnswers both(rays, [](const Judged& j) { return j.hit && j.truly_hits; });
-    const SuspectAnswers hits(rays, [](const Judged& j) { return j.hit; });
+    const SuspectAnswers both(rays, [](const AnswerSample& j) { return j.hit && j.truly_hits; });
+    const SuspectAnswers hits(rays, [](const AnswerSample& j) { return j.hit; });
     const bool most_hit = 2 * both.all.size() >= asked.all.size();
     if (!asked.is_mostly_wrong()) return "";
     const std::array<SuspectAnswers, 2> halves = asked.halves(), halves_of_both = both.halves();

@@ -12,7 +12,7 @@ namespace lostbits::measure::contract {
 
 /// A ray, the primitive that it truly hits (or that it was tested against, if it misses), and the answer of an
 /// intersector.
-struct Judged {
+struct AnswerSample {
     Ray<double> ray;
     Primitive<double> primitive;
     bool truly_hits = false;
@@ -24,8 +24,8 @@ struct Judged {
 };
 
 /// Makes a Judged with both units of a true hit. `t` counts if the row's form has roots, and is NaN otherwise.
-Judged judged(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
-              const evaluate::TestedForm& row, bool hit, double t);
+AnswerSample judged(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
+                    const evaluate::TestedForm& row, bool hit, double t);
 
 /// Source of the answers. The advice about a file does not mention the contract of a library.
 enum class AnswerSource : std::uint8_t { intersector, file };
@@ -46,7 +46,7 @@ enum class AnswerSource : std::uint8_t { intersector, file };
 /// primitive, or t, in other units · hit inverted
 ///
 /// `more_misses`: number of right misses in addition to those in `rays`.
-std::string suspicion(const std::vector<Judged>& rays, AnswerSource source = AnswerSource::intersector,
+std::string suspicion(const std::vector<AnswerSample>& rays, AnswerSource source = AnswerSource::intersector,
                       std::uint64_t more_misses = 0);
 
 /// Does the same for a row on a small picture of a scene, or on the first rays of a step of a sweep that is called

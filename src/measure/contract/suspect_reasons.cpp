@@ -17,7 +17,7 @@ std::optional<Line> line_through(const Ray<double>& ray, const Primitive<double>
     return line && line->near <= line->far ? line : std::nullopt;
 }
 
-bool is_answer_of(const Judged& j, const Ray<double>& ray, const Primitive<double>& primitive) {
+bool is_answer_of(const AnswerSample& j, const Ray<double>& ray, const Primitive<double>& primitive) {
     const auto line = line_through(ray, primitive);
     const bool ahead = line && line->far >= 0;
     if (!ahead || !j.hit || std::isnan(j.t)) return ahead == j.hit;
@@ -26,13 +26,13 @@ bool is_answer_of(const Judged& j, const Ray<double>& ray, const Primitive<doubl
 
 /// True if the answer is that for another ray or another primitive. A wrong answer that fits the ray's own line does
 /// not count: it is about an end, a touch or a side. If the two rays are alike, it would fit any exchange.
-bool fits(const Judged& j, const Ray<double>& ray, const Primitive<double>& primitive) {
+bool fits(const AnswerSample& j, const Ray<double>& ray, const Primitive<double>& primitive) {
     return is_answer_of(j, ray, primitive) && (is_right(j) || !is_answer_of(j, j.ray, j.primitive));
 }
 
 /// True if the answer is that for a primitive with another length. If the length does not change, only right answers
 /// fit.
-bool fits_length(const Judged& j, const ShapeRow& row, double (*change)(double)) {
+bool fits_length(const AnswerSample& j, const ShapeRow& row, double (*change)(double)) {
     if (j.primitive.shape != row.shape) return false;
     Primitive<double> other = j.primitive;
     double& length = other.numbers[length_key(row.shape)->number];
@@ -42,7 +42,7 @@ bool fits_length(const Judged& j, const ShapeRow& row, double (*change)(double))
 }
 
 /// True if the answer is that for a primitive whose numbers are `factor` times as large.
-bool fits_scaled(const Judged& j, double factor) {
+bool fits_scaled(const AnswerSample& j, double factor) {
     Primitive<double> other = j.primitive;
     for (std::size_t k = 0; k < other.used().size(); ++k) other.numbers[k] *= factor;
     return fits(j, j.ray, other);
@@ -50,12 +50,12 @@ bool fits_scaled(const Judged& j, double factor) {
 
 Vec<double> y_for_z(const Vec<double>& v) { return {v.x, v.z, v.y}; }
 
-bool is_in_other_measure(const Judged& j) {
+bool is_in_other_measure(const AnswerSample& j) {
     return j.hit && j.truly_hits && !is_about(j.other_measure, j.true_t) && is_about(j.t, j.other_measure);
 }
 
 /// The points at which the line enters and leaves, for a ray that starts between them.
-std::optional<Line> line_from_inside(const Judged& j) {
+std::optional<Line> line_from_inside(const AnswerSample& j) {
     const auto line = line_through(j.ray, j.primitive);
     return j.hit && line && line->near < 0 && line->far > 0 ? line : std::nullopt;
 }
@@ -83,7 +83,7 @@ void add_lengths(const ShapeRow& row, std::vector<Reason>& all) {
     };
     for (const LengthErrorCase& m : length_error_cases)
         all.push_back({text(m.words), text(m.to_library), text(m.to_file),
-                       [&row, change = m.change](const Judged& j) { return fits_length(j, row, change); },
+                       [&row, change = m.change](const AnswerSample& j) { return fits_length(j, row, change); },
                        Reason::About::all});
 }
 
@@ -92,69 +92,69 @@ std::vector<Reason> all_reasons() {
     std::vector<Reason> all{
         {"t is a distance, not the ray's parameter: it seems to take directions of unit length",
          "say so (unit_direction, direction=unit)", "say --direction unit",
-         [](const Judged& j) { return !j.unit && is_in_other_measure(j); }},
+         [](const AnswerSample& j) { return !j.unit && is_in_other_measure(j); }},
         {"t is the ray's parameter, not a distance", "leave out the property unit_direction (direction=unit)",
-         "leave --direction unit out", [](const Judged& j) { return j.unit && is_in_other_measure(j); }},
+         "leave --direction unit out", [](const AnswerSample& j) { return j.unit && is_in_other_measure(j); }},
     };
     for (const ShapeRow& row : shape_rows) add_lengths(row, all);
     const Reason more[] = {
         {"it answers 0 from inside, where another t is right", "say so (inside_zero, inside=zero)", "say --inside zero",
-         [](const Judged& j) { return j.t == 0 && line_from_inside(j) && !is_about(0, j.true_t); }},
+         [](const AnswerSample& j) { return j.t == 0 && line_from_inside(j) && !is_about(0, j.true_t); }},
         {"from inside it answers with the exit, where 0 is right", "say so (inside_exit, inside=exit)",
          "say --inside exit",
-         [](const Judged& j) {
+         [](const AnswerSample& j) {
              const auto line = line_from_inside(j);
              return line && j.truly_hits && j.true_t == 0 && is_about(j.t, line->far);
          }},
         {"from inside it answers with the near root, behind the ray",
          "say so (near_root, roots=near): t < 0 is then a miss", "say --inside near: t < 0 is then a miss",
-         [](const Judged& j) {
+         [](const AnswerSample& j) {
              const auto line = line_from_inside(j);
              return line && is_about(j.t, line->near);
          }},
         {"from inside it answers with the near root without its sign",
          "the root is behind the ray; answer the first with t >= 0",
          "the root is behind the ray; the first with t >= 0 is right",
-         [](const Judged& j) {
+         [](const AnswerSample& j) {
              const auto line = line_from_inside(j);
              return line && !is_about(-line->near, j.true_t) && is_about(j.t, -line->near);
          }},
         {"it answers with the far root, the exit in place of the entry",
          "answer the first with t >= 0, or near before far (roots)", "the first with t >= 0 is right",
-         [](const Judged& j) {
+         [](const AnswerSample& j) {
              const auto line = line_through(j.ray, j.primitive);
              return j.hit && line && !is_about(line->far, j.true_t) && is_about(j.t, line->far);
          }},
         {"t has the wrong sign", "is the direction reversed?", "is the direction reversed?",
-         [](const Judged& j) { return j.hit && j.truly_hits && is_about(j.t, -j.true_t); }},
+         [](const AnswerSample& j) { return j.hit && j.truly_hits && is_about(j.t, -j.true_t); }},
         {"the direction seems to be reversed: the answers are those for -d", "hand over the direction of the ray",
          "write -dx, -dy, -dz",
-         [](const Judged& j) {
+         [](const AnswerSample& j) {
              return !std::isnan(j.t) && fits(j, {j.ray.origin, -j.ray.direction}, j.primitive);
          },
          About::all},
         {"it hits what lies behind the ray", "say that it answers for the whole line (whole_line, flags=line)",
          "write hit = 0 where t < 0, or leave out hit and say --miss negative",
-         [](const Judged& j) {
+         [](const AnswerSample& j) {
              const auto line = line_through(j.ray, j.primitive);
              return j.hit && !j.truly_hits && line && line->far < 0 && !(j.t > 0);
          },
          About::wrong},
         {"the origin and the direction seem to be exchanged", "a ray comes as ox, oy, oz, dx, dy, dz",
          "look at the names of the columns: ox, oy, oz are the origin",
-         [](const Judged& j) {
+         [](const AnswerSample& j) {
              return fits(j, {j.ray.direction, j.ray.origin}, j.primitive);
          },
          About::all},
         {"the direction seems to be the point where the ray ends: the answers are those for d - o",
          "hand over the direction, end - origin", "write dx - ox, dy - oy, dz - oz as the direction",
-         [](const Judged& j) {
+         [](const AnswerSample& j) {
              return fits(j, {j.ray.origin, j.ray.direction - j.ray.origin}, j.primitive);
          },
          About::all},
         {"y and z of the rays seem to be exchanged, compared with those of the primitive",
          "hand over both with the same axis upwards", "write oy and oz, and dy and dz, the other way round",
-         [](const Judged& j) {
+         [](const AnswerSample& j) {
              return fits(j, {y_for_z(j.ray.origin), y_for_z(j.ray.direction)}, j.primitive);
          },
          About::all},
@@ -165,9 +165,9 @@ std::vector<Reason> all_reasons() {
             {fmt::format("the primitive seems to be in other units than the rays, {:.4g} times as large ({}?)",
                          units.factor, units.words),
              "hand over both in the same units", "write both in the same units",
-             [factor = units.factor](const Judged& j) { return fits_scaled(j, 1 / factor); }, About::all});
+             [factor = units.factor](const AnswerSample& j) { return fits_scaled(j, 1 / factor); }, About::all});
     all.push_back({"hit seems to be inverted, 1 where the ray misses", "hit is 1 where the ray hits",
-                   "write 1 for a hit and 0 for a miss", [](const Judged& j) { return j.hit != j.truly_hits; },
+                   "write 1 for a hit and 0 for a miss", [](const AnswerSample& j) { return j.hit != j.truly_hits; },
                    About::decisions});
     return all;
 }

@@ -14,7 +14,7 @@ namespace lostbits::measure::contract {
 inline bool is_about(double x, double y) { return std::fabs(x - y) <= 0x1p-8 * std::fabs(y); }
 
 /// True if an answer has the right decision, and t to 2^-8 of itself.
-inline bool is_right(const Judged& j) {
+inline bool is_right(const AnswerSample& j) {
     if (j.hit != j.truly_hits) return false;
     return !j.hit || std::isnan(j.t) || j.t == j.true_t || is_about(j.t, j.true_t);
 }
@@ -32,7 +32,7 @@ struct Reason {
     std::string words;       ///< the suspected mistake
     std::string to_library;  ///< what to write if an intersector answered
     std::string to_file;     ///< what to write if a file holds the answers
-    std::function<bool(const Judged&)> explains;
+    std::function<bool(const AnswerSample&)> explains;
     About about = About::t;
 };
 

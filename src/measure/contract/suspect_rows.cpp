@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t most_rays = 4096;
 
 /// Judges a row on the rays of a band.
-void judge(const truth::Band& band, const evaluate::TestedForm& row, std::vector<Judged>& rays) {
+void judge(const truth::Band& band, const evaluate::TestedForm& row, std::vector<AnswerSample>& rays) {
     const truth::FormatInputs in = band.inputs_for(row.format, *row.form->info);
     const answer::Answers answers = answer::evaluate(*row.form, in);
     for (std::size_t i = 0; i < band.pixels() && rays.size() < most_rays; ++i) {
@@ -30,12 +30,12 @@ void judge(const truth::Band& band, const evaluate::TestedForm& row, std::vector
 
 }  // namespace
 
-Judged judged(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
-              const evaluate::TestedForm& row, bool hit, double t) {
+AnswerSample judged(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
+                    const evaluate::TestedForm& row, bool hit, double t) {
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     const FloatFormat& format = row.format.parameters;
     if (row.form->info->roots == intersect::Roots::none) t = std::nan("");
-    Judged j{.ray = ray, .primitive = primitive, .truly_hits = truth.is_hit(), .unit = unit, .hit = hit, .t = t};
+    AnswerSample j{.ray = ray, .primitive = primitive, .truly_hits = truth.is_hit(), .unit = unit, .hit = hit, .t = t};
     const auto number = [](const truth::Certified& x) { return std::ldexp(x.hi, static_cast<int>(x.exponent)); };
     if (truth.is_hit()) {
         j.true_t = number(unit ? truth.distance : truth.t);
@@ -58,7 +58,7 @@ std::string on_rays_of(const std::string& where, std::uint64_t counted, std::uin
 std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedForm& row) {
     const scene::file::Scene small = evaluate::small_picture_of(scene, 64);
     culling::Culler culler(small);
-    std::vector<Judged> rays;
+    std::vector<AnswerSample> rays;
     judge(truth::Band(small, 0, small.height, {}, &culler), row, rays);
     const std::string words = suspicion(rays);
     if (words.empty() || small.pixels() == scene.pixels())
@@ -69,7 +69,7 @@ std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedFor
 
 std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& row,
                       const std::string& where) {
-    std::vector<Judged> rays;
+    std::vector<AnswerSample> rays;
     std::uint64_t all = 0, counted = 0;
     for (scene::rays::RayGroup& group : groups) {
         all += group.rays.size();

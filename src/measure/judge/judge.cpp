@@ -290,7 +290,7 @@ void JudgeResult::append(JudgeResult&& after) {
     floats += after.floats;
     digits = std::max(digits, after.digits);
     decimals += after.decimals;
-    for (contract::Judged& judged : after.first) {
+    for (contract::AnswerSample& judged : after.first) {
         if (first.size() < most_of_first) first.push_back(std::move(judged));
     }
     groups.append(std::move(after.groups));

@@ -73,7 +73,7 @@ struct JudgeResult {
     int digits = 0;              ///< largest number of digits of a decimal that is not exactly a number of the format
     std::uint64_t decimals = 0;  ///< number of such decimals
     /// The file's answers and the truth for the first rays that either hits, for `contract::suspicion`.
-    std::vector<contract::Judged> first = {};
+    std::vector<contract::AnswerSample> first = {};
     evaluate::Groups groups = {};  ///< used if the request has a column for grouping
 
     /// Adds the results of the pieces that come next.

@@ -63,7 +63,7 @@ LOSTBITS_FIELDS(measure::sweep::WorstResult, outcome, value, ray, primitive, t, 
 LOSTBITS_FIELDS(measure::edges::NearestRay, distance, numbers, faces, t, truth)
 LOSTBITS_FIELDS(measure::edges::EdgeCount, rays, with)
 LOSTBITS_FIELDS(measure::edges::EdgeFinding, census, nearest, rays)
-LOSTBITS_FIELDS(measure::contract::Judged, ray, primitive, truly_hits, unit, true_t, other_measure, hit, t)
+LOSTBITS_FIELDS(measure::contract::AnswerSample, ray, primitive, truly_hits, unit, true_t, other_measure, hit, t)
 LOSTBITS_FIELDS(measure::judge::ReportedRay, place, outcome, ulps, given)
 LOSTBITS_FIELDS(measure::evaluate::Group, value, summaries)
 LOSTBITS_FIELDS(measure::judge::JudgeResult, summaries, rays, rounded, answers, floats, digits, decimals, first, groups)
