@@ -48,10 +48,10 @@ RowQuality exact_quality(const Band& meant, const Band& stored, const TestedForm
 }
 
 /// Bits that half an ulp of a format in each input leaves, and the distance by which it moves the hit point.
-struct Inherent {
+struct InherentLimit {
     double kept, off;
 };
-Inherent inherent(const Band& band, const TestedForm& row, const Format& format, const Requirement& requirement) {
+InherentLimit inherent(const Band& band, const TestedForm& row, const Format& format, const Requirement& requirement) {
     const intersect::Direction unit = row.form->info->direction;
     metric::Distribution lost, off;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
@@ -176,7 +176,7 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& row, int 
         given.emplace(few, request.limit);
         ideal = ideal_of(few);
     }
-    const Inherent own = inherent(*given, row, row.format, request.requirement);
+    const InherentLimit own = inherent(*given, row, row.format, request.requirement);
     found.inherent_kept = own.kept;
     found.inherent_off = own.off;
     found.inherent_kept_f64 = inherent(*given, row, *find_format("f64"), request.requirement).kept;
