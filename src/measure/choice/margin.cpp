@@ -22,39 +22,39 @@ namespace {
 
 double in_double(const Real& x) { return static_cast<double>(x); }
 
-Stretched elsewhere(const Scene& scene, const Real& k) {
+StretchedScene elsewhere(const Scene& scene, const Real& k) {
     const Vec<Real> along = scene::file::offset_direction();
     const Real away = (k - 1) * length(scene::file::middle_of(scene) - scene.camera.eye);
     return {scene::file::moved(scene, (away / length(along)) * along), in_double(away)};
 }
 
-std::optional<Stretched> farther_away(const Scene& scene, const Real& k) {
+std::optional<StretchedScene> farther_away(const Scene& scene, const Real& k) {
     auto far = scene::file::farther(scene, k);
     if (!far) return std::nullopt;
     const Real distance = scene::file::view_share(scene) * length(scene.camera.look_at - scene.camera.eye);
-    return Stretched{std::move(*far), in_double(k * distance)};
+    return StretchedScene{std::move(*far), in_double(k * distance)};
 }
 
-std::optional<Stretched> larger(const Scene& scene, const Real& k) {
+std::optional<StretchedScene> larger(const Scene& scene, const Real& k) {
     auto large = scene::file::grown(scene, k);
     if (!large) return std::nullopt;
     Real largest(0);
     for (const Primitive<Real>& primitive : large->primitives())
         largest = std::max(largest, scene::file::size_of(primitive));
-    return Stretched{std::move(*large), in_double(largest)};
+    return StretchedScene{std::move(*large), in_double(largest)};
 }
 
-std::optional<Stretched> wider(Scene scene, const Real& k) {
+std::optional<StretchedScene> wider(Scene scene, const Real& k) {
     if (scene.camera.kind != Camera::Kind::pinhole) return std::nullopt;
     scene.camera.fov_deg = scene::file::degrees_of(k * scene::file::half_tangent(scene.camera.fov_deg));
     const double degrees = in_double(scene.camera.fov_deg);
     if (degrees > 170) return std::nullopt;
-    return Stretched{std::move(scene), degrees};
+    return StretchedScene{std::move(scene), degrees};
 }
 
 }  // namespace
 
-std::optional<Stretched> stretched(const Scene& scene, Growth growth, double factor) {
+std::optional<StretchedScene> stretched(const Scene& scene, Growth growth, double factor) {
     const bool plane = scene.camera.kind == Camera::Kind::pixel_plane;
     const Real k(factor);
     switch (growth) {

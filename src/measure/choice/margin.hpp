@@ -15,7 +15,7 @@
 namespace lostbits::measure::choice {
 
 /// A scene stretched by one kind of growth, and the length or angle that has grown.
-struct Stretched {
+struct StretchedScene {
     scene::file::Scene scene;
     double value;  ///< distance: from the eye to the centre of the primitives, along the view; radius: of the largest
                    ///< primitive (for a box, half its longest side); offset: of the move; all in world units. view: in
@@ -26,7 +26,7 @@ struct Stretched {
 /// pixel plane, no distance of primitives that lie behind, no radius of a sphereflake, no view of parallel rays, and no
 /// view wider than 170 degrees. The offset at a factor k is (k − 1) times the distance from the eye to the centre of
 /// the primitives.
-std::optional<Stretched> stretched(const scene::file::Scene& scene, Growth growth, double factor);
+std::optional<StretchedScene> stretched(const scene::file::Scene& scene, Growth growth, double factor);
 
 /// End of the search along one kind of growth.
 enum class End {
