@@ -43,7 +43,7 @@ Sizes sizes_of(const BinadePart& part) {
 }
 
 /// One sign of the axis, for one form and ray.
-struct Half {
+struct AxisHalf {
     std::size_t row, ray;
     bool negative;
 };
@@ -67,7 +67,7 @@ public:
     [[nodiscard]] bool worthwhile() const { return std::max(below_, above_) >= 2; }
 
     /// A line that is level in each binade, by rising size.
-    [[nodiscard]] plot::Series series(const Half& half, const OfTally& value) const {
+    [[nodiscard]] plot::Series series(const AxisHalf& half, const OfTally& value) const {
         plot::Series series{.label = label(half), .look = plot::form_look(*request_.rows[half.row].form)};
         for (std::size_t b = 0; b < parts_.size(); ++b) {
             if (!has_place(parts_[b]) || parts_[b].binade.negative != half.negative) continue;
@@ -98,8 +98,8 @@ public:
         return lines;
     }
 
-    [[nodiscard]] std::vector<Half> halves() const {
-        std::vector<Half> all;
+    [[nodiscard]] std::vector<AxisHalf> halves() const {
+        std::vector<AxisHalf> all;
         for (std::size_t row = 0; row < request_.rows.size(); ++row) {
             for (std::size_t ray = 0; ray < request_.sweep.rays.size(); ++ray) {
                 if (above_ > 0) all.push_back({row, ray, false});
@@ -111,7 +111,7 @@ public:
 
 private:
     /// `signs`, `signs (half)`, `signs (half, x < 0)`.
-    [[nodiscard]] std::string label(const Half& half) const {
+    [[nodiscard]] std::string label(const AxisHalf& half) const {
         const auto& sweep = request_.sweep;
         std::string of = sweep.rays.size() > 1 ? sweep.rays[half.ray].name : "";
         if (below_ > 0 && above_ > 0)
@@ -143,7 +143,7 @@ std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request
                              .x = drawn.axis(),
                              .y = {"share of the tried floats in the binade", S::log2, least_share, 1.0, true}};
     wrong.subtitle.emplace_back("a line at 0, below the log scale, means no such float in that binade");
-    for (const Half& half : drawn.halves()) {
+    for (const AxisHalf& half : drawn.halves()) {
         lost.series.push_back(drawn.series(half, [](const FloatTally& t) {
             return t.worst ? measure::truth::lost_bits(t.worst->ulps, binary32.precision) : measure::truth::missing;
         }));
