@@ -49,9 +49,9 @@ struct AxisHalf {
 };
 
 /// The binades that are drawn, and their labels.
-class Drawn {
+class DrawnBinades {
 public:
-    Drawn(const ExhaustiveRequest& request, const ExhaustiveState& state)
+    DrawnBinades(const ExhaustiveRequest& request, const ExhaustiveState& state)
         : request_(request), state_(state), parts_(measure::sweep::binades_of(request.sweep)) {
         for (const BinadePart& part : parts_) {
             if (!has_place(part)) {
@@ -131,7 +131,7 @@ private:
 }  // namespace
 
 std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request, const ExhaustiveState& state) {
-    const Drawn drawn(request, state);
+    const DrawnBinades drawn(request, state);
     if (!drawn.worthwhile()) return std::nullopt;
     using S = plot::AxisSpec::Scale;
     plot::LinePlotSpec lost{.title = "Lost bits of the worst float in f32",
