@@ -28,12 +28,12 @@ constexpr const char* marker_name = "UNFINISHED.txt";
 constexpr const char* marker_words = "The results in this folder are not complete.";
 
 /// The folders that runs of this process own now.
-struct Owned {
+struct OwnedFolders {
     std::mutex mutex;
     std::vector<ResultFolder*> folders;
 };
-Owned& owned() {
-    static Owned all;
+OwnedFolders& owned() {
+    static OwnedFolders all;
     return all;
 }
 
