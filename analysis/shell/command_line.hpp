@@ -143,7 +143,7 @@ public:
 
     enum class Parsed { command, help, version };
     /// Parses the words; the first is the name of the program. If they asked for the version, it is printed. Throws
-    /// Misread, or what a check throws.
+    /// CommandLineError, or what a check throws.
     [[nodiscard]] Parsed parse(const std::vector<std::string>& words);
     /// Runs the command that was given.
     [[nodiscard]] Exit run() const { return run_(); }

@@ -51,7 +51,7 @@ IdealRays rounded(const IdealRays& ideal, const InputFormats& formats);
 
 struct StretchedRays {
     IdealRays rays;
-    double value;  ///< distance: median from the origins to the centre of the primitives; others as in `Stretched`
+    double value;  ///< distance: median from the origins to the centre of the primitives; others as in `StretchedScene`
 };
 
 /// Stretches rays by one kind of growth; `factor` k ≥ 1.

@@ -23,7 +23,7 @@ struct AnswerSample {
     double t = 0;
 };
 
-/// Makes a Judged with both units of a true hit. `t` counts if the row's form has roots, and is NaN otherwise.
+/// Makes an AnswerSample with both units of a true hit. `t` counts if the row's form has roots, and is NaN otherwise.
 AnswerSample judged(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
                     const evaluate::TestedForm& row, bool hit, double t);
 
