@@ -106,15 +106,15 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
     }
 }
 
-/// `; 5 draws: 1.2 to 1.4, the middle one 1.3; their interval is [1.1, 1.5]`.
+/// `; 5 draws: 1.2 to 1.4, median 1.3; their interval is [1.1, 1.5]`.
 std::string draws_text(const Claim& claim, const ClaimResult& r) {
     if (r.further.empty()) return "";
     const auto s = r.spread();
     const std::size_t draws = 1 + r.further.size();
     if (static_cast<std::size_t>(s.draws) < draws)
-        return fmt::format("; it exists in {} of {} draws, which give no interval", s.draws, draws);
+        return fmt::format("; only {} of {} draws have a value, so they give no interval", s.draws, draws);
     const auto interval = measure::claim::interval_of(claim, r);
-    return fmt::format("; {} draws: {} to {}, the middle one {}; their interval is [{}, {}]", s.draws,
+    return fmt::format("; {} draws: {} to {}, median {}; their interval is [{}, {}]", s.draws,
                        output::file::decimal(s.low), output::file::decimal(s.high), output::file::decimal(s.median),
                        output::file::decimal(interval.low), output::file::decimal(interval.high));
 }
@@ -178,9 +178,8 @@ void check_shard_options(const CheckOptions& o) {
     if (o.timing() || o.measure || !o.junit.empty() || !o.csv.empty() || !o.json.empty() || o.annotations != "none")
         throw InputError(
             "--shard " + o.shard +
-            ": cannot be combined with --junit, --export-csv, --export-json, "
-            "--annotations, --measure or --profile timing: a shard judges nothing; give the first three to "
-            "`lostbits merge`");
+            ": cannot be combined with --junit, --export-csv, --export-json, --annotations, --measure or --profile "
+            "timing: a shard does not judge claims; give the first three to `lostbits merge`");
 }
 
 Exit run(const CheckOptions& o, const Common& common) {
@@ -196,8 +195,8 @@ Exit run(const CheckOptions& o, const Common& common) {
     }
     if (o.measure && (!o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.report.empty())) {
         throw InputError(
-            "--measure cannot be combined with --junit, --export-csv, --export-json or --report: it judges nothing; "
-            "leave one of them out");
+            "--measure cannot be combined with --junit, --export-csv, --export-json or --report: it does not judge "
+            "claims; leave one of them out");
     }
     const auto data = selection::data_folder(common.data);
     const auto claims = load(o, data);
@@ -263,7 +262,7 @@ Exit run(const CheckOptions& o, const Common& common) {
 }  // namespace
 
 void add_check(const shell::Command& program, const Common& common) {
-    auto command = program.add_command("check", "Measure every claim again and compare with what it states");
+    auto command = program.add_command("check", "Measure every claim again and compare it with what the claim states");
     const auto o = std::make_shared<CheckOptions>();
     command.add("CLAIMS", o->files, "Claim files or folders (default: data/claims)");
     command.add_list("--filter", o->filters, "Only claims whose id matches a glob");

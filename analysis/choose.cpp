@@ -269,9 +269,8 @@ Exit run(const ChooseOptions& o, const Common& common) {
 
 void add_choose(const shell::Command& program, const Common& common) {
     auto command = program.add_command("choose",
-                                       "The cheapest form and format that meets a requirement on a scene or on rays of "
-                                       "files, what it costs, and how far it "
-                                       "holds");
+                                       "Find the cheapest form and format that meet a requirement on a scene or on "
+                                       "rays of files, their cost, and how far the scene may change");
     const auto o = std::make_shared<ChooseOptions>();
     o->stop = common.stop;
     command
@@ -281,25 +280,26 @@ void add_choose(const shell::Command& program, const Common& common) {
     command.add("--bits", o->bits, "The least number of correct bits of t", shell::number_from(0, 53));
     command.add("--tolerance", o->tolerance,
                 "How far the hit point may be from the true one along the ray, in the scene's unit of length");
-    command.add("--unit", o->unit, "What that unit is (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
+    command.add("--unit", o->unit, "The scene's unit of length (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
     command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",
                 shell::number_from(0, 1));
     command.add("--at", o->at,
-                "How many of the hits must keep the bits: p50, p99 (default: 99 of 100), p99.9, or max for all");
+                "Share of the hits that must keep the bits: p50, p99 (default: 99 of 100), p99.9, or max for all");
     selection::add_forms(command, o->forms);
     command.add_list(
         "-f,--format", o->formats,
-        "f32, f64 (default: both); an emulated format counts only where the narrowest for each pixel is looked for");
-    const auto single = command.add("--single", o->single, "Compare what one ray at a time costs");
-    command.add("--bulk", o->bulk, "Compare what registers full of rays cost, where a form takes them (default)")
+        "f32, f64 (default: both); emulated formats take part only in the search for the narrowest format of each "
+        "pixel");
+    const auto single = command.add("--single", o->single, "Compare the cost of one ray at a time");
+    command.add("--bulk", o->bulk, "Compare the cost of registers full of rays, for forms that take them (default)")
         .excludes(single);
     command.add("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command.add("--variant", o->variant, "One variant of a scene that has several");
     command.add_set(o->set, "Change a number of the scene first: sphere[0].radius=10");
     selection::add_ray_options(command, *o);
     command.add("--mend", o->mend,
-                "Also mend the forms that do not meet the requirement (see `lostbits mend`); what comes out is "
-                "compiled and timed");
+                "Also mend the forms that do not meet the requirement (see `lostbits mend`), and compile and time the "
+                "mended forms");
     command.add("--compiler", o->compiler, "The compiler that --mend uses (default: c++)");
     command.add("--quick", o->quick, "Shorter measurements of time, for a first look");
     selection::add_out(command, o->out);

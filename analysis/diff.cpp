@@ -231,13 +231,14 @@ void add_diff(const shell::Command& program, const Common& common) {
                 "match counts");
     command.add("--ignore", w->ignored, "COLUMN: leave out columns and channels, by name or glob");
     command.add("--strict", w->strict,
-                "Every file, pictures too, row by row and line by line: for changes that mean to change nothing");
+                "Compare every file, pictures too, row by row and line by line: for changes that should change no "
+                "result");
     command.add("--compare-pictures", w->pictures, "Compare pictures too");
     command.add_list("-i,--form", w->forms, "Two forms of the maps in A, in place of B");
     command.add_list("-f,--format", w->formats, "Formats that --draw draws (default: all)");
     command.add("--draw", w->draw,
-                "A folder for pictures of the difference, one a form and format; of maps made with --pixels "
-                "csv or --exr");
+                "A folder for pictures of the difference, one for each form and format; needs maps written with "
+                "--pixels csv or --exr");
     command.runs([w, &common] { return run(*w, common); });
 }
 

@@ -21,7 +21,7 @@ const ExamplesOf all_examples[] = {
      {{"lostbits choose near-benign --bits 16 -i 'sphere.h*' --size 32x32 --quick",
        "Finds the cheapest of some forms that keeps 16 bits of t on a scene"},
       {"lostbits choose data/dumps/far-sphere.csv --answer-format f32 --sphere 0,0,0,1 --bits 6 -i 'sphere.h*' --quick",
-       "Finds it for the rays of a file"}}},
+       "Finds the cheapest form for the rays of a file"}}},
     {"consistency",
      {{"lostbits consistency near-benign --size 32x32", "Asks every form for spheres each question in two ways"},
       {"lostbits consistency box-one -i box.signs --check reverse --size 32x32",

@@ -204,8 +204,9 @@ Exit run(const ExplainOptions& o, const Common& common) {
 }  // namespace
 
 void add_explain(const shell::Command& program, const Common& common) {
-    auto command =
-        program.add_command("explain", "One ray of a scene, operation by operation: which one loses the bits");
+    auto command = program.add_command("explain",
+                                       "Show the operations of a form on one ray of a scene, and which of them loses "
+                                       "the bits");
     const auto o = std::make_shared<ExplainOptions>();
     selection::RayOptions& words = o->words;
     words.stop = common.stop;
@@ -222,11 +223,11 @@ void add_explain(const shell::Command& program, const Common& common) {
                 "A ray of your own: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, taken as given");
     words.primitives.add_to(
         command,
-        "Primitives for --ray, in place of a scene; may be repeated; @ and twelve numbers put one under "
-        "a matrix");
+        "Primitives for --ray, in place of a scene; may be repeated; @ and twelve numbers put a primitive under a "
+        "matrix");
     command.add("--tmin", words.tmin,
                 "Where the range of the ray begins, for primitives given by options (default: 0)");
-    command.add("--tmax", words.tmax, "Where it ends (default: nowhere)");
+    command.add("--tmax", words.tmax, "Where the range of the ray ends (default: nowhere)");
     command.add("--open-ends", words.open_ends,
                 "Ends of the range that are excluded: a hit exactly there does not count (default: none)",
                 shell::one_of({"none", "tmin", "tmax", "both"}));
@@ -239,8 +240,8 @@ void add_explain(const shell::Command& program, const Common& common) {
                 "How touching is judged: own (as the form states, default), closed (a hit), open (a miss)",
                 shell::one_of({"own", "closed", "open"}));
     const auto ranges = command.add("--ranges", o->ranges.asked,
-                                    "In place of one ray, all rays within the ranges of a scene or of one step of a "
-                                    "sweep: how far rounding can put t off at most");
+                                    "In place of one ray, bound the error of t over all rays within the ranges of a "
+                                    "scene or of one step of a sweep");
     command
         .add("--at-step", o->ranges.at, "With --ranges of a sweep, the step: a value of each axis, as 4096 or 4096,0.5")
         .needs(ranges);
@@ -249,13 +250,13 @@ void add_explain(const shell::Command& program, const Common& common) {
              "With --ranges, another range of an input, such as d.x=-0.5..0.5; may be repeated")
         .needs(ranges);
     command
-        .add("--boxes", o->ranges.boxes, "With --ranges, how many boxes are used at most (default: 4096)",
+        .add("--boxes", o->ranges.boxes, "With --ranges, the largest number of boxes (default: 4096)",
              shell::whole_from(1, 1 << 20))
         .needs(ranges);
     command.add("-i,--form", o->form, "The form to explain").required();
     command.add("-f,--format", o->format, "The format (default: f32)");
     command.add_list("--beside", o->beside,
-                     "Forms that may do better on the ray, by name or glob, of a library that runs in the program "
+                     "Also try these forms on the ray, by name or glob, from libraries that run in the program "
                      "itself; forms in processes of their own (--isolate, --pipe, --shader) are always tried");
     command.add_set(words.set, "Change a number of the scene or the sweep first: march.hit_eps=1e-6");
     auto as = command.add_group("as", "Instead of the table");
@@ -263,8 +264,8 @@ void add_explain(const shell::Command& program, const Common& common) {
     as.add("--fpcore", o->fpcore, "FPCore 2.0 of t, for Herbie and FPBench");
     as.add(
         "--c", o->c,
-        "A C program that reproduces t to the bit; a form with a fused multiply-add or a step to the next number: in "
-        "f32 and f64 alone");
+        "A C program that reproduces t to the bit; for a form with a fused multiply-add or a step to the next number "
+        "only in f32 and f64");
     command.runs([o, &common] { return run(*o, common); });
 }
 

@@ -306,21 +306,22 @@ void add_judge(const shell::Command& program, const Common& common) {
     o->stop = common.stop;
     command
         .add("FILE", o->file,
-             "A file of rays: columns ox,oy,oz,dx,dy,dz; optionally tmin, tmax, those of a primitive and its matrix, "
-             "hit, t; or answers about a mesh: all hits of a ray (hit_index), crossings, parity, or points px,py,pz "
-             "and inside")
+             "A file of rays: columns ox,oy,oz,dx,dy,dz; optionally tmin, tmax, the columns of a primitive and its "
+             "matrix, hit, t; or answers about a mesh: all hits of a ray (hit_index), crossings, parity, or points "
+             "px,py,pz and inside")
         .required();
     selection::add_ray_options(command, *o);
-    command.add_list("-i,--form", o->forms, "Forms that answer to the same rays, by name or glob");
-    command.add_list("-f", o->formats, "Their formats (default: that of the file)");
-    command.add("--against", o->against, "A form to compare the answers with, without asking what is true");
+    command.add_list("-i,--form", o->forms, "Forms that answer the same rays too, by name or glob");
+    command.add_list("-f", o->formats, "Formats of these forms (default: the format of the file)");
+    command.add("--against", o->against, "A form to compare the answers with, independently of the truth");
     command.add_list("--metric", o->metrics, "Metrics to draw and to measure (default: lost_bits); globs");
     command.add("--by", o->by,
-                "A column of the file's own, such as a depth or material: also one row for each of its values");
+                "A column of your own in the file, such as depth or material: also write one row for each of its "
+                "values");
     command.add("--bits", o->bits, "Count the hits whose t keeps fewer correct bits", shell::number_from(0, 53));
     command.add("--tolerance", o->tolerance,
                 "Count the hits farther than this from the true point, along the ray, in the scene's unit of length");
-    command.add("--unit", o->unit, "What that unit is (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
+    command.add("--unit", o->unit, "The scene's unit of length (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
     command.add("--size", o->size, "Columns x rows, where the rays are the pixels of a picture: WxH");
     selection::add_pictures(command, o->pictures);
     command.add("--rows", o->rows, "Also write one row per ray, with the columns of the file");

@@ -38,13 +38,15 @@ constexpr const char* description =
 
 void add_common(const shell::Command& program, Common& common) {
     program.add("--data", common.data,
-                "Folder with scenes/, sweeps/, claims/ (default: $LOSTBITS_DATA, ./data, the one of the program)");
+                "Folder with scenes/, sweeps/, claims/ (default: $LOSTBITS_DATA, then ./data, then the program's "
+                "own)");
     const auto show = [&common](int mode) { common.progress = static_cast<output::file::Progress::Mode>(mode); };
     program.add_named("--progress", {"auto", "bar", "none"}, show, "Progress on stderr (default: auto, on a terminal)");
     program.add("--force", common.force,
                 "Also write into a folder with files that no manifest.json lists; those files are kept");
     program.add_list("--figure", common.figures,
-                     "Kinds of pictures (default: png): svg and pdf keep text and lines as such, for pages and papers",
+                     "Kinds of pictures (default: png): svg and pdf keep text as text and lines as lines, for pages "
+                     "and papers",
                      shell::one_of({"png", "svg", "pdf"}));
     program.add("-q,--quiet", common.quiet, "Print errors only");
     program.add("-v,--verbose", common.verbose, "Print more detail");
@@ -58,28 +60,28 @@ void add_common(const shell::Command& program, Common& common) {
 
 void add_external_options(const shell::Command& program, selection::ExternalOptions& external) {
     program.add("--plugin", external.plugins,
-                "A library of intersectors of your own (lostbits_plugin.h); its forms stand beside the others. May "
-                "be repeated");
+                "A library of intersectors of your own (lostbits_plugin.h); its forms are measured beside the others. "
+                "May be repeated");
     program.add("--pipe", external.pipes,
-                "A command that reads rays on its standard input and answers on its standard output, in any "
-                "language; its forms stand beside the others. May be repeated");
+                "A command that reads rays on its standard input and answers on its standard output, in any language; "
+                "its forms are measured beside the others. May be repeated");
     program.add("--shader", external.shaders,
                 "A file of GLSL or HLSL with a function that intersects, run by this machine's driver; its form "
-                "shader.NAME stands beside the others. FILE.glsl:FUNCTION names one of several. May be repeated");
+                "shader.NAME is measured beside the others. FILE.glsl:FUNCTION names one of several. May be repeated");
     program.add(
         "--function", external.functions,
-        "A function of C, C++, Rust, GLSL, HLSL, SPIR-V or LLVM IR as it stands, through clang, rustc or "
-        "glslang: FILE.c:NAME. Its "
-        "form function.NAME stands beside the others, in every format and with its operations. May be repeated");
+        "A function of C, C++, Rust, GLSL, HLSL, SPIR-V or LLVM IR as it stands, through clang, rustc or glslang: "
+        "FILE.c:NAME. Its form function.NAME is measured beside the others, in every format and with its operations. "
+        "May be repeated");
     program.add_list("--device", external.devices,
-                     "What runs --shader: opengl, vulkan, or all that there are (default: the first that there is)");
+                     "Driver for --shader: opengl, vulkan, or all (default: the first that works)");
     const auto isolate =
         program.add("--isolate", external.isolate,
-                    "Run libraries in processes of their own, so that none can end the program (default: for "
-                    "`check`, and wherever CI is set in the environment; does not apply to plugins made of formulas)");
+                    "Run libraries in processes of their own, so that a library cannot end the program (default for "
+                    "`check`, and if CI is set in the environment, except for libraries of formulas)");
     program
         .add("--in-process", external.in_process,
-             "Run libraries in the program itself: faster, and a crash or exit of theirs ends it with 3")
+             "Run libraries in the program itself: faster, but if a library crashes or exits, the program ends with 3")
         .excludes(isolate);
     program.add("--time-limit", external.seconds,
                 "Seconds that --plugin, --pipe and --shader may take for a batch, and a compiler for --function (30)",
@@ -87,24 +89,16 @@ void add_external_options(const shell::Command& program, selection::ExternalOpti
 }
 
 constexpr const char* below_help =
-    "Exit status:\n"
-    "  0    done, and every selected claim holds\n"
-    "  1    done, and the answer is no: a claim fails, a difference is found, a promise is broken\n"
-    "  2    bad input: what was typed, or a file\n"
-    "  3    the machine: a file that cannot be written, no memory, a processor that lacks what --isa names;\n"
-    "       or a library, a pipe or a shader that crashes, ends the program or does not answer\n"
-    "  4    nothing was selected\n"
-    "  70   something could not be proved\n"
-    "  130  interrupted; finished files stay\n"
-    "Environment:\n"
-    "  CI                    set to anything: libraries run in processes of their own, see --isolate\n"
-    "  LOSTBITS_DATA         the folder with scenes/, sweeps/ and claims/\n"
-    "  LOSTBITS_DEVICE_MODULES  a folder to look for the modules of --shader in first\n"
-    "  LOSTBITS_PLUGIN_PATH  folders to look for a --plugin in, with colons between them\n"
-    "  NO_COLOR              set to anything: no colours\n"
-    "  TMPDIR                where `-o -` keeps what it does not print\n"
-    "See also:\n"
-    "  `lostbits COMMAND --help`, `lostbits completion bash`, `lostbits manual | man -l -`\n";
+    "Exit status:\n  0    done, and every selected claim holds\n  1    done, and the answer is no: a claim fails, a "
+    "difference is found, a promise is broken\n  2    bad input: the command line, or a file\n  3    the machine: a "
+    "file that cannot be written, no memory, a processor that lacks what --isa names;\n       or a library, a pipe or "
+    "a shader that crashes, ends the program or does not answer\n  4    nothing was selected\n  70   something could "
+    "not be proved\n  130  interrupted; finished files stay\nEnvironment:\n  CI                    set to anything: "
+    "libraries run in processes of their own, see --isolate\n  LOSTBITS_DATA         the folder with scenes/, sweeps/ "
+    "and claims/\n  LOSTBITS_DEVICE_MODULES  a folder to look for the modules of --shader in first\n  "
+    "LOSTBITS_PLUGIN_PATH  folders to look for a --plugin in, with colons between them\n  NO_COLOR              set "
+    "to anything: no colours\n  TMPDIR                where `-o -` keeps the files that it does not print\nSee "
+    "also:\n  `lostbits COMMAND --help`, `lostbits completion bash`, `lostbits manual | man -l -`\n";
 
 /// Adds the commands that print completion scripts and the manual page.
 void add_shell(const shell::Command& program) {

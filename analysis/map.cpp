@@ -322,7 +322,7 @@ Exit run(MapOptions o, const Common& common) {
 
 void add_map(const shell::Command& program, const Common& common) {
     auto command =
-        program.add_command("map", "Error maps of every selected form and format over the pixels of a scene");
+        program.add_command("map", "Draw the error of every selected form and format over the pixels of a scene");
     const auto o = std::make_shared<MapOptions>();
     o->forms = {"*"};
     o->formats = {"f32", "f64"};
@@ -346,8 +346,8 @@ void add_map(const shell::Command& program, const Common& common) {
                 "Also write SCENE.exr: the answer, its outcome, lost bits and the metrics of every pixel, a part "
                 "for each form and format, and the truth once");
     command.add("--against", o->against,
-                "A form to compare the others with, without asking what is true: where their decisions or their t "
-                "differ is drawn and counted");
+                "A form to compare the others with, independently of the truth: draws and counts the rays on which "
+                "their decisions or their t differ");
     command.add("--envelope", o->envelope,
                 "Draw a pixel paler where input errors of half an ulp would cost as many bits as were lost");
     add_shard(command, o->shard);

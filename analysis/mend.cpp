@@ -114,8 +114,10 @@ void require_code_name(const std::filesystem::path& path, const std::filesystem:
     const auto folder = path.parent_path();
     const bool is_made = !out.empty() && folder.lexically_normal() == (out / "").lexically_normal().parent_path();
     if (!folder.empty() && !is_made && !std::filesystem::is_directory(folder))
-        throw InputError(fmt::format("--emit {}: the folder {} does not exist; make it, or name another", path.string(),
-                                     folder.string()));
+        throw InputError(
+            fmt::format("--emit {}: the folder {} does not exist; create it, or name "
+                        "another",
+                        path.string(), folder.string()));
 }
 
 /// Files of rays. Rows can be judged on all of their rays, as often as needed.
@@ -186,7 +188,9 @@ Exit run(const MendOptions& o, const Common& common) {
                         .row = row_of(o, scene ? scene->id : rays->id(), meets),
                         .two_words = o.wider == "two-words"};
     if (o.emit.ends_with(".glsl") && request.row.format.engine == Format::Engine::native64)
-        throw InputError("--emit " + o.emit + ": shaders compute in f32; write -f f32, or a file .hpp");
+        throw InputError("--emit " + o.emit +
+                         ": shaders compute in f32; write -f f32, or a file name that ends in "
+                         ".hpp");
     if (o.emit.ends_with(".glsl") && request.row.form->is_placed)
         throw InputError("--emit " + o.emit +
                          ": a shader gets a primitive without a matrix; write .hpp, or mend the form without its "
@@ -230,27 +234,28 @@ Exit run(const MendOptions& o, const Common& common) {
 
 void add_mend(const shell::Command& program, const Common& common) {
     auto command = program.add_command("mend",
-                                       "What to change in a form so that it meets a requirement on a scene: the fewest "
-                                       "operations to widen, or other formulas");
+                                       "Find what to change in a form so that it meets a requirement on a scene: the "
+                                       "fewest operations to widen, or another formula");
     const auto o = std::make_shared<MendOptions>();
     o->changes.stop = o->rays.stop = common.stop;
     command
         .add("SCENE", o->subjects,
              "A scene file or a name in data/scenes; or files of rays, as `lostbits judge` reads them")
         .required();
-    command.add("-i,--form", o->form, "The form that is to be mended").required();
+    command.add("-i,--form", o->form, "The form to mend").required();
     command.add("-f,--format", o->format, "f32 (default) or f64");
     command.add("--bits", o->bits, "The least number of correct bits of t", shell::number_from(0, 53)).required();
     command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",
                 shell::number_from(0, 1));
     command.add("--at", o->at,
-                "How many of the hits must keep the bits: p50, p99 (99 of 100), p99.9, or max for all (default)");
+                "Share of the hits that must keep the bits: p50, p99 (99 of 100), p99.9, or max for all (default)");
     command.add("--wider", o->wider,
-                "What operations are done in: double (default; of f64 two doubles), or two words of the format",
+                "Arithmetic of the wider operations: double (default; in f64 two doubles), or two-words (two numbers "
+                "of the format)",
                 shell::one_of({"double", "two-words"}));
     selection::add_changes(command, o->changes, "sphere[0].radius=10");
     selection::add_ray_options(command, o->rays);
-    command.add("--price", o->price, "Compile what comes out and time it beside the form and the catalogue");
+    command.add("--price", o->price, "Compile the changed forms and time them beside the form and the catalogue");
     command.add("--compiler", o->compiler, "The compiler that --price uses (default: c++)");
     command.add("--emit", o->emit,
                 "Also write the mended form: NAME.hpp is a header of C++, NAME.glsl a shader's function");

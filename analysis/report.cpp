@@ -322,7 +322,9 @@ Exit run(const ReportOptions& o, const Common& common) {
 }  // namespace
 
 void add_report(const shell::Command& program, const Common& common) {
-    auto command = program.add_command("report", "One HTML page of maps, sweeps and claims that opens from a file");
+    auto command = program.add_command("report",
+                                       "Make one HTML page of maps, sweeps and claims that opens from a "
+                                       "file");
     const auto o = std::make_shared<ReportOptions>();
     o->stop = common.stop;
     command.add("SUBJECT", o->subjects, "Scenes and sweeps, by file or name (default: those of data/report.toml)");
@@ -341,13 +343,14 @@ void add_report(const shell::Command& program, const Common& common) {
     command.add("--trade", o->trade, "Also measure speed, briefly; the page then differs from run to run");
     command.add_list(
         "--choose", o->choices,
-        "Also what is the cheapest form for a scene and a requirement: SCENE:BITS, or SCENE:BITS:max for bits of "
-        "every hit; the page then differs from run to run");
+        "Also show the cheapest form for a scene and a requirement: SCENE:BITS, or SCENE:BITS:max for bits of every "
+        "hit; the page then differs from run to run");
     command.add_list("--mend", o->mends,
-                     "Also what to change in a form so that it keeps bits of every hit of a scene: SCENE:FORM:BITS, or "
-                     "SCENE:FORM:BITS:p99 (default: none, or those of data/report.toml where no SUBJECT is named)");
+                     "Also show what to change in a form so that it keeps BITS bits of every hit of a scene: "
+                     "SCENE:FORM:BITS, or SCENE:FORM:BITS:p99 (default: none, or those of data/report.toml where no "
+                     "SUBJECT is named)");
     command.add_list("--offsets", o->offsets,
-                     "Scenes on whose next rays every strategy of offsets is tried (default: none, or those of "
+                     "Scenes on which every offset strategy is tried for the next rays (default: none, or those of "
                      "data/report.toml where no SUBJECT is named)");
     selection::add_out(command, o->out, "index.html");
     command.runs([o, &common] { return run(*o, common); });

@@ -259,8 +259,7 @@ void print_table(const measure::evaluate::NeededRequest& request,
 
 void print_stages(const measure::truth::StageCounts& stages) {
     fmt::print(
-        "  {} truths: {} settled in packs of doubles, {} in packs of double-doubles, {} by themselves in "
-        "double-double, "
+        "  {} truths: {} settled in packs of doubles, {} in packs of double-doubles, {} one by one in double-double, "
         "{} in wider intervals\n",
         stages.rays(), stages.binary64, stages.double_double, stages.ball, stages.interval);
 }

@@ -128,7 +128,7 @@ Exit show_devices(bool json, const Common& common) {
 
 void add_devices(const shell::Command& program, const Common& common) {
     auto command = program.add_command(
-        "devices", "What runs --shader here: drivers, and how each adds, multiplies, divides and rounds");
+        "devices", "Show which drivers run --shader here, and how each adds, multiplies, divides and rounds");
     const auto json = std::make_shared<bool>(false);
     command.add("--json", *json, "As a JSON array");
     command.runs([json, &common] { return show_devices(*json, common); });

@@ -87,7 +87,7 @@ public:
     static void add_option(const shell::Command& command, StudyOptions& o) {
         command.add_list(
             "--along", o.values["along"],
-            "Also with the scene changed along an axis: distance (of the eye), radius (every length), world "
+            "Also measure the scene as it changes along an axis: distance (of the eye), radius (every length), world "
             "(everything moved); pictures of 48 columns",
             shell::one_of({measure::offset::along_names.begin(), measure::offset::along_names.end()}));
     }

@@ -165,8 +165,8 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
     }
     if (metric->by_run)
         throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric +
-                         "\", whose values are names of operations, so there is no largest one; try cancellation, or "
-                         "contribution:LABEL");
+                         "\", whose values are names of operations, so none of them is the largest; try cancellation, "
+                         "or contribution:LABEL");
     return only(search.shape);
 }
 
@@ -257,7 +257,9 @@ Exit run(SweepOptions o, const Common& common) {
 }  // namespace
 
 void add_sweep(const shell::Command& program, const Common& common) {
-    auto command = program.add_command("sweep", "Errors along a parameter, and where they first cross a threshold");
+    auto command = program.add_command("sweep",
+                                       "Measure errors along a parameter, and find where they first cross a "
+                                       "threshold");
     const auto o = std::make_shared<SweepOptions>();
     command.add("SWEEP", o->sweeps, "Sweep files or names in data/sweeps").required();
     selection::add_forms(command, o->forms);
@@ -269,14 +271,14 @@ void add_sweep(const shell::Command& program, const Common& common) {
                 "Find the onsets of a ray distribution on this many further draws too, for their spread (default: 2)",
                 shell::whole_from(0, 1000));
     command.add("--size", o->size,
-                "Size of the picture of a sweep's scene, WxH: so many rays a step (default: the scene's)");
+                "Size of the picture of a sweep's scene, WxH: a step has one ray per pixel (default: the scene's)");
     command.add("--steps", o->steps, "Steps of each axis: 40, or 40,20 (default: the file's)");
     command.add_set(o->set,
                     "Change a number of the sweep's scene, ray distribution or search first: views=64, axis[0].to=100, "
                     "march.hit_eps=1e-6");
     command.add("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
     command.add("--resume", o->resume, "Go on with a sweep over every float that was stopped");
-    command.add("--against", o->against, "A form to compare the others with, without asking what is true");
+    command.add("--against", o->against, "A form to compare the others with, independently of the truth");
     add_shard(command, o->shard);
     selection::add_pictures(command, o->pictures);
     selection::add_out(command, o->out);

@@ -120,7 +120,7 @@ Exit run(const TradeOptions& o, const Common& common) {
 }  // namespace
 
 void add_trade(const shell::Command& program, const Common& common) {
-    auto command = program.add_command("trade", "Measured speed against measured accuracy, with the Pareto front");
+    auto command = program.add_command("trade", "Measure speed against accuracy, with the Pareto front");
     const auto o = std::make_shared<TradeOptions>();
     const std::vector<std::string> primitives(shape_names.begin(), shape_names.begin() + shape_rows.size());
     const auto scene =

@@ -56,7 +56,7 @@ public:
         std::ranges::sort(names);
         return names;
     }
-    /// How many files and folders it holds itself.
+    /// Number of files and folders directly inside.
     [[nodiscard]] std::size_t entries() const {
         return static_cast<std::size_t>(std::distance(fs::directory_iterator(path_), fs::directory_iterator()));
     }

@@ -61,7 +61,9 @@ Selection::Selection(const lostbits_choice* given, bool may_be_empty) : choice(g
 void Selection::keep_rows_for(const std::string& name, const selection::Meets& meets) {
     rows = selection::rows_meeting({rows, forms, true}, name, meets);
     if (rows.empty())
-        throw NothingSelected(name + ": no chosen form takes its primitives in a chosen format; choose other ones");
+        throw NothingSelected(name +
+                              ": no chosen form takes its primitives in a chosen format; choose other forms or "
+                              "formats");
 }
 
 }  // namespace lostbits::analysis::library

@@ -89,15 +89,15 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
         const auto shape = shape_named(rays.shape ? rays.shape : "");
         if (!shape || !is_primitive(*shape) || rays.primitives.data == nullptr)
             throw InputError(
-                "rays: there are no primitives; give their shape (\"sphere\", \"box\", ...) and their numbers, or a "
-                "scene");
+                "rays: the primitives are missing; give their shape (\"sphere\", \"box\", ...) and their numbers, or "
+                "a scene");
         result.shape = *shape;
         if (rays.paired != 0 && rays.primitive_count != rays.count)
             throw InputError("there are " + scene::toml::counted(rays.count, "ray") + " and " +
                              scene::toml::counted(rays.primitive_count, "primitive") +
                              "; pairs need the same number of both");
         if (rays.paired == 0 && rays.primitive_count == 0)
-            throw InputError("there are no primitives; give at least one");
+            throw InputError("the list of primitives is empty; give at least one");
         if (rays.paired != 0) put_columns(columns, rays.primitives, column_names(*shape));
     }
     if (rays.paired == 0 || rays.scene != nullptr) options.primitive = result.shape;
@@ -362,7 +362,7 @@ void add_edges(const scene::triangle::MeshEdges& edges, lostbits_result& result)
 
 std::unique_ptr<lostbits_result> places_of_points(const lostbits_scene& scene, const lostbits_array& points,
                                                   std::size_t count, CallRun& running) {
-    if (points.data == nullptr) throw InputError("points: there is no array; give three numbers per point");
+    if (points.data == nullptr) throw InputError("points: the array is missing; give three numbers per point");
     require_reach(points, count, 3, "points");
     const auto stored = scene.stored->in(scene.scene, binary64);
     if (!stored->mesh || !stored->beside_mesh.empty())

@@ -176,7 +176,7 @@ int lostbits_scene_primitives(lostbits_scene* scene, const char* shape, const do
     return guarded(error, [&] {
         require(scene, "scene");
         const Shape of = shape_of_word(shape);
-        if (count == 0) throw InputError("there are no primitives; give at least one");
+        if (count == 0) throw InputError("the list of primitives is empty; give at least one");
         require(numbers, "numbers");
         const std::span<const double> all = array_of(numbers, count, "numbers", row_of(of).numbers);
         std::vector<Primitive<Real>> primitives;

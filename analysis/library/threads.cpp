@@ -11,7 +11,8 @@ extern "C" int lostbits_end_threads(lostbits_error* error) {
         tbb::task_scheduler_handle threads{tbb::attach{}};
         if (!tbb::finalize(threads, std::nothrow))
             throw EnvironmentError(
-                "the threads are in use by a call, by a thread that has made calls, or by others; end those first");
+                "the threads are in use by a call, by a thread that called the library, or by other code; end those "
+                "first");
         return Exit::done;
     });
 }

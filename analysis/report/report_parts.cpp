@@ -220,11 +220,15 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
     study.quiet = false;  // the page has no table of it
     std::vector<offset::OffsetSummary> summaries;
     page::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
-    part.sheet = page::picture(scene.title + ": what becomes of rays by every strategy", [&](const auto& to) {
-        output::study::StudyFiles<output::offset::OffsetView> sheet(study, {.folder = {}, .sheet_alone = to});
-        summaries = measure::study::run_study(study, sheet.show());
-        sheet.finish(summaries);
-    });
+    part.sheet = page::picture(scene.title +
+                                   ": outcomes of the next rays with every offset "
+                                   "strategy",
+                               [&](const auto& to) {
+                                   output::study::StudyFiles<output::offset::OffsetView> sheet(
+                                       study, {.folder = {}, .sheet_alone = to});
+                                   summaries = measure::study::run_study(study, sheet.show());
+                                   sheet.finish(summaries);
+                               });
     const offset::OffsetSummary& summary = summaries.front();
     part.words = output::offset::summary_lines(study, 0, summary);
     part.table = page::offset_table(study, summary);

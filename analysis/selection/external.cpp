@@ -157,8 +157,8 @@ void note_where(const ExternalOptions& words, bool times) {
                    here);
     if (times && !words.plugins.empty())
         fmt::print(stderr,
-                   "lostbits: CI is set, so each library runs in its own process, and its times include the way there "
-                   "and back; --in-process avoids that\n");
+                   "lostbits: CI is set, so each library runs in its own process, and its times include the transfer "
+                   "of rays and answers; --in-process avoids that\n");
 }
 
 ExternalForms open_each(const ExternalOptions& words, int threads) {

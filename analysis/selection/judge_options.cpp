@@ -43,12 +43,12 @@ std::vector<std::string> listed(std::span<const std::string_view> names) { retur
 const std::vector<RayFileOption>& ray_file_options() {
     using Words = RayFileOptions;
     static const std::vector<RayFileOption> options{
-        {"--scene", &Words::scene, "The scene at whose primitives the rays are aimed"},
+        {"--scene", &Words::scene, "The scene whose primitives the rays are tested with"},
         {"--miss", &Words::miss,
          "Without a column hit: the t that means a miss; or negative, or never (NaN and inf always mean one)"},
         {"--direction",
          &Words::direction,
-         "unit: t is a distance, of the direction normalised (default: any)",
+         "unit: t is a distance, since the direction was normalised first (default: any)",
          {"any", "unit"},
          true},
         {"--touching",
@@ -64,7 +64,7 @@ const std::vector<RayFileOption>& ray_file_options() {
          "0 of a box)",
          listed(intersect::inside_names), true},
         {"--facing", &Words::facing,
-         "The side that triangles, discs and planes are met from: front, where a triangle's vertices run "
+         "The side from which triangles, discs and planes are hit: front, where a triangle's vertices run "
          "counter-clockwise, or back (default: both)",
          listed(intersect::facing_names), true},
         {"--open-ends",
@@ -78,7 +78,7 @@ void add_ray_options(const shell::Command& command, RayFileOptions& words) {
     command.add("--container", words.container, "What the file is: csv, npy, raw (default: by its ending)",
                 shell::one_of({"auto", "csv", "npy", "raw"}));
     command.add("--columns", words.columns,
-                "Names of the columns where the file has none, and of raw numbers their types: ox:f32,oy,oz");
+                "Names of the columns, if the file has none; for raw numbers also their types: ox:f32,oy,oz");
     command.add("--skip", words.skip, "Bytes in front of raw numbers");
     command.add("--answer-format", words.format,
                 "Format the answers were computed in (default: the file's; of a CSV f64)");
@@ -130,7 +130,7 @@ std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& o, const std:
     if (!o.format.empty()) {
         const auto formats = select_formats({o.format}, "--answer-format");
         if (formats.size() > 1)
-            throw InputError("--answer-format " + o.format + ": the answers are of one format; name one");
+            throw InputError("--answer-format " + o.format + ": all answers have the same format; name one");
         options.format = formats.front();
     }
     options.miss = miss_rule(o.miss);

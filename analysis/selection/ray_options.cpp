@@ -72,8 +72,8 @@ TestedForm row_for(const TestedForm& row, const std::string& where, const Meets&
     }
     if (row.form->shapes().are_placed() && meets(row.form->shapes().placed(false)))
         throw InputError(fmt::format(
-            "-i {}: {} has no primitive that is placed by a matrix, so there is no transform; leave out the "
-            "@ and what follows it",
+            "-i {}: no primitive of {} is placed by a matrix, so a transform has nothing to do; leave out the @ and "
+            "what follows it",
             row.form->info->name, where));
     if (is_primitive(shape) && several_shapes(meets)) {
         std::vector<TestedForm> parts{row};

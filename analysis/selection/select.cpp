@@ -156,7 +156,7 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> asked, 
             what));
     keep_where([](const TestedForm& row) { return row.form->shapes().are_placed(); },
                [](const Metric* m) { return (m->needs & needs_steps) != 0; },
-               fmt::format("no primitive of {} is placed by a matrix, so there are no steps of a transform", what));
+               fmt::format("no primitive of {} is placed by a matrix, so no ray has steps of a transform", what));
     keep_where([](const TestedForm& row) { return intersect::bounding_box::has_box(*row.form); },
                [](const Metric* m) { return m->name == "lost_to" || m->name == "end_margin"; },
                fmt::format("none of the selected forms in {} is behind a box; select FORM^BOX", what));

@@ -168,8 +168,8 @@ void add_sets(const SelectedRows& chosen, const std::string& name, Shapes shapes
     add_rows(chosen.rows, {&plain});
     if (!chosen.quiet)
         fmt::print(stderr,
-                   "lostbits: {}: it has {}, so it is measured with sets of one form for each; without -i that is {} "
-                   "alone. To measure all combinations of some forms, name them, such as -i '{}.*' -i {}\n",
+                   "lostbits: {}: it has {}, so it is measured with sets, one form for each shape; without -i the "
+                   "only set is {}. To measure all combinations of some forms, name them, such as -i '{}.*' -i {}\n",
                    name, selection::plurals(shapes), plain.info->name, name_of(plain.parts.front()->shape),
                    plain.parts.back()->info->name);
 }

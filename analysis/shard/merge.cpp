@@ -33,13 +33,15 @@ std::vector<std::string> arguments_of_run(const std::string& command, const Merg
 }  // namespace
 
 void add_merge(const shell::Command& program, const std::string& version, const RunOfShards& run_again) {
-    auto command = program.add_command("merge", "Shards of a run joined: the same files as the whole run writes");
+    auto command = program.add_command("merge",
+                                       "Join the shards of a run into the same files as the whole run "
+                                       "writes");
     const auto o = std::make_shared<MergeOptions>();
-    command.add("DIR", o->folders, "Folders of shards, or folders that hold them, in any order").required();
+    command.add("DIR", o->folders, "Folders of shards, or folders that contain them, in any order").required();
     selection::add_out(command, o->out);
-    command.add("--junit", o->junit, "Of claims: write JUnit XML");
-    command.add("--export-csv", o->csv, "Of claims: write CSV, one row per claim");
-    command.add("--export-json", o->json, "Of claims: write JSON, one object per claim");
+    command.add("--junit", o->junit, "For claims: write JUnit XML");
+    command.add("--export-csv", o->csv, "For claims: write CSV, one row per claim");
+    command.add("--export-json", o->json, "For claims: write JSON, one object per claim");
     command.runs([o, version, run_again] {
         const auto shards = std::make_shared<Shards>(o->folders, version);
         return run_again(arguments_of_run(shards->command(), *o), shards);

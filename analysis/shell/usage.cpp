@@ -77,8 +77,9 @@ std::string leftover(const CommandLine& program, const std::string& fallback) {
         return fmt::format("{} {} is not one of {}{}", command.name(), word, fmt::join(inner, ", "),
                            near ? "; did you mean " + *near + "?" : "");
     return fmt::format(
-        "{}: `{}` takes no such word; an option takes one value at a time: repeat it, or write commas (-i A,B)", word,
-        program.command_path());
+        "{}: `{}` does not take this argument; an option takes one value at a time: repeat the option, or write "
+        "commas (-i A,B)",
+        word, program.command_path());
 }
 
 }  // namespace

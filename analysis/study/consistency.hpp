@@ -23,8 +23,8 @@ struct ConsistencyAdapter {
     static constexpr const char* none_taken =
         "consistency needs forms for spheres or boxes, and none is selected; try -i 'sphere.*'";
     static constexpr const char* title =
-        "Whether a form gives one answer to a question put in two ways: closest and any hit, one ray and packs, a "
-        "segment from either end";
+        "Check if a form gives the same answer to a question asked in two ways: closest and any hit, one ray and "
+        "packs, a segment from either end";
     static constexpr const char* kinds = "; spheres or boxes";
     static constexpr const char* form_help = "Forms, by name or glob (default: all that fit)";
     static constexpr const char* example = "sphere[0].radius=10";

@@ -21,7 +21,7 @@ struct OffsetsAdapter {
     static constexpr const char* none_taken =
         "offsets needs forms that return t for a primitive, and none is selected; try -i 'sphere.*'";
     static constexpr const char* title =
-        "How far the origin of the next ray must move, point by point, and what published strategies do";
+        "Measure how far the origin of the next ray must move, point by point, and what published strategies do";
     static constexpr const char* kinds = "; primitives of any kind";
     static constexpr const char* form_help =
         "Forms that find the points and are asked for self-hits (default: sphere.half_b, box.ieee_minmax, one of each "
@@ -70,8 +70,8 @@ struct OffsetsAdapter {
         if (summaries.front().points == 0)
             fmt::print(
                 stderr,
-                "lostbits: scene {}: the form finds no correct hit, so there is no point that a next ray could leave; "
-                "check the eye, look_at and width or fov of its camera\n",
+                "lostbits: scene {}: the form finds no correct hit, so no next ray can start anywhere; check the eye, "
+                "look_at and width or fov of its camera\n",
                 study.scene.id);
     }
 

@@ -46,7 +46,7 @@ struct RenderAdapter {
     static void require(const scene::file::Scene& scene) {
         if (scene.flake)
             throw InputError(
-                fmt::format("{}: the spheres of [sphereflake] have no colours, so there is no picture to render; use "
+                fmt::format("{}: the spheres of [sphereflake] have no colours, so render cannot draw them; use "
                             "`lostbits map`",
                             scene.path.string()));
         if (!scene.meets(Shapes(scene::file::rendered_shape).placed(scene.is_placed())))

@@ -17,7 +17,7 @@ constexpr long least_bits = 192;
 constexpr double widest_gap = 0x1p-128;
 
 /// The sum if two doubles hold it exactly: nothing is left over when the second doubles are added. 128 bits and the 53
-/// of the second double are fewer than `least_bits`, so MPFI loses nothing of it either.
+/// of the second double are fewer than `least_bits`, so MPFI computes it without loss, too.
 std::optional<DoubleDouble> exact_sum(const DoubleDouble& a, const DoubleDouble& b) {
     const DoubleDouble s = two_sum(a.hi, b.hi);
     DoubleDouble sum = s;

@@ -77,7 +77,7 @@ public:
 
     friend Interval sqrt(const Interval& a);
     friend Interval fma(const Interval& a, const Interval& b, const Interval& c);
-    /// [0, …] where a holds zero: without this the root of x² + y² is undefined wherever x and y may be zero.
+    /// [0, …] if a contains zero: otherwise the root of x² + y² would be undefined if x and y may be zero.
     friend Interval square(const Interval& a);
     friend Interval fma_square(const Interval& a, const Interval& c) { return square(a) + c; }
     friend Interval abs(const Interval& a);

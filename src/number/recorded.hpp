@@ -43,7 +43,7 @@ public:
     virtual NodeId call(const Call& of, std::span<const NodeId> arguments, double value, bool in_double) = 0;
     /// The number, or 1 and 0 of a decision.
     [[nodiscard]] virtual double value(NodeId x) const = 0;
-    /// True where a loop of the formula that asks for this decision goes on.
+    /// True if a loop of the formula with this condition goes on.
     virtual bool goes_on(NodeId decision) = 0;
     /// Names an operation as the source of the form does.
     virtual void name(NodeId /*x*/, std::string_view /*label*/) {}
@@ -85,7 +85,7 @@ public:
         return RecordedMask(record(TapeOp::either, a.node_, b.node_));
     }
     friend RecordedMask operator!(const RecordedMask& a) { return RecordedMask(record(TapeOp::opposite, a.node_)); }
-    /// Asked by the loops of a form. It is recorded because without rounding the loop might have gone on.
+    /// Condition of a form's loops. It is recorded because without rounding the loop might have gone on.
     friend bool any_of(const RecordedMask& a) { return Recorder::current().goes_on(record(TapeOp::any, a.node_)); }
 
 private:

@@ -39,7 +39,8 @@ TEST_CASE("explain: operations with equal contributions are named with their sum
     CHECK(
         has(cancel["sentence"],
             "; (o − centre)·(o − centre), from which it is computed, contributes the same with the opposite sign. The "
-            "two undo each other: the error of 742 ulp is assigned to the others, the most, 2830 ulp, to a."));
+            "two undo each other: the error of 742 ulp is assigned to the other operations, the largest part, 2830 "
+            "ulp, to a."));
 
     const auto add = nlohmann::json::parse(run(oblique + "100,100 -i sphere.pbrt_interval --json").out);
     REQUIRE(add["equals"].size() == 1);

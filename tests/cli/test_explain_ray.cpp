@@ -48,7 +48,7 @@ TEST_CASE("explain: a ray is taken as given, with input error where the format c
     CHECK(hex_in(in_own["inputs"]["o.x"]) == "0x1.999999999999ap-4");
     CHECK(told(ideal + "-f f64 --as f64", folder.path())["inputs_rounded"] == false);
     const auto text = run("explain own.toml --ray 0.1,0,-5,0,0,1 -i sphere.schoolbook", folder.path());
-    CHECK(has(text.out, "f32 cannot hold all of these numbers and gets them rounded"));
+    CHECK(has(text.out, "f32 cannot represent all of these numbers and gets them rounded"));
 }
 
 TEST_CASE("explain: a ray with its own primitives keeps its end and is judged by the given convention") {

@@ -60,7 +60,7 @@ TEST_CASE("explain: another form is better only if it keeps at least one bit mor
 TEST_CASE("explain: error from inputs that the format cannot hold is not blamed on a rounding") {
     // Every number of the scene is rounded to 8 bits first; the form itself does well.
     const auto r = run("explain near-benign --pixel 100,128 -i sphere.unified -f bf16");
-    CHECK(has(r.out, "bf16 cannot hold all of these numbers"));
+    CHECK(has(r.out, "bf16 cannot represent all of these numbers"));
     CHECK(has(r.out, "the rest comes from inputs that the format cannot hold"));
     CHECK_FALSE(has(r.out, "The culprit is"));
 }
@@ -283,7 +283,7 @@ TEST_CASE("explain compares the other ray generators and says which problem the 
     CHECK(has(text, "half an ulp in each number of the ideal ray and of the primitive would cost"));
     CHECK(has(text, "Better on this ray and around it: sphere.unified@ray-"));
     CHECK(has(text, " pixels around it, sphere.unified@ray-three loses "));
-    CHECK_FALSE(has(text, "No other form that was asked does better"));
+    CHECK_FALSE(has(text, "No other form that was tried does better"));
     const std::string placed = run("explain instance-far.sphere --pixel 96,96 -i sphere.unified@plain").out;
     CHECK(has(placed, "half an ulp in each number of ray, primitive and matrix as the world stores them would cost"));
     CHECK(has(placed,

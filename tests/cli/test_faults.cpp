@@ -19,7 +19,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-/// How to run something as process 1 of a container of its own; empty where this machine forbids it.
+/// Command that runs something as process 1 of its own container; empty if this machine forbids it.
 std::string in_container() {
     for (const char* words : {"unshare -p -f --mount-proc", "unshare -U -r -p -f --mount-proc"}) {
         if (std::system((std::string(words) + " true 2>/dev/null").c_str()) == 0) return words;

@@ -16,7 +16,7 @@ TEST_CASE("explain prints a march sample by sample") {
     CHECK_FALSE(has(r.out, "\n   4 "));  // and no fifth
     // It stops short on purpose, and rounding costs less than a bit.
     CHECK(has(r.out, "\nThe march ended at sample 4 of at most 64, where the field is "));
-    CHECK(has(r.out, "No operation is to blame: rounding inside the form makes "));
+    CHECK(has(r.out, "No operation is to blame: rounding inside the form causes "));
     CHECK(has(r.out, "and the rest comes from where the march ended."));
     CHECK_FALSE(has(r.out, "The culprit is"));
     CHECK_FALSE(has(r.out, "\n* "));

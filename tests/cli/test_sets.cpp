@@ -42,8 +42,8 @@ TEST_CASE("without -i a scene of several shapes is measured by the plain set, an
     const Scratch scratch;
     const auto r = must(floor_map + into(scratch));
     CHECK(has(r.err,
-              "it has spheres and boxes, so it is measured with sets of one form for each; without -i that is "
-              "sphere.schoolbook+box.inclusive alone"));
+              "it has spheres and boxes, so it is measured with sets, one form for each shape; without -i the only set "
+              "is sphere.schoolbook+box.inclusive."));
     CHECK(read_csv(scratch / "out/spheres-on-floor/summary.csv").size() == 1);
 }
 

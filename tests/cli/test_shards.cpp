@@ -178,7 +178,7 @@ TEST_CASE("shards of claims give no verdicts themselves") {
         CHECK(has(r.err, what));
     };
     says("--shard 1/2", "needs a folder for the shards; add --report DIR");
-    says("--shard 1/2 --report '" + (scratch / "r").string() + "' --junit x.xml", "a shard judges nothing");
+    says("--shard 1/2 --report '" + (scratch / "r").string() + "' --junit x.xml", "a shard does not judge claims");
     CHECK(scratch.files().empty());
     const fs::path parts = scratch / "parts", junit = scratch / "junit.xml";
     for (const int k : {1, 2}) must("-q check --filter 'float.*'" + shard_of(k, 2) + " --report " + shell_word(parts));

@@ -24,8 +24,8 @@ double tightness_of(TruthRoute route);
 /// All problems of a batch have their ends open alike, and matrices of one kind; through the interface, not inverses.
 void ask(std::string_view shape, TruthRoute route, std::span<const Problem> problems, std::vector<Answer>& answers);
 
-/// Which of the problems are hits, 0 or 1: of rays that go on without end, by columns, with nothing asked beside. The
-/// open primitive, without its rim, is asked where `with_rim` is false.
+/// Decides each problem as 1 (hit) or 0, for rays without end, by columns and without any other result. If `with_rim`
+/// is false, the primitive is open: its rim does not belong to it.
 void decide(std::string_view shape, TruthRoute route, bool with_rim, std::span<const Problem> problems,
             std::vector<std::uint8_t>& hits);
 

@@ -56,7 +56,7 @@ TEST_CASE("plugin: explain reports how good a second form's answer is, or only i
               "word.misses has another contract, so another answer is right for this ray. By its own contract: a "
               "correct miss.\n"));
     CHECK(has(told(ahead + " -i sphere.unified --beside box.signs"),
-              "box.signs is a form for another shape, so it was not asked.\n"));
+              "box.signs is a form for another shape, so it was not tried.\n"));
 
     CHECK(has(told(ahead + " -i odd.predicate"), "odd.predicate answers yes, and the ray hits at 4.0"));
     CHECK(has(told("--sphere 0,0,0,1 --ray 2,0,-5,0,0,1 -i odd.predicate"),

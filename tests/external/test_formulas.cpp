@@ -81,7 +81,7 @@ TEST_CASE("formulas: the comparison that makes a form wrong without rounding is 
 
 TEST_CASE("formulas: a wrong assumption of a form is not blamed on an operation that also rounds", "[external]") {
     const Outcome o = must("explain rtg-fig-7-3-4100 --pixel 128,128 -f f32 -i own.twice" + own);
-    CHECK(has(o.out, "No operation is to blame: rounding inside the form makes "));
+    CHECK(has(o.out, "No operation is to blame: rounding inside the form causes "));
     CHECK(has(o.out, "the rest comes from what the form assumes"));
     CHECK_FALSE(has(o.out, "The culprit is"));
     const Outcome once = run("explain rtg-fig-7-3-4100 --pixel 128,128 -f f32 -i sphere.schoolbook");

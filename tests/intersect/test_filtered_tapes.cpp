@@ -57,7 +57,8 @@ void check_exact_step(const Tape& tape, const Format& format, bool hit, Tally& t
     tally.inexact += std::isfinite(t) && !(std::fabs(off) <= allowed);
 }
 
-/// How many of the rays whose exact step is on the tape are shared out, which takes longer than all else.
+/// Number of rays with an exact step on the tape that are still to be attributed; attributing them takes longer than
+/// all else.
 struct Shares {
     int hits, misses;
     bool take(bool hit) { return (hit ? hits : misses)-- > 0; }

@@ -63,7 +63,7 @@ T wide_decision(const T& a, const T& b, const T& c) {
     return select(mask, a, c);
 }
 
-/// How the objects of the register widths are asked: `size` numbers of each, a multiple of 16.
+/// Request to the objects of the register widths: `size` numbers for each operand, a multiple of 16.
 template <class F>
 struct PackQuestion {
     int op;

@@ -79,7 +79,7 @@ enum Asked { sum, difference, product, quotient, least_of, greatest_of, signed_a
 constexpr std::array<const char*, count> asked_names{"a + b", "a - b",    "a * b",  "a / b", "min",
                                                      "max",   "copysign", "select", "a < b", "a <= b"};
 
-/// How many points each operation of two numbers does not stand for.
+/// Counts, for each operation of two numbers, the points that its result does not enclose.
 void try_pair(const Known& a, const Known& b, std::array<long, count>& broken) {
     const BoundedMask lower = a.number < b.number, no_higher = a.number <= b.number;
     const B results[] = {a.number + b.number,          a.number - b.number,

@@ -21,7 +21,7 @@ namespace {
 
 constexpr long exact_bits = 4000;
 
-/// How many bits numbers have, how far their exponents spread, and how many bits a grid is asked to have.
+/// Bits of the numbers, spread of their exponents, and bits that the grid must have.
 struct Bits {
     int number, spread, grid;
 };

@@ -117,7 +117,7 @@ TEMPLATE_LIST_TEST_CASE("an undefined value stays undefined and decides no compa
         CHECK_FALSE(surely(one >= x));
         CHECK_FALSE(surely(x <= x));
     }
-    // Which sign the undefined has, nobody can say, so nobody may be certain of what follows from it.
+    // The sign of an undefined number is unknown, so no decision that depends on it may be certain.
     if constexpr (std::same_as<mask_t<T>, Tri>) {
         CHECK_FALSE(surely(copysign(one, bad) > zero));
         CHECK_FALSE(surely(copysign(one, bad) < zero));

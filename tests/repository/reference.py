@@ -99,15 +99,15 @@ def options(program, command):
 
 def page(program):
     lines = ["# Reference", "",
-             "The program wrote this page: `python3 tests/repository/reference.py build/lostbits` writes it again, and a test",
-             "compares. Keys of scenes, sweeps and claims are in [data/README.md](../data/README.md); options of every command",
-             "and exit codes are in [install.md](install.md#options-of-every-command).", "", "Contents: "
+             "This page is generated: `python3 tests/repository/reference.py build/lostbits` writes it again, and a test checks",
+             "that it is current. Keys of scenes, sweeps and claims are in [data/README.md](../data/README.md); options of every",
+             "command and exit codes are in [install.md](install.md#options-of-every-command).", "", "Contents: "
              + ", ".join(f"[{name}](#{name.lower().replace(' ', '-')})" for name in
                          ("Forms", "Members of primitives", "Formats", "Metrics", "Transform methods", "Ray generators",
                           "Bounding boxes", "Offset strategies", "Consistency checks", "Columns of tables", "Commands"))
              + ".", "", "## Forms", "",
-             "[Properties of a form](your-own-intersector.md#what-a-form-promises) says what the columns from `direction` to",
-             "`next_crossing` mean.", *forms(program)]
+             "[What a form promises](your-own-intersector.md#what-a-form-promises) explains the columns from `direction` to",
+             "`next_crossing`.", *forms(program)]
     lines += ["", "## Members of primitives", "",
               "A form reads these members. `T` is its number type; `Vec<T>` has `x`, `y` and `z`.", "", *members()]
     for title, what, columns in (
@@ -119,8 +119,8 @@ def page(program):
             ("Offset strategies", "strategies", ("name", "title", "source")),
             ("Consistency checks", "checks", ("name", "title", "first", "second"))):
         lines += ["", f"## {title}", "", *listed(program, what, columns)]
-    lines += ["", "## Columns of tables", "", "A `datapackage.json` beside each table of results describes its columns. These"
-              " are the usual ones.", *tables_of_runs(program)]
+    lines += ["", "## Columns of tables", "", "A `datapackage.json` beside each table of results describes its columns. The"
+              " following tables are the usual ones.", *tables_of_runs(program)]
     lines += ["", "## Commands"]
     for command in COMMANDS:
         lines += ["", f"### `lostbits {command}`", "", "```text", *options(program, command), "```"]

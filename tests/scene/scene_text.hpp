@@ -68,7 +68,7 @@ std::string error_as(const std::string& name, const std::string& text, const Mor
     return error_in(folder, [&] { const File unused(file, more...); });
 }
 
-/// How a file of a sweep begins.
+/// First lines of a sweep file.
 inline const std::string sweep_head = "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n";
 
 /// A scene that loads; the tests break one line of it at a time. Keep the line numbers.

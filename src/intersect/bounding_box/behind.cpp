@@ -165,13 +165,13 @@ void fill(Rows::Made& made) {
     made.row.is_placed = parts.form->is_placed;
 }
 
-/// The reason why there is no such row; empty if there is one.
+/// Reason why a form cannot stand behind a box; empty if it can.
 std::string refusal(const Intersector& box, const Intersector& form) {
     if (form.is_set()) return "write ^BOX after each form of a set";
     if (!is_primitive(form.shape))
         return "a form that marches takes all primitives at once, so no single one has a bounding box; leave ^BOX out";
     if (!has_bounding_box(form.shape))
-        return text("there is no bounding box around ", with_article(form.shape), ", which has no end; leave ^BOX out");
+        return text(with_article(form.shape), " has no end, so it has no bounding box; leave ^BOX out");
     if (box.is_set() || box.shape != bounding_box_shape || box.is_placed || boxed_parts_of(box).form != nullptr)
         return text(box.info->name, " is not a form of boxes; write one after the ^, such as box.signs");
     if (box.info->direction == Direction::unit && form.info->direction != Direction::unit)

@@ -69,8 +69,8 @@ RowClaims& row_of(const SubjectClaim<OffsetsSubject>& asked, const scene::file::
     const evaluate::TestedForm row = row_for(claim, scene);
     if (!offset::can_be_asked(*row.form))
         scene::toml::fail(claim.where, claim.form +
-                                           " does not answer the t at which a ray meets a primitive, so there "
-                                           "is no point for the next ray to start from; name another form");
+                                           " does not answer the t at which a ray meets a primitive, so no next ray "
+                                           "can start there; name another form");
     const auto point =
         static_cast<offset::HitPoint>(place_of_word(claim, "points", asked.on.points, offset::point_names));
     const offset::OffsetRow of_claim{row, point};

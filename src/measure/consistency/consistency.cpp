@@ -35,8 +35,8 @@ double quantile_of(const C& s) {
 }
 
 constexpr ConsistencyColumn column_rows[] = {
-    {"rays", "", "pixels that have both questions", true, [](const C& s) { return as_number(s.asked()); }},
-    {"agree", "", "those of them with the same answer to both", true, count_of<CheckResult::agree>},
+    {"rays", "", "pixels at which both questions are asked", true, [](const C& s) { return as_number(s.asked()); }},
+    {"agree", "", "of these, pixels with the same answer to both questions", true, count_of<CheckResult::agree>},
     {"first_alone", "", "the answer is yes only to the first question, and one of the answers is wrong", true,
      count_of<CheckResult::first_alone>},
     {"second_alone", "", "the answer is yes only to the second, and one of the answers is wrong", true,
@@ -61,8 +61,7 @@ constexpr ConsistencyColumn column_rows[] = {
      false, quantile_of<&C::apart, 50>},
     {"apart_p99", "ulp", "the same: 99th percentile", false, quantile_of<&C::apart, 99>},
     {"apart_max", "ulp", "the same: largest", false, quantile_of<&C::apart, 100>},
-    {"excess_p50", "ulp", "difference between that and the same for the exact answers: median", false,
-     quantile_of<&C::excess, 50>},
+    {"excess_p50", "ulp", "the same minus its value for the exact answers: median", false, quantile_of<&C::excess, 50>},
     {"excess_p99", "ulp", "the same: 99th percentile", false, quantile_of<&C::excess, 99>},
     {"excess_max", "ulp", "the same: largest", false, quantile_of<&C::excess, 100>},
 };

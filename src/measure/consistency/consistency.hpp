@@ -27,7 +27,7 @@ struct CheckSummary {
     std::optional<ShownDisagreement> shown;
 
     [[nodiscard]] std::uint64_t of(CheckResult a) const { return count[static_cast<std::size_t>(a)]; }
-    /// Number of pixels that have both questions.
+    /// Number of pixels at which both questions are asked.
     [[nodiscard]] std::uint64_t asked() const;
     /// Number of differences that the form is to blame for; `decisions` counts those in the decision.
     [[nodiscard]] std::uint64_t disagreements() const { return decisions() + of(CheckResult::other_number); }

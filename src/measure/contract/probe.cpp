@@ -85,7 +85,7 @@ void try_again(Trial& trial) {
     const auto all = ask(trial.form, questions);
     trial.hold(all_same(all, ask(trial.form, questions)), "the same batch gets the same answers again",
                "the same batch gets other answers the second time: the function keeps state from the first call, or "
-               "reads memory that nobody wrote");
+               "reads memory that was never written");
 }
 
 void try_batches(Trial& trial) {

@@ -37,8 +37,10 @@ struct MeshOutcomeRow {
 };
 inline constexpr std::array<MeshOutcomeRow, 12> mesh_outcome_rows{{
     {"agree", "the answer is right"},
-    {"wrong_neighbour", "a hit names a triangle that the ray does not meet, beside the one that it meets there"},
-    {"out_of_order", "a hit is listed after one that is farther away"},
+    {"wrong_neighbour",
+     "a hit names a triangle that the ray does not meet, beside the triangle that the ray meets "
+     "there"},
+    {"out_of_order", "a hit is listed after a hit that is farther away"},
     {"double_hit", "two hits are the same crossing of the surface"},
     {"missing_hit", "the ray crosses the surface where no hit is listed, or more often than the answer says"},
     {"false_hit", "a hit is listed where the ray does not cross the surface, or the answer counts more crossings"},

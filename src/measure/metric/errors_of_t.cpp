@@ -79,8 +79,8 @@ constexpr Metric rows_of_t[] = {
            root, {.ramp = Ramp::categories, .over = MetricDomain::every, .categories = root_names}),
     tabled({"derivative_error", "u", "err.derivative"},
            "error of dt/dx for every number x of origin, direction, points and lengths, by forward differentiation of "
-           "the form in the format: the largest error of one, over the largest of its vector; without the direction "
-           "for forms of unit directions; for a primitive without a matrix",
+           "the form in the format: the largest error of a derivative, over the largest derivative of its vector; "
+           "without the direction for forms of unit directions; for a primitive without a matrix",
            derivative_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-1})};
 
 }  // namespace

@@ -123,7 +123,7 @@ const Metric* MetricSet::of_number(const Metric& kind, std::string_view name) {
                          (kind.value == beyond ? "0.001" : "16"));
     if (std::ranges::find(owned_, column, [](const OwnedMetric& owned) { return owned.row.name; }) != owned_.end())
         throw InputError("--metric " + std::string(name) +
-                         ": this metric takes one number a run; measure the other one in a run of its own");
+                         ": this metric takes one number per run; measure the other number in another run");
     OwnedMetric& owned = owned_.emplace_back();
     owned.name = name;
     owned.row = kind;

@@ -92,13 +92,16 @@ constexpr Metric table[] = {
            "angle between the normal at the hit point, both computed in the format, and the normal where the ray truly "
            "hits; for a primitive without a matrix, in float and double",
            normal_error, {.ramp = Ramp::magnitude, .high = 0x1p+1}),
-    tabled({"input_error", "ulp", "split.input"}, "(t* of the inputs as the format holds them - t*)/ulp(t*)",
+    tabled({"input_error", "ulp", "split.input"}, "(t* for the inputs as the format holds them - t*)/ulp(t*)",
            input_error, {.needs = needs_own_truth, .ramp = Ramp::magnitude, .low = 0x1p-4}),
-    tabled({"model_error", "ulp", "split.model"}, "(the form without rounding - t* of its inputs)/ulp(t*)", model_error,
-           {.needs = split, .ramp = Ramp::magnitude, .low = 0x1p-4}),
+    tabled({"model_error", "ulp", "split.model"},
+           "(t of the form without rounding - t* for the same "
+           "inputs)/ulp(t*)",
+           model_error, {.needs = split, .ramp = Ramp::magnitude, .low = 0x1p-4}),
     tabled({"rounding_error", "ulp", "split.rounding"},
-           "(t - the form without rounding)/ulp(t*); the three sum to ulp_error", rounding_error,
-           {.needs = needs_self, .ramp = Ramp::magnitude, .low = 0x1p-4}),
+           "(t - t of the form without rounding)/ulp(t*); ulp_error is the sum of input_error, model_error and "
+           "rounding_error",
+           rounding_error, {.needs = needs_self, .ramp = Ramp::magnitude, .low = 0x1p-4}),
     tabled({"condition", "1", "condition.kappa"},
            "kappa = sum |x_i dt/dx_i| / |t| over all inputs of the ray and the sphere it truly hits", condition_number,
            {.needs = needs_condition, .ramp = Ramp::magnitude, .low = 1, .high = 0x1p+30}),
@@ -124,14 +127,14 @@ constexpr Metric table[] = {
            projected_error, {.ramp = Ramp::magnitude, .low = 0x1p-2, .high = 0x1p+4}),
     tabled(
         {"padding", "u", "bound.padding"},
-        "for a box that is truly hit: number of u by which tmax must grow for the slab test to find it, (tmin/tmax "
-        "- 1)/u with tmin and tmax of box.signs in the format; 0 where it is found without. For a form behind a box "
-        "(FORM^BOX): that of its bounding box; of several boxes, the largest",
+        "for a box that is truly hit: number of u by which tmax must grow for the slab test to find it, (tmin/tmax - "
+        "1)/u with tmin and tmax of box.signs in the format; 0 if the box is found without padding. For a form behind "
+        "a box (FORM^BOX): the padding of its bounding box; for several boxes the largest padding",
         padding,
         {.needs = needs_levels, .ramp = Ramp::magnitude, .low = 0x1p-2, .high = 0x1p+4, .over = MetricDomain::every}),
     tabled({"bound", "ulp", "bound.size"},
            "the form's own bound of its error: a running bound on rounding, computed in the format along with t, over "
-           "ulp(t*); infinite where there is no bound",
+           "ulp(t*); infinite if the form can give no bound",
            bound, {.needs = needs_bound, .ramp = Ramp::magnitude, .low = 0x1p-1}),
     tabled({"bound_ratio", "1", "bound.ratio"},
            "bound / |rounding_error|: the factor by which the bound is too wide; never below 1", bound_ratio,
@@ -173,7 +176,7 @@ constexpr Metric table[] = {
             .categories = answer::level_names}),
     tabled({"end_margin", "ulp", "hierarchy.end"},
            "for a form behind boxes (FORM^BOX): the least k for which a ray that ends at t + k ulp(t) hits the boxes; "
-           "a hit found earlier must lie k ulps behind this one for this one still to be found; 0 where the same t is "
+           "a hit found earlier must lie k ulps behind this hit, so that this hit is still found; 0 if the same t is "
            "enough",
            [](const Sample& s) { return s.end_margin; },
            {.needs = needs_end_margin, .ramp = Ramp::magnitude, .low = 0x1p-1, .high = 0x1p+6}),

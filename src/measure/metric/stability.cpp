@@ -96,8 +96,8 @@ constexpr Metric rows_of_stability[] = {
            "every number (beyond_u), or to be right for one of them (within_u); unproved: neither",
            wrong_decision, {.ramp = Ramp::categories, .over = MetricDomain::every, .categories = wrong_decision_names}),
     tabled({"cestac_bits", "bits", "prediction.cestac"},
-           "correct bits of the mean t of three runs with random rounding, as they predict them: log2(sqrt(3) "
-           "|mean|/(4.303 s)), from 0 to p (CESTAC)",
+           "correct bits of the mean t of three runs with random rounding, as CESTAC predicts them from the three "
+           "runs: log2(sqrt(3) |mean|/(4.303 s)), from 0 to p",
            cestac_bits, {.needs = needs_attribution, .ramp = Ramp::kept}),
     tabled({"cestac_error", "bits", "prediction.cestac_error"},
            "cestac_bits minus the bits that the mean of the three runs shares with the form without rounding: above 0, "
@@ -120,7 +120,7 @@ constexpr Metric rows_of_stability[] = {
             .over = MetricDomain::blamed,
             .categories = cestac_decision_names}),
     tabled({"statistical_ratio", "1", "prediction.statistical"},
-           "|t - the form without rounding| over the root of the sum of the squares of the largest error of each "
+           "|t - t of the form without rounding| over the root of the sum of the squares of the largest error of each "
            "operation: independent rounding errors would exceed x with probability 2 exp(-x^2/2) at most",
            statistical_ratio, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-6, .high = 0x1p+2})};
 

@@ -41,7 +41,7 @@ using E = StrategySummary;
 constexpr OffsetColumn table[] = {
     {"points", "", "pixels where the form hits the primitive that the ray truly hits first, and the point is finite",
      true, [](const S& s, Side, std::size_t) { return number(s.points); }},
-    {"rays", "", "next rays of these points to this side", true,
+    {"rays", "", "next rays that leave these points to this side", true,
      [](const S& s, Side side, std::size_t) { return number(s.on(side).rays); }},
     {"bad_fraction", "", "share of rays with any fault other than a start on the wrong side, which alone harms nothing",
      false, [](const S& s, Side side, std::size_t k) { return fraction(of(s, side, k).bad, s.on(side).rays); }},

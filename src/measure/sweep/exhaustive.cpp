@@ -50,7 +50,8 @@ void FloatTally::append(const FloatTally& after) {
 namespace {
 
 constexpr std::uint64_t block_size = std::uint64_t{1} << 16;
-constexpr std::size_t blocks_at_once = 32;  // the state is complete after each 32: a second's work for ten forms
+/// The state is complete after every 32 blocks, a second of work for ten forms.
+constexpr std::size_t blocks_at_once = 32;
 
 /// A part of a binade that one thread tries.
 struct Block {
@@ -59,7 +60,7 @@ struct Block {
 };
 
 /// Blocks of a share. A binade is always cut at the same floats, because the worst float that is found may depend on
-/// the cuts, within 2^-20 of its error. All floats there are make a little more than 2^16 blocks.
+/// the cuts, within 2^-20 of its error. The 2^32 floats make a little more than 2^16 blocks.
 std::vector<Block> blocks_of(const std::vector<BinadePart>& binades, shard::Share share) {
     std::vector<Block> blocks;
     for (std::size_t b = 0; b < binades.size(); ++b) {

@@ -20,7 +20,7 @@ namespace lostbits::measure::sweep {
 /// Event whose first float along an axis is recorded: an outcome, or a number of lost bits.
 struct FirstEvent {
     answer::Outcome outcome;  ///< a wrong decision, or `agree_hit`
-    int lost_bits = 0;        ///< 0: the event is the outcome; else a loss of this many bits, with `agree_hit`
+    int lost_bits = 0;        ///< 0: the event is the outcome; otherwise a loss of this many bits, with `agree_hit`
 };
 inline constexpr std::array<FirstEvent, 11> first_events{{{answer::Outcome::false_miss},
                                                           {answer::Outcome::false_hit},
@@ -33,7 +33,7 @@ inline constexpr std::array<FirstEvent, 11> first_events{{{answer::Outcome::fals
                                                           {answer::Outcome::crack},
                                                           {answer::Outcome::double_hit},
                                                           {answer::Outcome::out_of_order}}};
-/// True for an event that can happen where a ray has only one primitive to hit.
+/// True for an event that can happen if a ray has only one primitive to hit.
 inline constexpr bool is_of_one_primitive(const FirstEvent& event) {
     return static_cast<std::size_t>(event.outcome) < answer::outcomes_of_one_primitive;
 }
@@ -52,7 +52,7 @@ struct FloatTally {
         friend bool operator==(const Wrong&, const Wrong&) = default;
     };
 
-    /// A missed hit, and how much larger tmax would have to be, in u.
+    /// A missed hit, and the padding of tmax, in u, with which it would be found.
     struct Padding {
         std::uint32_t place;
         double u;
@@ -60,28 +60,28 @@ struct FloatTally {
     };
 
     std::array<std::uint64_t, answer::outcome_names.size()> outcomes{};
-    /// Among the floats where both hit, the first whose error is the largest in size; see `try_floats`.
+    /// First float with the largest |error| among the floats where form and truth hit; see `try_floats`.
     std::optional<Worst> worst;
-    /// Upper bound of the size of every float's error; −1 where both hit at no float.
+    /// Upper bound of |error| over all floats; −1 if form and truth hit together at no float.
     double at_most = -1;
     std::optional<Wrong> first_wrong, last_wrong;
     /// Index of the float where each of `first_events` first happens.
     std::array<std::optional<std::uint32_t>, first_events.size()> first;
-    /// For a form that asks a box: the first of the hits that it misses whose slabs come apart most; none where they
-    /// come apart at no missed hit.
+    /// For a form that tests a box: among the hits that it misses, the first with the largest gap between slabs; empty
+    /// if no missed hit has such a gap.
     std::optional<Padding> padding;
 
     [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
     [[nodiscard]] std::uint64_t floats() const;
     [[nodiscard]] std::uint64_t wrong() const;
-    /// Adds the next float; the error is NaN where not both hit.
+    /// Adds the next float; the error is NaN unless form and truth hit.
     void add(std::uint32_t place, answer::Outcome outcome, double ulps);
     /// Appends the counts of the floats that come after these.
     void append(const FloatTally& after);
     friend bool operator==(const FloatTally&, const FloatTally&) = default;
 };
 
-/// Part of an axis with a tally of its own: the intersection of a range with a binade, in the range's order.
+/// Part of an axis with its own tally: the floats of a range that lie in one binade, in the order of the range.
 struct BinadePart {
     std::size_t range;  ///< index in the file's ranges
     scene::sweep::Binade binade;
@@ -99,7 +99,7 @@ struct ExhaustiveState {
 
     /// Appends the results of the next share.
     void append(const ExhaustiveState& after);
-    /// Throws std::out_of_range where the state cannot be the result of such a request.
+    /// Throws std::out_of_range if the state cannot be the result of such a request.
     void require_of(const ExhaustiveRequest& request) const;
 };
 
@@ -109,7 +109,7 @@ struct ExhaustiveRequest {
     truth::TruthLimit limit{};
     std::string scene = {};   ///< for a sweep across a mesh: the scene as a command line names it
     shard::Share share = {};  ///< share of the blocks into which every binade is cut
-    /// Called with the number of further floats tried, each counted once a ray and form.
+    /// Called with the number of further floats tried, each counted once per ray and form.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
     /// Called between two parts of the work, when the state is complete.
     std::function<void(const ExhaustiveState&)> keep = [](const ExhaustiveState&) {};
@@ -126,7 +126,7 @@ struct RangeFinding {
     scene::sweep::FloatRange floats;
     FloatTally tally;  ///< over the floats that were tried, which may be fewer than the range has
 
-    /// Float before another in the order of the range; nothing before its first.
+    /// Float before another in the order of the range; empty for the first float.
     [[nodiscard]] std::optional<std::uint32_t> before(std::uint32_t place) const;
 };
 
@@ -137,8 +137,8 @@ std::vector<RangeFinding> findings_of(const ExhaustiveRequest& request, const Ex
 std::uint64_t floats_of(const scene::sweep::ExhaustiveFile& sweep, shard::Share share);
 
 /// Continues until every float of the share is tried. The result depends neither on the number of threads nor on how
-/// often the run was stopped. When it throws (Interrupted, say), the state is complete: the last one that `keep` was
-/// called with, or a later one.
+/// often the run was stopped. If it throws, for example Interrupted, the state is complete: the last one that `keep`
+/// was called with, or a later one.
 void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state);
 
 /// Consecutive floats of an axis, on one of its rays.
@@ -151,27 +151,27 @@ struct FloatsOnRay {
 /// Most floats that one form refines in one block.
 inline constexpr std::size_t most_refined = 4096;
 
-/// Runs the rows of the request on these floats; one tally a row.
+/// Runs the rows of the request on these floats; one tally per row.
 ///
 /// The worst error is computed from the complete truth (`find_truth`) at its float. Floats that may be worse are
-/// refined, so that none is worse by more than 2^-20 of it or of an ulp. Where thousands in a row are equally bad to
-/// within 2^-8 ulp (where t* hardly depends on the axis, say), at most `most_refined` are refined. `at_most` bounds the
-/// errors of the others. Crossings of a number of lost bits are decided by the complete truth where the columns leave
-/// them open.
+/// refined, so that none is worse by more than 2^-20 of it or of an ulp. If thousands of neighbouring floats are
+/// equally bad to within 2^-8 ulp, for example because t* hardly depends on the axis, at most `most_refined` are
+/// refined. `at_most` bounds the errors of the others. If the columns leave open whether a loss reaches a number of
+/// bits, the complete truth decides.
 std::vector<FloatTally> try_floats(const FloatsOnRay& of, truth::StageCounts& stages);
 
-/// Number of u by which tmax must grow so that no hit is missed because slabs come apart; 0 where none is missed so,
-/// missing for a form that asks no box.
+/// Padding of tmax, in u, with which no hit is missed because of a gap between slabs; 0 if no hit is missed for that
+/// reason, missing for a form that tests no box.
 double padding_max(const evaluate::TestedForm& row, const FloatTally& tally);
 
 /// Like `try_floats`, for a sweep across a mesh. Every float is compared with the complete truth of its ray, and its
 /// error is the metric `ulp_error`: nothing is left open.
 std::vector<FloatTally> try_floats_as_rays(const FloatsOnRay& of, truth::StageCounts& stages);
 
-/// One form at one float.
+/// Result of one form at one float.
 struct FloatAnswer {
     answer::Outcome outcome = answer::Outcome::agree_miss;
-    double t = truth::missing;      ///< the form's answer; NaN where it says miss
+    double t = truth::missing;      ///< the form's answer; NaN for a miss
     double truth = truth::missing;  ///< t* in the unit of the answer, correctly rounded to binary64; NaN for a miss
     double ulps = truth::missing;   ///< (t − t*)/ulp(t*); NaN unless both hit
 };

@@ -74,7 +74,7 @@ private:
         return beaten < 0 ? beaten : beaten + 0x1p-20 * std::max(beaten, 1.0);
     }
 
-    /// Floats that may be worse than all before them, and at least as bad as every float of the chunk is known to be.
+    /// Floats whose error may exceed every error before them and every lower bound in the chunk.
     [[nodiscard]] std::vector<std::size_t> rivals() const {
         std::vector<std::size_t> found;
         const double floor = worse_from();
@@ -139,8 +139,8 @@ private:
     std::size_t& left_;  ///< number of floats that may still be refined in search of the worst
 };
 
-/// Box that a form tests at the floats of an axis, and the padding that its slabs need there. For a form of boxes it is
-/// the primitive, for a form behind a box that box; other forms have none.
+/// Box that a form tests at the floats of an axis, and the padding that its slabs need there. For a form of boxes this
+/// is the primitive, for a form behind a box its bounding box; other forms have none.
 class BoxOfRow {
 public:
     explicit BoxOfRow(const evaluate::TestedForm& row)
@@ -166,7 +166,7 @@ private:
 
     const evaluate::TestedForm& row_;
     intersect::bounding_box::BoxedFormParts behind_;
-    /// The last box; still right where the axis does not change the primitive.
+    /// The last box, which stays valid if the axis does not change the primitive.
     std::optional<BoundingBox<float>> same_;
 };
 

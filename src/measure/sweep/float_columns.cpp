@@ -65,7 +65,7 @@ truth::Truth AxisColumns::find_truth(std::size_t i, const truth::ColumnTerms& te
     return truth::find_truth(group.rays[0], group.primitives[0], terms.limit, terms.convention, group.rays.range(0));
 }
 
-/// Makes the directions that forms for unit directions receive, as they receive them in maps.
+/// Computes the directions for forms of unit directions, in the same way as maps do.
 void AxisColumns::make_unit_directions() {
     if (units_made_) return;
     units_made_ = true;
@@ -78,8 +78,8 @@ void AxisColumns::make_unit_directions() {
     }
 }
 
-/// Makes the primitives once for all forms. There are many forms, and each takes little longer to run than its
-/// primitives take to make.
+/// Builds the primitives once for all forms. There are many forms, and building the primitives takes nearly as long as
+/// running one of them.
 void AxisColumns::make_primitives() {
     if (primitives_made_) return;
     primitives_made_ = true;
@@ -118,7 +118,7 @@ void AxisColumns::answer(const TestedForm& row, std::span<float> t, std::span<st
     else answer_primitives(row, batch, hits);
 }
 
-/// Uses the packed kernel for one ray against many primitives where there is one; it gives the same bits. A kernel that
+/// Uses the packed kernel for one ray against many primitives if there is one; it gives the same bits. A kernel that
 /// takes tmax is not used, because it cannot tell a miss from a hit at tmax.
 void AxisColumns::answer_primitives(const TestedForm& row, const RayBatch<float>& rays, const HitBatch<float>& hits) {
     const std::size_t n = values_.size();

@@ -23,7 +23,7 @@ public:
     [[nodiscard]] std::span<const float> values() const { return values_; }
 
     [[nodiscard]] truth::ProblemColumns<float> problems() const;
-    /// Problems of other floats than those that were set.
+    /// Problems of these floats, which need not be the floats that were set.
     [[nodiscard]] truth::ProblemColumns<float> problems(std::span<const float> values) const;
     /// Complete truth of float i.
     [[nodiscard]] truth::Truth find_truth(std::size_t i, const truth::ColumnTerms& terms) const;
@@ -34,7 +34,7 @@ public:
     /// Ray that a form is given at float i; valid once the form has answered there.
     [[nodiscard]] Ray<float> ray_for(const evaluate::TestedForm& row, std::size_t i) const;
     [[nodiscard]] Primitive<float> primitive(std::size_t i) const { return file_.primitive_at(values_[i]); }
-    /// True where the primitive differs from float to float.
+    /// True if the primitive differs from float to float.
     [[nodiscard]] bool primitive_varies() const { return !file_.primitive_places.empty(); }
 
 private:
@@ -55,7 +55,7 @@ private:
     std::array<std::vector<float>, most_numbers> primitive_columns_;
     std::array<std::vector<float>, 3> unit_columns_;  ///< directions of unit length, rounded to binary32
     std::vector<float> tmax_, near_, far_;
-    std::vector<Primitive<float>> primitives_;  ///< one a float, for forms without a kernel over many
+    std::vector<Primitive<float>> primitives_;  ///< one per float, for forms without a kernel over many
     bool units_made_ = false, primitives_made_ = false, direction_varies_ = false;
 };
 
@@ -72,14 +72,14 @@ public:
     [[nodiscard]] const Outcomes& counts() const { return counts_; }
     [[nodiscard]] answer::Outcome outcome(std::size_t i) const { return static_cast<answer::Outcome>(outcome_[i]); }
 
-    /// Bounds of |ulp error| where both hit; elsewhere both are −1.
+    /// Bounds of |ulp error| at floats where form and truth hit; elsewhere both are −1.
     [[nodiscard]] double at_least(std::size_t i) const { return low_[i]; }
     [[nodiscard]] double at_most(std::size_t i) const { return high_[i]; }
     /// Largest value of each bound, −1 for none.
     [[nodiscard]] double most_at_least() const { return most_low_; }
     [[nodiscard]] double most_at_most() const { return most_high_; }
 
-    /// Narrows both bounds, to 2^-48 of themselves, where truths in packs can; for floats where both hit.
+    /// Narrows both bounds to 2^-48 of themselves if truths in packs can; for floats where form and truth hit.
     void refine(std::span<const std::size_t> places);
     /// Signed error by the complete truth of float i, as `lostbits explain` reports it.
     [[nodiscard]] double exact(std::size_t i);

@@ -25,8 +25,7 @@ std::vector<FormSummary> run_step(const SweepRequest& request, const std::vector
     return evaluate::measure_groups(request.sweep.rays(values), rows, request.metrics, request.limit);
 }
 
-/// Event whose first step is looked for: it happens where its value reaches the threshold. The value is NaN where there
-/// is none.
+/// Event whose first step is searched: it happens when its value reaches the threshold. A missing value is NaN.
 struct Event {
     std::string name, statistic;
     double threshold;
@@ -37,7 +36,7 @@ struct Event {
     [[nodiscard]] bool is_good(const FormSummary& s) const { return value(s) < threshold; }
 };
 
-/// True for a metric of what a step to object space or back loses, in ulps.
+/// True for a metric of the loss in a step to object space or back, in ulps.
 bool is_step(const Metric& m) { return (m.needs & metric::needs_steps) != 0 && m.ramp == metric::Ramp::magnitude; }
 
 std::vector<Event> events_of(const TestedForm& row, const std::vector<const Metric*>& metrics) {

@@ -1,5 +1,5 @@
-// Sweep: a map's numbers along a parameter, and the points where they first go wrong. Also named cases at the extremes:
-// is a form right there, and if not, how is it wrong?
+// Sweep: measures the numbers of a map along a parameter, and finds where they first go wrong. Also measures named
+// cases at the extremes, with a verdict on each.
 #pragma once
 
 #include <algorithm>
@@ -37,10 +37,10 @@ struct Onset {
     /// the form stays bad are recorded. `good_at_end`: the last step is good, and neither is recorded.
     bool recovers = false, good_at_end = false;
     double last_good_after = 0, bad_again = 0;
-    std::uint64_t rays = 0, views = 0;  ///< of every step; with fewer of them a first failure is found later
-    std::vector<double> further = {};   ///< first_bad of further draws, one a seed; NaN where the event does not happen
+    std::uint64_t rays = 0, views = 0;  ///< of every step; with fewer rays a first failure is found later
+    std::vector<double> further = {};   ///< first_bad of further draws, one per seed; NaN if the event does not happen
 
-    /// True where both are the same event of one row, read from the same end.
+    /// True if both are the same event of one row, read from the same end.
     [[nodiscard]] bool is_of_event(const Onset& other) const {
         return row == other.row && event == other.event && statistic == other.statistic &&
                threshold == other.threshold && from_last == other.from_last;
@@ -78,11 +78,11 @@ struct SweepRequest {
     }
 };
 
-/// Runs every step of one axis, or of the product of two (the second runs fastest), in order; parallel over steps.
-/// Runs the steps of the request's share.
+/// Runs every step of one axis, or of the product of two (the second runs fastest), in order; parallel over steps. Of
+/// a divided run, only the steps of the request's share.
 std::vector<SweepStep> run_sweep(const SweepRequest& request);
 
-/// Rows at any values of the sweep's axes, on its steps or between them.
+/// Measures the rows at any values of the sweep's axes, on its steps or between them.
 std::vector<evaluate::FormSummary> run_place(const SweepRequest& request, const std::vector<double>& values);
 
 /// Finds the first crossings along the first axis of a sweep with one axis: of 1, 4, 8, p/2 and p lost bits by the
@@ -91,11 +91,12 @@ std::vector<evaluate::FormSummary> run_place(const SweepRequest& request, const 
 /// Each bracket [last good, first bad] is narrowed by bisection until it is 2^-9 of its value wide, or holds no number
 /// of the axis. A crossing is the first in the order of the steps: a dip between two of them stays unseen. A form may
 /// be good again later: the last good point, and the point from which it stays bad, are found the same way. Then come
-/// the first crossings on further draws, where the request asks for them. With `both_ends`, each onset that is read
-/// from the first step is followed by the same read from the last.
+/// the first crossings on further draws, if the request asks for them. With `both_ends`, each onset that is read from
+/// the first step is followed by the same read from the last.
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps);
 
-/// Runs the steps and finds the onsets. A share that is not the whole measures all steps of its onsets' rows itself.
+/// Runs the steps and finds the onsets. In a divided run, each share measures all steps of the rows whose onsets it
+/// finds.
 SweepFindings measure_sweep(const SweepRequest& request);
 
 /// Largest number of units of progress that both calls together report.

@@ -115,7 +115,7 @@ private:
         }
     }
 
-    /// Random candidate within the ranges of the search, its ray aimed at its primitive; nothing where 4096 tries find
+    /// Random candidate within the ranges of the search, its ray aimed at its primitive; empty if 4096 tries find
     /// none.
     std::optional<SearchPoint> draw() {
         for (int attempt = 0; attempt < 4096; ++attempt) {
@@ -294,7 +294,7 @@ private:
     scene::rays::Random random_;
     std::size_t metric_;
     std::uint64_t evaluations_ = 0;
-    double best_score_ = -1;  ///< the metric, or 1 over it where the smallest value is looked for
+    double best_score_ = -1;  ///< the metric, or its reciprocal if the smallest value is searched
     WorstResult best_;
 };
 

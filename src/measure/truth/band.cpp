@@ -120,7 +120,8 @@ Ray<double> in_double(const Ray<S>& ray) {
     return {of(ray.origin), of(ray.direction)};
 }
 
-/// Primitives that a ray is tested against: those that an index finds, all, or the one that it is paired with.
+/// Primitives that a ray is tested against: the candidates of an index, all primitives, or the single primitive that
+/// the ray is paired with.
 struct Candidates {
     const culling::PrimitiveIndex* index = nullptr;
     bool paired = false;

@@ -1,4 +1,4 @@
-// A band of a picture: rays made once, their truth found once, and the same numbers handed to every form and format.
+// Band of a picture: computes its rays and their truth once, and gives the same numbers to every form and format.
 #pragma once
 
 #include <tbb/concurrent_unordered_map.h>
@@ -30,9 +30,9 @@ public:
         : Band(scene::rays::RayGroup{std::move(rays), std::move(primitives)}, limit) {}
     /// `culler`: of the same primitives; it must outlive the band.
     explicit Band(scene::rays::RayGroup group, TruthLimit limit = {}, culling::Culler* culler = nullptr);
-    /// Given ideal rays among the primitives of a scene with own inputs, which must outlive the band.
+    /// Ideal rays among the primitives of a scene with own inputs. The scene must outlive the band.
     Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, TruthLimit limit = {});
-    /// Given ideal rays and primitives; if `paired`, ray i is aimed only at primitive i.
+    /// Ideal rays and primitives; if `paired`, ray i is tested only against primitive i.
     Band(scene::rays::IdealRayBlock rays, std::vector<Primitive<Real>> primitives, bool paired, TruthLimit limit = {});
     /// One ray in stored numbers among the primitives of a scene with shared inputs. `culler` is of that scene and must
     /// outlive the band.
@@ -58,19 +58,19 @@ public:
     [[nodiscard]] bool keeps(const FormatInputs& inputs, std::size_t i) const;
     /// The same for all rays and primitives.
     [[nodiscard]] bool keeps_all(const FormatInputs& inputs) const;
-    /// Ray i before any format rounds or makes it.
+    /// Ray i before any format rounds or computes it.
     [[nodiscard]] Ray<Real> true_ray(std::size_t i) const;
-    /// The camera whose rays each format makes; null if each format rounds given rays.
+    /// Camera whose rays each format computes; null if each format rounds given rays.
     [[nodiscard]] const scene::rays::CameraFrame<Real>* frame() const;
-    /// Operations that make ray i in a format; empty if the format rounds given rays.
+    /// Operations that compute ray i in a format; empty if the format rounds given rays.
     [[nodiscard]] std::optional<scene::rays::RecordedRay> recorded_ray(std::size_t i, const Format& format) const;
-    /// Ray i as it was given, before any format rounded it, with the named primitives; without names, with all of them,
-    /// and with the constants of a march along them. Empty for a pixel of a scene (its position names it), for an ideal
-    /// ray, and if there were more than `most_given` primitives.
+    /// Ray i as it was given, before any format rounded it, with these `primitives`; if the set is empty, with all
+    /// primitives, and with the constants of a march. Null for a pixel of a scene (its position identifies it), for an
+    /// ideal ray, and if there are more than `most_given` primitives.
     [[nodiscard]] std::shared_ptr<const scene::rays::RayGroup> given(std::size_t i, std::set<int> primitives) const;
     static constexpr std::size_t most_given = 64;
 
-    /// Indices of its primitives; null if there are none.
+    /// Culler of the band's primitives; null if every primitive is tested.
     [[nodiscard]] culling::Culler* culler() const { return culler_; }
     [[nodiscard]] int y0() const { return y0_; }
     [[nodiscard]] int rows() const { return rows_; }
@@ -83,9 +83,8 @@ public:
     /// Truth of ray i at one of the primitives alone, as if there were no other.
     [[nodiscard]] Truth truth_of_primitive(std::size_t i, std::size_t primitive,
                                            intersect::Convention convention) const;
-    /// True if the truth of ray i by the convention may differ from that of `truths`, because the ray touches a
-    /// primitive, because it starts in or on one, because of where it ends, or because of what it meets if only one
-    /// side counts.
+    /// True if the truth of ray i by the convention may differ from that of `truths`. That is so if the ray touches a
+    /// primitive, starts in or on one, or ends where the convention matters, or if only one side counts.
     [[nodiscard]] bool may_differ(std::size_t i, intersect::Convention convention) const;
     /// Truth of every ray by the closed primitive's convention.
     [[nodiscard]] const RayTruths& truths() const { return truths_; }
@@ -131,8 +130,8 @@ private:
     RayTruths truths_;
     StageCounts stages_;
     std::vector<double> condition_;
-    /// Truths and conditions that were asked for, of rays on which the convention matters. Several threads may find the
-    /// same one; the first is kept.
+    /// Truths and conditions that were asked for, of rays on which the convention matters. Several threads may compute
+    /// the same truth; the first result is kept.
     mutable tbb::concurrent_unordered_map<std::size_t, Truth> truths_apart_;
     mutable tbb::concurrent_unordered_map<std::size_t, double> conditions_apart_;
 };

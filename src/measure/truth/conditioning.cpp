@@ -20,7 +20,7 @@ using intersect::Convention;
 
 namespace {
 
-/// Problem as a list of numbers: those of the origin, the direction, the primitive and its matrix.
+/// Problem as a list of the numbers of the origin, the direction, the primitive and its matrix.
 struct FlatProblem {
     Shape shape;
     std::variant<std::vector<double>, std::vector<Real>> numbers;

@@ -29,8 +29,9 @@ struct Enclosed {
     E t = E(0);
     E distance = E(0);
     /// The ray meets only the boundary of the primitive, which is a miss if touching is a miss. Tangents touch, and so
-    /// do rays that end where they enter. A surface without an inside is crossed there instead. A ray that begins where
-    /// it leaves is decided by the convention for origins; boxes are an exception, since their points count.
+    /// do rays that end where they enter. A surface without an inside is crossed there instead. A ray that begins
+    /// where it leaves is decided by the convention for origins; boxes are an exception, since every point of a box
+    /// counts.
     bool touching = false;
     /// The ray begins on the surface. That is a root, and the convention decides if it counts.
     bool on_surface = false;
@@ -82,7 +83,7 @@ Enclosed<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leav
         return enclosed_root(s, leaving.is_yes() ? Crossing::far : Crossing::near, touching, true);
     }
     if (no_exits || leaving.is_yes()) return {.hit = Tri::no, .touching = touching, .on_surface = true};
-    return enclosed_root(s, Crossing::far, false, true);  // and not −2h/a, whose gradient is another
+    return enclosed_root(s, Crossing::far, false, true);  // not −2h/a, which has another gradient
 }
 
 /// First hit of a quadratic surface by a ray without an end. At the start of the ray, the sign of c = P(t) tells if it
@@ -161,7 +162,7 @@ Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* 
 }
 
 /// First hit of a box. For `Touching::hit` it is the first t of the range (null: everything ahead) for which o + t d
-/// lies in the closed box, for `Touching::miss` the infimum of those for which it lies in the open box. Either way, t*
+/// lies in the closed box, for `Touching::miss` the infimum of all t for which it lies in the open box. Either way, t*
 /// = max(tmin, largest entry):
 ///
 ///   - a ray that begins inside gives t = tmin exactly, whether that end is open or not; so does one that begins on
@@ -333,8 +334,8 @@ Enclosed<E> enclose(const Ray<E>& ray, const Primitive<E>& primitive, const Rang
     });
 }
 
-/// A range that is not empty, for spans over E, which is made from an F; nothing if the range is everything ahead. An
-/// infinite end is not open: along a side of a cone, P(t) has degree one, and at 1/0 no root comes before the end.
+/// Range for spans over E, computed from an F; nullopt if the range is everything ahead. The range must not be empty.
+/// An infinite end is not open: along a side of a cone, P(t) has degree one, and at 1/0 no root comes before the end.
 template <class E, class F = E>
 std::optional<RangeOfSpan<E>> range_over(const Range<double>& range) {
     if (range.is_whole()) return std::nullopt;

@@ -41,7 +41,7 @@ struct FormatInputs {
     [[nodiscard]] const scene::rays::RayBlock& rays_for(const intersect::Info& info) const {
         return info.direction == intersect::Direction::unit ? unit_rays : rays;
     }
-    /// Target of a ray: one of the primitives, or all of them together. Stores the one primitive.
+    /// Target of a ray: one of the primitives, or all of them together. Stores the single primitive.
     class AimedAt {
     public:
         explicit AimedAt(const Primitive<double>& one) : one_(one) {}

@@ -74,7 +74,7 @@ void for_each_column(const ProblemColumns<S>& p, stages::RawProblems<Raw>& raw, 
     for (std::size_t k = 0; k < 6; ++k) use(p.ray_low[k], raw.ray_low[k], 0);
     for (std::size_t k = 0; k < most_stored; ++k) use(p.primitive_low[k], raw.primitive_low[k], 0);
 }
-/// First columns of a ray, a primitive, its range and of the second words.
+/// Indices of the first columns of the ray, the primitive, the range and the second words.
 inline constexpr std::size_t first_of_ray = 0, first_of_primitive = 6, place_of_tmin = 6 + most_stored,
                              place_of_tmax = place_of_tmin + 1, first_of_low = place_of_tmax + 1,
                              most_columns = first_of_low + 6 + most_stored;
@@ -106,7 +106,7 @@ struct GatheredProblems {
         return *wanted;
     }
 
-    /// Gathers rays without ranges and both of their lengths.
+    /// Copies the problems `which` into whole registers.
     template <class From>
     stages::RawProblems<S> gather(const ProblemColumns<From>& p, std::span<const std::size_t> which,
                                   std::size_t lanes) {
@@ -131,7 +131,7 @@ struct GatheredProblems {
     void set(std::size_t column, std::span<const S> next) {
         for (const S& x : next) numbers[column++][size] = x;
     }
-    /// Added problems as columns of one word a number, for rays without ranges and primitives without matrices.
+    /// Added problems as columns of one word per number, for rays without ranges and primitives without matrices.
     [[nodiscard]] ProblemColumns<S> columns(Shape shape) const {
         ProblemColumns<S> p{.size = size, .ray = {}, .shape = shape, .primitive = {}};
         const auto column = [this](std::size_t k) { return std::span(numbers[k]).first(size); };

@@ -111,8 +111,8 @@ public:
     [[nodiscard]] Shape shape() const { return shape_; }
     /// Interval of the values that number i may have.
     [[nodiscard]] WithinErrors at(std::size_t i) const { return {x_[i], off_[i]}; }
-    /// Number i as it is stored, without an error of the input. Its bound is 0 if it has a double in its unit; a number
-    /// that is 0 in its unit alone has a bound above 0.
+    /// Number i as it is stored, without an error of the input. Its bound is 0 if a double holds it in its unit. If it
+    /// underflows to 0 in its unit, the bound is above 0.
     [[nodiscard]] WithinErrors stored(std::size_t i) const { return {x_[i], lost_[i]}; }
     /// log2 of the unit of t, or of the distance.
     [[nodiscard]] int time() const { return as_distance_ ? units_[0] : units_[0] - units_[1]; }

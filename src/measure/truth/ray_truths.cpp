@@ -165,8 +165,8 @@ private:
         Truth truth;
     };
 
-    /// Finds the truths of all rays for which `wanted(i)`: settles each of them with every primitive that it can meet,
-    /// and joins the results ray by ray.
+    /// Finds the truths of all rays for which `wanted(i)` is true: settles each of them with every primitive that it
+    /// can meet, and joins the results ray by ray.
     template <class Wanted>
     void find_pairs(const Wanted& wanted) {
         for (const ShapeRow& row : shape_rows) gathered(row.shape).size = 0;
@@ -199,7 +199,7 @@ private:
         problems_.primitives.prefetch(candidates_);
     }
 
-    /// Adds the pairs of ray i, which is the k-th of those whose candidates were found.
+    /// Adds the pairs of ray i, the k-th ray whose candidates were found.
     void add_pairs(std::size_t i, std::size_t k) {
         asked_.push_back(i);
         if (problems_.index) {
@@ -255,7 +255,7 @@ private:
         for (const std::size_t k : left) settle_alone(pairs_[places(shape)[k]]);
         together.size = 0;
     }
-    /// Settles the gathered pairs of one shape that are in `left`, and keeps in `left` those that stay open.
+    /// Settles the gathered pairs of one shape that are in `left`. Pairs that stay open remain in `left`.
     void settle_gathered(Shape shape, std::vector<std::size_t>& left) {
         const stages::Stages stages = stages::stages_of(shape, isa_);
         auto& together = gathered(shape);
@@ -273,7 +273,7 @@ private:
         stages.ties(ties.gather(gathered(shape).columns(shape), left, stages.lanes));
         take(ties.found, shape, left, [](std::size_t k) { return k; });
     }
-    /// Copies the findings on the pairs of `left`, each at `place(k)`, and keeps in `left` those that stay open.
+    /// Copies the findings on the pairs of `left`, each at `place(k)`. Pairs that stay open remain in `left`.
     template <class Place>
     void take(const BatchFindings& found, Shape shape, std::vector<std::size_t>& left, const Place& place) {
         std::size_t still = 0;

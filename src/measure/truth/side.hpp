@@ -212,7 +212,8 @@ private:
         if (asked_.inside == intersect::Inside::zero && !met_.on_surface) return begun();
         return on_from(next, Crossing::far);
     }
-    /// Like `enclose_from_inside` for convex primitives, but behind a surface that the ray leaves there may be another.
+    /// Does the same as `enclose_from_inside` for convex primitives, but another surface may lie behind the one that
+    /// the ray leaves.
     [[nodiscard]] RootHit<F> from_surface(int root) {
         using intersect::AtOrigin, intersect::Inside, intersect::Touching;
         const bool leaving = met_.roots[root].behind > 0;

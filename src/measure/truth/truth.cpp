@@ -33,7 +33,7 @@ Interval interval_at_power(std::int64_t k) {
     return r;
 }
 
-/// x after it is known to lie below, at or above the power of two that its bound straddles.
+/// x, narrowed to one side of the power of two that its bound straddles: below it, at it or above it.
 Certified on_side(const Certified& x, int side) {
     if (side == 0) return {.hi = 1, .lo = 0, .bound = 0, .exponent = x.exponent};
     // The interval [lo − bound, 0] or [0, lo + bound], given by its middle. Below the power, the middle must stay

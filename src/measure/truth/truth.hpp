@@ -81,7 +81,7 @@ inline Truth find_truth(const Ray<Real>& ray, const Primitive<Real>& primitive, 
     return find_truth(ray, std::span(&primitive, 1), limit, convention, range);
 }
 
-/// Length in question: t*, in lengths of the direction as stored, or the distance t*·|d|.
+/// Kind of length: t*, in lengths of the direction as stored, or the distance t*·|d|.
 enum class Length { parameter, distance };
 inline Length length_of(intersect::Direction unit_of) {
     return unit_of == intersect::Direction::unit ? Length::distance : Length::parameter;

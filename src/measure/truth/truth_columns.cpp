@@ -74,7 +74,7 @@ public:
                     open_.resize(count);
                     std::iota(open_.begin(), open_.end(), begin);
                 }
-                // The stage for ties takes a third of the time of the other one, for numbers that it holds.
+                // For numbers that it holds, the stage for ties takes a third of the time of the other stage.
                 settle_gathered(ties_);
                 settle_gathered(stages_.double_double);
             } else {
@@ -96,8 +96,7 @@ private:
         in_place_.settle(stage, stages_.lanes, begin, count, found);
         add_open(settled, begin, count, open_);
     }
-    /// Settles the problems in `open_`, which keeps those that stay open. The stage may be missing; then nothing
-    /// happens.
+    /// Settles the problems in `open_`. Problems that stay open remain there. Does nothing if the stage is missing.
     void settle_gathered(const stages::ShapeStage<double>& stage) {
         if (!stage || open_.empty()) return;
         auto& gathered = GatheredProblems<double>::of_thread();

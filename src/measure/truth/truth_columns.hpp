@@ -42,7 +42,7 @@ struct ProblemColumns {
            (convention.at_origin == intersect::AtOrigin::miss && on_surface);
 }
 
-/// The properties that `matters` reads, alone.
+/// Only the properties that `matters` reads.
 [[nodiscard]] constexpr intersect::Convention plain_part(const intersect::Convention& convention) {
     using intersect::AtOrigin;
     return {convention.touching, convention.at_origin == AtOrigin::miss ? AtOrigin::miss : AtOrigin::hit};

@@ -113,9 +113,10 @@ std::string rest_text(const Explanation& x, const OperationView& words) {
     const std::string left = ulps_or_nothing(std::fabs(a.error / words.ulp()));
     if (left.empty()) return undo;
     if (others.empty()) return fmt::format("{}, and an error of {} is left", undo, left);
-    return fmt::format("{}: the error of {} is assigned to the others, the most, {} ulp, to {}", undo, left,
-                       short_number(std::fabs(words.contribution(others.front()))),
-                       words.text().operand(others.front()));
+    return fmt::format(
+        "{}: the error of {} is assigned to the other operations, the largest part, {} ulp, to "
+        "{}",
+        undo, left, short_number(std::fabs(words.contribution(others.front()))), words.text().operand(others.front()));
 }
 
 }  // namespace
@@ -156,7 +157,10 @@ std::string shares_text(const Explanation& x, const OperationView& words) {
     if (share > 1 && std::isfinite(left))
         text += fmt::format("; the other roundings cancel all but {:.4g} ulp of it", left);
     else if (share < 0 && std::isfinite(left))
-        text += fmt::format("; the other roundings go the other way, by more: the error is {:.4g} ulp", left);
+        text += fmt::format(
+            "; the other roundings together have the opposite sign and are larger: the error is "
+            "{:.4g} ulp",
+            left);
     else if (std::isfinite(share) && share >= 0 && share <= 1)
         text += fmt::format(", {:.0f} % of the error", 100 * share);
     return text + ".";

@@ -162,9 +162,8 @@ std::string split_sentence(const Explanation& x, const OperationView& words) {
     if (!std::isfinite(rounding) || !std::isfinite(x.result.ulps)) return "";
     if (!(std::fabs(x.result.ulps - rounding) > 0.01)) return "";
     return fmt::format(
-        "Rounding inside the form makes {} of the {} ulp. The rest is there even without rounding, on the inputs as "
-        "the "
-        "format stores them.\n",
+        "Rounding inside the form causes {} of the {} ulp. The rest remains even without rounding, on the inputs as "
+        "the format stores them.\n",
         short_number(rounding), short_number(x.result.ulps));
 }
 
@@ -273,8 +272,8 @@ std::string explain_text(const Explanation& x, bool all, const std::optional<Mar
                         intersect::convention_name(x.judged), *x.judged == intersect::Touching::hit ? "hit" : "miss");
     if (x.rounded_inputs) {
         text += fmt::format(
-            "{} cannot hold all of these numbers and gets them rounded, as below. The true t is that of the numbers as "
-            "given, so the error includes the rounding of the inputs (input error).\n",
+            "{} cannot represent all of these numbers and gets them rounded, as below. The true t is the one for the "
+            "numbers as given, so the error includes the rounding of the inputs (input error).\n",
             x.format.name);
     }
     if (x.given) {

@@ -48,9 +48,9 @@ std::string ranges_block(const RangesBound& r) {
 }
 
 std::string seen_text(const ObservedErrors& seen, const std::string& what) {
-    if (seen.bounded_hits == 0) return fmt::format("None of {} hits where there is a bound.\n", what);
+    if (seen.bounded_hits == 0) return fmt::format("None of {} hits in a range with a bound.\n", what);
     std::string text =
-        fmt::format("Of {}, {} hit and {} of these lie where there is a bound: the worst is off by {:.3g}", what,
+        fmt::format("Of {}, {} hit, and {} of these lie in ranges with a bound: the worst is off by {:.3g}", what,
                     seen.hits, seen.bounded_hits, seen.error);
     text += fmt::format(", and none by more than {:.3g} of the bound of its box.", seen.share);
     if (seen.running_hits > 0)
@@ -91,15 +91,14 @@ std::string ranges_text(const RangesRequest& request, const RangesBound& r) {
         text += fmt::format(
             "These are the ranges of the {} rays of the step. If these are random, other rays may lie beyond.\n",
             r.rays);
-    text +=
-        fmt::format("No ray hits in {:.3g} % of the ranges, there is a bound in {:.3g} %, and {:.3g} % are undecided. ",
-                    100 * r.missed, 100 * (1 - r.missed - r.unknown), 100 * r.unknown);
+    text += fmt::format("No ray hits in {:.3g} % of the ranges, {:.3g} % have a bound, and {:.3g} % are undecided. ",
+                        100 * r.missed, 100 * (1 - r.missed - r.unknown), 100 * r.unknown);
     text += fmt::format("In {:.3g} % rounding may change hit or miss.\n", 100 * (r.undecided + r.unknown));
     text += "Where rays may hit, rounding puts t off by at most\n";
     for (const auto& [share, error, ulps] : r.quantiles)
         text += fmt::format("  {:>9.3g} = {:.3g} ulp in {:.0f} %\n", error, ulps, 100 * share);
     if (r.unknown < 1 - r.missed)
-        text += fmt::format("  {:>9.3g} = {:.3g} ulp wherever there is a bound\n", r.largest, r.largest_ulps);
+        text += fmt::format("  {:>9.3g} = {:.3g} ulp in all ranges with a bound\n", r.largest, r.largest_ulps);
     text += seen_text(r.given, request.is_of_step() ? "the rays of the step" : "the rays of the scene");
     text += seen_text(r.drawn, "rays drawn where the bounds are largest");
     return r.shares.empty() ? text : text + operations_block(r);

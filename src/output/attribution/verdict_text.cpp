@@ -187,7 +187,7 @@ std::string no_blame_sentence(const Explanation& x, bool marches) {
                              : marches ? "the rest comes from where the march ended"
                                        : "the rest comes from what the form assumes";
     const std::string all = ulps_or_nothing(x.result.ulps);
-    return fmt::format("No operation is to blame: rounding inside the form makes {}{}, and {}.",
+    return fmt::format("No operation is to blame: rounding inside the form causes {}{}, and {}.",
                        short_number(rounding_ulps(x)), all.empty() ? " ulp" : " of the " + all, rest);
 }
 
@@ -235,8 +235,8 @@ std::string beside_sentences(const Explanation& x, const std::vector<const inter
     }
     for (const auto* form : x.unasked)
         text += !(form->shapes() == x.form->shapes())
-                    ? fmt::format("{} is a form for another shape, so it was not asked.\n", form->info->name)
-                    : fmt::format("{} does not exist in {}, so it was not asked.\n", form->info->name, x.format.name);
+                    ? fmt::format("{} is a form for another shape, so it was not tried.\n", form->info->name)
+                    : fmt::format("{} does not exist in {}, so it was not tried.\n", form->info->name, x.format.name);
     return text;
 }
 
@@ -264,7 +264,7 @@ std::string better_sentences(const Explanation& x) {
         told.push_back(s.form);
     }
     if (told.empty())
-        text = fmt::format("No other form that was asked does better on this ray in this format and around it{}.\n",
+        text = fmt::format("No other form that was tried does better on this ray in this format and around it{}.\n",
                            x.better.empty() ? "" : ", by a bit or more");
     else
         text = fmt::format(

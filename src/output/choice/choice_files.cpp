@@ -131,7 +131,7 @@ Table<InputRow> input_table() {
                            "rays that the form nearest to the requirement decides wrongly, in f64 on these inputs",
                            &RowQuality::wrong},
                           {"f64_kept_bits", "number", "bits",
-                           "bits that this form keeps on them; missing: not measured", kept_bits}},
+                           "bits that this form keeps on these inputs; missing: not measured", kept_bits}},
                          form);
 }
 

@@ -212,7 +212,7 @@ std::string nothing_meets(const ChoiceResult& chosen) {
 std::string mended_text(const ChoiceResult& chosen) {
     if (!chosen.mended) return "";
     if (chosen.mended->empty())
-        return "The repair gave no new form: each one here already meets the requirement, or cannot be repaired to "
+        return "The repair gave no new form: each form here already meets the requirement, or cannot be repaired to "
                "meet it.\n";
     const Requirement& requirement = chosen.request.requirement;
     std::string text;

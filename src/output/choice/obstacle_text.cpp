@@ -104,8 +104,8 @@ std::string obstacle_text(const ChoiceResult& chosen, const Candidate& near) {
         case Obstacle::Cause::no_hit:
             return near.quality.hits == 0
                        ? fmt::format(
-                             "  What limits it: the {}. None of the rays truly hits anything, so there is no t to "
-                             "keep bits of.\n",
+                             "  What limits it: the {}. None of the rays truly hits anything, so no t has bits to "
+                             "keep.\n",
                              chosen.request.rays ? "file" : "scene")
                        : "  What limits it is not known: only some of the rays were examined for that, and none "
                          "of them truly hits anything.\n";

@@ -44,7 +44,7 @@ table::Table<ClaimRow> claim_table() {
     return {{"id", "string", "", "the claim", of_claim(&Claim::id)},
             {"statement", "string", "", "its statement", of_claim(&Claim::statement)},
             {"source", "string", "", "source of the statement", of_claim(&Claim::source)},
-            {"quotation", "string", "", "words of the source that say the statement; empty if nobody looked them up",
+            {"quotation", "string", "", "words of the source that state the claim; empty if they were not looked up",
              of_claim(&Claim::quotation)},
             {"verdict", "string", "", "what was found: holds, qualified or refuted", of_claim(verdict_name)},
             {"condition", "string", "",

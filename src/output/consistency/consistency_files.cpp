@@ -36,18 +36,19 @@ constexpr std::size_t on_ramp = check_result_names.size();
 image::ColourScale excess_scale() { return pixel::magnitude_scale(0x1p-2, 0x1p14); }
 
 pixel::Look look_of(const Check& check) {
-    return {
-        {{"not asked", colour_of(Outcome::agree_miss)},
-         {"both answers are alike", colour_of(Outcome::agree_hit)},
-         {fmt::format("yes only for: {}", check.first), colour_of(Outcome::false_hit),
-          "only the first question is answered with yes"},
-         {fmt::format("yes only for: {}", check.second), colour_of(Outcome::false_miss), "only the second question is"},
-         {"alike, but other numbers", colour_of(Outcome::not_a_number)},
-         {"the inputs differ, not the form", colour_of(Outcome::wrong_primitive)},
-         {"not proved", colour_of(Outcome::unresolved)},
-         {""}},
-        check.numbers ? std::optional(excess_scale()) : std::nullopt,
-        check.numbers ? excess_unit : ""};
+    return {{{"not asked", colour_of(Outcome::agree_miss)},
+             {"both answers are alike", colour_of(Outcome::agree_hit)},
+             {fmt::format("yes only for: {}", check.first), colour_of(Outcome::false_hit),
+              "only the first question is answered with yes"},
+             {fmt::format("yes only for: {}", check.second), colour_of(Outcome::false_miss),
+              "only the second question is "
+              "answered with yes"},
+             {"alike, but other numbers", colour_of(Outcome::not_a_number)},
+             {"the inputs differ, not the form", colour_of(Outcome::wrong_primitive)},
+             {"not proved", colour_of(Outcome::unresolved)},
+             {""}},
+            check.numbers ? std::optional(excess_scale()) : std::nullopt,
+            check.numbers ? excess_unit : ""};
 }
 
 std::string note_of(const Check& check, const CheckSummary& s) {
@@ -107,8 +108,8 @@ pixel::Sheet ConsistencyView::sheet(const ConsistencyStudy& study, const std::fi
     image::SheetSpec spec{
         .title = study.scene.title,
         .subtitle =
-            {fmt::format("{}, {} x {} pixels: one question put in two ways, and whether a form answers both "
-                         "alike",
+            {fmt::format("{}, {} x {} pixels: one question asked in two ways, and whether a form gives the same "
+                         "answer to both",
                          study.scene.id, study.scene.width, study.scene.height),
              "shares are of the pixels of which both are asked; reverse and placed have on the ramp by how much "
              "more than the exact answers both chords, or both t, differ"},
@@ -152,7 +153,7 @@ Table<study::PixelInBand<ConsistencyBand>> ConsistencyView::pixel_table(const Co
                     "ulps of t",
                     number(&PixelCheckResults::apart)},
                    {fmt::format("{}_excess", check.name), "number", "ulp",
-                    "difference between that and the same for the exact answers", number(&PixelCheckResults::excess)}});
+                    "the same minus its value for the exact answers", number(&PixelCheckResults::excess)}});
     }
     return table;
 }

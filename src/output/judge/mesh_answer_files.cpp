@@ -41,9 +41,9 @@ void add_of_lists(Table<MeshSummaryRow>& table) {
     };
     add("listed", "hits in the file", &MeshAnswersResult::listed);
     add("missing_hits", "crossings without a hit in the file", &MeshAnswersResult::missing);
-    add("false_hits", "hits that are no crossing", &MeshAnswersResult::wrong);
-    add("double_hits", "hits of a crossing that has an earlier one", &MeshAnswersResult::doubled);
-    add("neighbour_hits", "hits of a triangle beside the one that is met", &MeshAnswersResult::neighbours);
+    add("false_hits", "hits that belong to no crossing", &MeshAnswersResult::wrong);
+    add("double_hits", "hits of a crossing that has an earlier hit", &MeshAnswersResult::doubled);
+    add("neighbour_hits", "hits of a triangle beside the triangle that is met", &MeshAnswersResult::neighbours);
     const auto add_numbers = [&table](const std::string& name, const char* unit, const std::string& meaning,
                                       measure::metric::Distribution MeshAnswersResult::*of) {
         for (const auto& statistic : measure::metric::statistics)
@@ -122,10 +122,10 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
     table.add({"true_crossings", "integer", "", "crossings of the surface", count(&J::crossings)});
     if (kind != AnswerKind::all_hits) return table;
     table.add({"missing_hits", "integer", "", "crossings without a hit in the file", count(&J::missing)});
-    table.add({"false_hits", "integer", "", "hits that are no crossing", count(&J::wrong)});
-    table.add({"double_hits", "integer", "", "hits of a crossing that has an earlier one", count(&J::doubled)});
+    table.add({"false_hits", "integer", "", "hits that belong to no crossing", count(&J::wrong)});
+    table.add({"double_hits", "integer", "", "hits of a crossing that has an earlier hit", count(&J::doubled)});
     table.add(
-        {"neighbour_hits", "integer", "", "hits of a triangle beside the one that is met", count(&J::neighbours)});
+        {"neighbour_hits", "integer", "", "hits of a triangle beside the triangle that is met", count(&J::neighbours)});
     return table.add({"ulp_error", "number", "ulp", "largest |t - t*|/ulp(t*) of its hits", [](const R& r) {
                           double most = measure::truth::missing;
                           for (const double ulps : r.ulps) most = std::fmax(most, std::fabs(ulps));

@@ -149,8 +149,9 @@ pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::
     image::SheetSpec spec{
         .title = study.scene.title,
         .subtitle =
-            {fmt::format("{}, {} x {} pixels: the fate of rays that leave the points that a form finds", study.scene.id,
-                         study.scene.width, study.scene.height),
+            {fmt::format("{}, {} x {} pixels: outcomes of rays that leave the points that a form "
+                         "finds",
+                         study.scene.id, study.scene.width, study.scene.height),
              "first column: the smallest safe offset, in ulps of the largest coordinate; then each strategy, with its "
              "share of rays that go wrong"},
         .forms = {"smallest safe"},
@@ -204,7 +205,7 @@ Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy&
 Table<StrategyRow> OffsetView::summary_table() {
     using R = StrategyRow;
     Table<R> table{
-        {"strategy", "string", "", "rule for the new origin: a row of the table of strategies",
+        {"strategy", "string", "", "rule for the new origin: a name of `lostbits list strategies`",
          [](const R& r) { return r.strategy->name; }},
         {"side", "string", "", "side of the new rays: outside (light, mirror, hemisphere) or inside (refraction)",
          [](const R& r) { return name_of(r.side); }},

@@ -227,7 +227,7 @@ std::string offsets_body(const std::vector<OffsetPart>& offsets) {
     return text;
 }
 
-/// Says what the page is.
+/// Opening sentences: what the page is.
 constexpr const char* what_it_is =
     "This page shows where ray intersectors lose significand bits, and which of their operations lose them. Every form "
     "answered the same rays in each format, and each answer is compared with the proved true answer.";
@@ -245,7 +245,7 @@ std::string results_table(const std::vector<MapPart>& maps) {
     return text + "</tbody></table>\n";
 }
 
-/// Says what to do with it first.
+/// Hints on what to do first.
 std::string what_to_do(const Report& report) {
     if (!report.maps.empty())
         return "<b>First</b>, choose a scene and a form under <a href=\"#maps\">Maps</a> and point at the picture. The "

@@ -28,7 +28,7 @@ struct Chart {
     std::string alt;
     std::string svg;
     std::string name = {};
-    bool is_plot = true;  ///< lines or points on paper; colours only tell them apart
+    bool is_plot = true;  ///< lines or points on paper, whose colours only distinguish them
 };
 
 /// Lets `draw` write a picture and reads it back. EnvironmentError if it cannot be read back.
@@ -85,7 +85,7 @@ struct MendPart {
     bool timed = false;  ///< its times differ from run to run
 };
 
-/// Fate of rays that leave the points of a scene, for every strategy.
+/// Outcomes of rays that leave the points of a scene, for every strategy.
 struct OffsetPart {
     std::string id, title, note, source;
     std::vector<std::string> words = {};

@@ -171,14 +171,16 @@ Table<FormRow> form_table() {
           [](const P& p) { return p.single.median * 1e9; }}},
         &R::price);
     return table.add({"front", "boolean", "",
-                      "true if no other row is at least as accurate and as fast in packs, and better in one",
+                      "true if no other form is at least as accurate and as fast in packs, and better in one of the "
+                      "two",
                       [](const R& r) { return when(r.price != nullptr, r.front); }});
 }
 
 Table<MinimalRow> minimal_table() {
     using R = MinimalRow;
     return {{"operation", "string", "",
-             "operation of the set with its name in the source; the row is for this one as it was and the others wider",
+             "operation of the set with its name in the source; this row is for the form with this operation as it "
+             "was and the others wider",
              &R::operation},
             {"step", "integer", "",
              "its index among the form's operations, from 1; operations on constants alone are not counted", &R::step},

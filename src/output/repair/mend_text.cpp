@@ -92,7 +92,8 @@ std::string margins_text(const std::vector<GrowthMargin>& margins, const MendRes
 std::string probes_text(const MendResult& r, const std::vector<RowQuality>& probed) {
     const auto& requirement = r.request.requirement;
     if (r.mended.probes.empty())
-        return "  Exchanged axes were not tried: there is a flake, a mesh of a file, or more than 1024 primitives.\n";
+        return "  Exchanged axes were not tried: the scene has a flake, a mesh from a file, or more than 1024 "
+               "primitives.\n";
     std::vector<std::string> holds;
     std::vector<std::pair<std::string, std::vector<std::string>>> fails;  // probes with the same worth together
     for (std::size_t k = 0; k < probed.size(); ++k) {
@@ -161,7 +162,7 @@ std::string obstruction_text(const MendResult& r) {
     const auto& requirement = r.request.requirement;
     const auto& [exact, with_unit, off_unit] = *r.mended.obstruction;
     const auto& form = *r.request.row.form->info;
-    if (r.mended.own.hits == 0) return "  In the way: no ray truly hits anything, so there is no t to keep bits of.\n";
+    if (r.mended.own.hits == 0) return "  In the way: no ray truly hits anything, so no t has bits to keep.\n";
     if (requirement.bits > r.request.row.format.parameters.precision)
         return fmt::format("  In the way: {} has {} bits. Try a wider format.\n", r.request.row.format.name,
                            r.request.row.format.parameters.precision);

@@ -118,12 +118,12 @@ const measure::metric::Distribution& metric_of(const TradeRequest& request, cons
 /// Conditions under which the times were measured.
 std::string timing_text(const TradeRequest& request, const TradeResult& result) {
     if (!request.scene)
-        return "Time per ray of the set `easy`, of which every second ray hits, with the working set `l1` (half of the "
-               "first-level cache). The times are of this run, and vary from run to run.\n";
+        return "Time per ray on the rays `easy`, half of which hit, with data that fill half of the first-level cache "
+               "(`l1`). The times are from this run, and vary from run to run.\n";
     const auto& timed = result.times.front().front();
     return fmt::format(
-        "Time per ray and primitive: {} of the scene against {} of its primitives. The times are of this run, "
-        "and vary from run to run.\n",
+        "Time per ray and primitive: {} of the scene against {} of its primitives. The times are from this run, and "
+        "vary from run to run.\n",
         scene::toml::counted(timed.rays, "ray"), timed.primitives);
 }
 

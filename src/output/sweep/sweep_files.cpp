@@ -113,7 +113,7 @@ Table<Onset> onset_table(const SweepRequest& request) {
          {"draws", "integer", "", "sets of rays tried, one per seed; the columns above are for the file's own seed",
           [](const R& r) { return 1 + r.further.size(); }},
          {"draws_found", "integer", "",
-          "draws in which the event happens within the sweep; the columns below are over those",
+          "draws in which the event happens within the sweep; the columns below are about these draws",
           [](const R& r) { return r.spread().draws; }},
          {"first_bad_low", "number", axis.unit, "smallest first bad value of these draws",
           of_draws(&measure::metric::Spread::low)},

@@ -54,10 +54,10 @@ void read_source(TableReader& table, Claim& claim) {
         table.fail_at("quotation", "needs a source; the statement is our own (source = \"-\"), so leave it out");
     std::istringstream text(claim.quotation);
     const auto words = std::distance(std::istream_iterator<std::string>(text), std::istream_iterator<std::string>());
-    if (words == 0) table.fail_at("quotation", "is empty; copy the words of the source that say the statement");
+    if (words == 0) table.fail_at("quotation", "is empty; copy the words of the source that state the claim");
     if (words > most_words)
-        table.fail_at("quotation", fmt::format("has {} words; quote at most {} of the source, those that say the "
-                                               "statement",
+        table.fail_at("quotation", fmt::format("has {} words; quote at most {} of the source, those that state the "
+                                               "claim",
                                                words, most_words));
 }
 

@@ -41,7 +41,7 @@ struct Claim {
     enum class Evidence { none, proof, exhaustive, search, counterexample, sample };
 
     std::string id, statement, source, note;
-    std::string quotation;             ///< words of the source that say the statement; empty if nobody looked them up
+    std::string quotation;             ///< words of the source that state the claim; empty if not looked up
     Verdict verdict = Verdict::holds;  ///< the finding; for every verdict the measurement must be in `low`..`high`
     std::string condition;             ///< of a `qualified` claim: `where touching is a miss`
     Severity severity = Severity::error;

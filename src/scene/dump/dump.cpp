@@ -43,7 +43,7 @@ void Dump::settle(const DumpOptions& options, const Layout& layout, const Format
         throw InputError(file +
                          (layout.has(slot::hit)
                               ? ": --miss says which t is a miss, but the column hit already says so; leave --miss out"
-                              : ": --miss says which t is a miss, but there is no column t; leave --miss out"));
+                              : ": --miss says which t is a miss, but the file has no column t; leave --miss out"));
     terms_.miss = *options.miss;
     // The number that means a miss is rounded in the same way as the numbers of the file.
     terms_.miss.number = rounding::to_format(terms_.miss.number, 0, terms_.format.parameters);

@@ -51,9 +51,10 @@ std::filesystem::path folder_of_data(const std::filesystem::path& data, const st
     const auto status = std::filesystem::status(folder, error);
     if (std::filesystem::is_directory(status)) return folder;
     const bool is_missing = status.type() == std::filesystem::file_type::not_found;
-    throw InputError((is_missing ? "there is no folder " + folder.string() + "; run in the project folder, or "
-                                 : folder.string() + ": is not a folder; ") +
-                     "name the folder that contains " + what + "/ with --data, or in LOSTBITS_DATA");
+    throw InputError(
+        folder.string() +
+        (is_missing ? ": this folder does not exist; run in the project folder, or " : ": is not a folder; ") +
+        "name the folder that contains " + what + "/ with --data, or in LOSTBITS_DATA");
 }
 
 }  // namespace lostbits::scene::toml

@@ -251,7 +251,7 @@ struct Tally {
             subnormal += std::fpclassify(a.t[i]) == FP_SUBNORMAL;
         }
     }
-    /// That the rays were what they are meant to be.
+    /// Checks that the rays have the intended shares of hits, misses and NaN.
     void check(Shape shape) const {
         const Shares& shares = least_of(shape);
         CHECK(1000 * finite_hits >= shares.hits * rays);

@@ -153,7 +153,7 @@ TEST_CASE("a bound over the ranges of a scene exceeds the errors of its rays and
         CHECK(r.quantiles[0].error <= r.quantiles[1].error);
         CHECK(r.quantiles[1].error <= r.quantiles[2].error);
         CHECK((r.missed >= 0 && r.unknown >= 0 && r.missed + r.unknown < 1));
-        // A bound that says nothing of most of the ranges would pass all of the above.
+        // The checks above would also pass if most of the ranges had no bound.
         CHECK(r.unknown < 0.5);
     };
     for (const char* const form : {"sphere.schoolbook", "sphere.unified"}) check(form, "near-benign");
@@ -191,7 +191,7 @@ TEST_CASE("the ranges of a sweep step cover its rays at all of its primitives", 
         }
         CHECK(r.given.hits > 0);
         CHECK(r.given.share <= 1 + 0x1p-40);
-        if (step.groups.size() > 1) continue;  // of spheres on all sides little is known
+        if (step.groups.size() > 1) continue;  // spheres on all sides have hardly any bound
         CHECK(r.given.bounded_hits > 0);
         CHECK(r.given.error <= r.largest);
     }

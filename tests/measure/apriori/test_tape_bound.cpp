@@ -89,7 +89,7 @@ private:
     }
 };
 
-/// Three inputs and some operations on whatever stands before them; what is met is 0 < 1.
+/// Three inputs, and some operations on earlier nodes; the condition of the hit is 0 < 1.
 Tape random_tape(Random& random, int operations) {
     Tape tape;
     for (int k = 0; k < 3; ++k) tape.add_input(four_bits, 1);
@@ -174,7 +174,7 @@ TEST_CASE("errors of random formulas of four bits stay within the bound over ran
         for (int k = 0; k < 2; ++k)
             check_box(tape, {neighbours(random), neighbours(random), neighbours(random)}, tally);
     }
-    // That nothing is known is no answer: most boxes have a bound, and that of many is reached but for half.
+    // Most boxes must have a bound, and in many boxes an error must reach half of the bound.
     CHECK(tally.bounded * 2 > tally.boxes);
     CHECK(tally.tight * 3 > tally.bounded);
 }
@@ -205,11 +205,11 @@ TEST_CASE("bounds of single operations agree with those worked out by hand", "[a
     CHECK(bound_of(TapeOp::sub, binary32, {{1, 1.5}, {0.25, 1.75}}).error == u);
     CHECK(bound_of(TapeOp::div, binary32, {{1, 1.5}, {2, 3}}).error == u / 2);
     CHECK(bound_of(TapeOp::sqrt, binary32, {{1, 2}, {0, 0}}).error == u);
-    // Nothing is known of what overflows, and of what may be undefined.
+    // A result that overflows, or that may be undefined, has no bound.
     CHECK(bound_of(TapeOp::mul, binary32, {{0x1p100, 0x1p100}, {1, 0x1p28}}).error == HUGE_VAL);
     CHECK(bound_of(TapeOp::div, binary32, {{1, 1}, {-1, 1}}).error == HUGE_VAL);
     CHECK(bound_of(TapeOp::sqrt, binary32, {{-1, 1}, {0, 0}}).error == HUGE_VAL);
-    // A point has the error that it has.
+    // A box of one point has the error of that point.
     CHECK(bound_of(TapeOp::add, binary32, {{1, 1}, {u / 4, u / 4}}).error == u / 4);
 }
 

@@ -1,4 +1,4 @@
-// An operation that a copy of number/tape.hpp has one row more for; see ghost_operation.cmake.
+// Operation that only a copy of number/tape.hpp lists; see ghost_operation.cmake.
 #include "measure/attribution/operation_rows.hpp"
 
 namespace lostbits::measure::attribution {

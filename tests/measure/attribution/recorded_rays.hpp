@@ -72,7 +72,7 @@ inline Setting draw_setting(Random& random, const intersect::table::Intersector&
     return s;
 }
 
-/// On which rays forms are recorded.
+/// Rays on which forms are recorded.
 struct RecordedRays {
     std::vector<const char*> formats;
     int count;  ///< of each form in each format that it exists in

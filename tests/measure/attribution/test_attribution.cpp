@@ -76,7 +76,7 @@ TEST_CASE("the exact value of an answer is the result of the form without roundi
 
 TEST_CASE("contributions sum to the error, derivatives to first order, and fast and deep arithmetic agree",
           "[attribution]") {
-    // Far away adjoints cancel: a sum that was off by 2^-35.9 was seen of a torus.
+    // Adjoints cancel far away: for a torus, a sum was off by 2^-35.9.
     constexpr double near_by = 0x1p-36, far_away = 0x1p-30;
     int seen = 0, first_order = 0;
     const auto sums_up = [&](const Attribution& a, double rest) {
@@ -103,7 +103,7 @@ TEST_CASE("contributions sum to the error, derivatives to first order, and fast 
         REQUIRE(std::fabs(a.first_order - a.error) <= 64 * worst * sum_of_sizes(a) + 0x1p-36 * std::fabs(a.error));
         first_order += a.error != 0;
     };
-    // And the quick exact arithmetic and the deep one agree.
+    // The quick exact arithmetic and the deep one must agree.
     int quick = 0;
     const auto ask = [&](const Intersector& form, const Tape& tape, double rest, const auto&... subject) {
         const Attribution a = measure::attribution::attribute(tape, subject...),
@@ -124,7 +124,7 @@ TEST_CASE("contributions sum to the error, derivatives to first order, and fast 
                      [&](const Intersector& form, const Format&, const Setting&, const Tape& tape) {
                          ask(form, tape, near_by, tape.outputs.t);
                      });
-    // Far away decisions turn, and these are then the subject.
+    // Far away, rounding changes decisions, and the attribution is then about these.
     on_recorded_rays({{"f32", "f64"}, rays, 100}, [&](const Intersector& form, const Format&, const Setting&,
                                                       const Tape& tape) { ask(form, tape, far_away); });
     CHECK(seen > 1000 * rays);

@@ -1,4 +1,4 @@
-// log2_of: within its bound of what MPFR says, exact at powers of two, never falling.
+// log2_of: within its bound of MPFR's result, exact at powers of two, and monotone.
 #include <mpfr.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Boxes one after another, with and without the closest t so far as the end of the ray.
+// A row of boxes, with and without the closest t found so far as the end of the ray.
 #include "catch.hpp"
 #include "measure/claim/claim_subjects.hpp"
 #include "number/error.hpp"
@@ -13,7 +13,7 @@ TEST_CASE("passing on the closest t changes no answer of a closed form, and a ch
         if (form.info->touching == intersect::Touching::hit)
             CHECK(measure::claim::differs_with_closest({&form, *find_format("f32")}, 8, 1, {}) == 0);
     }
-    // A form that ignores where the ray ends would still agree; one that hits nothing once it is told does not.
+    // A form that ignores the end of the ray still agrees; a form that then hits nothing does not.
     static const intersect::Info info{.name = "box.shy", .title = "-", .source = "-"};
     intersect::table::Intersector shy = intersect::table::intersectors(Shape::box).front();
     shy.info = &info;

@@ -38,7 +38,7 @@ std::vector<RayGroup> rays_at(const scene::sweep::DistributionRow& distribution)
     return all;
 }
 
-/// All of the table that ask one form, with the operations of these rows.
+/// All metrics of the table that need one form, with the operations of these rows.
 std::vector<const Metric*> all_of(const std::vector<TestedForm>& rows, const RayGroup& rays, metric::MetricSet& made) {
     std::vector<const Metric*> all;
     for (const Metric& m : metric::metrics())

@@ -15,7 +15,7 @@ using measure::evaluate::FormSummary;
 
 namespace {
 
-/// Counts for itself what a band shows.
+/// Counts the outcomes of a band independently.
 class Recount {
 public:
     void band(const measure::evaluate::BandResult& result) {
@@ -55,7 +55,7 @@ TEST_CASE("a hit of the wrong primitive is not an agreed hit, and its error is n
     CHECK(s.agreement().true_hits == s.true_hits);
     CHECK(s.true_hits ==
           s.count(Outcome::agree_hit) + s.count(Outcome::wrong_primitive) + s.count(Outcome::false_miss));
-    // It is what goes wrong most often here, so the ray that stands for faults is one.
+    // The wrong primitive is the most frequent wrong decision here, so the first fault is such a ray.
     CHECK(s.wrong() == Outcome::wrong_primitive);
     REQUIRE(s.fault() != nullptr);
     CHECK(s.fault()->outcome == Outcome::wrong_primitive);

@@ -52,7 +52,7 @@ TEST_CASE("the summary of a group is that of its rays alone") {
     for (const evaluate::Group& group : all.groups.all()) {
         INFO(group.value);
         JudgeResult alone = judged(std::stod(group.value));
-        // Their places are others.
+        // Their indices differ.
         alone.summaries[0].worst.x = group.summaries[0].worst.x;
         for (std::size_t k = 0; k < alone.summaries[0].faults.size(); ++k) {
             REQUIRE((alone.summaries[0].faults[k] == nullptr) == (group.summaries[0].faults[k] == nullptr));

@@ -1,5 +1,5 @@
-// How far slabs come apart: in float every significand that could part them further than the worst ray of data/hard was
-// tried, and none does.
+// Largest gap between slabs in float: every significand that could cause a larger gap than the worst ray of data/hard
+// was tried, and none does.
 //
 // A ray that hits enters by an axis i no later than it leaves by an axis j: (p − o_i)/d_i ≤ (q − o_j)/d_j. What a form
 // computes is tmin = fl(fl(p − o_i) · fl(1/d_i)) and tmax in the same way. Of the differences only their rounded values

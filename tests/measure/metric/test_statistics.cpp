@@ -77,7 +77,7 @@ TEST_CASE("the bounds of a 99th percentile are the samples of those ranks, seale
     CHECK(open.high == Approx(1020).epsilon(0x1p-11));
     d.seal();
     CHECK(d.p99_bounds() == open);
-    // How often 1024 samples enclose it, of as many sets: at least 95 %, but for chance, and not always.
+    // The bounds enclose the true percentile in at least 95 % of the sets, except by chance, and not in all of them.
     Random random(7);
     int enclosed = 0;
     constexpr int sets = 400;

@@ -1,5 +1,4 @@
-// Which operations must be wider: the set meets the requirement, nothing can be taken from it, and what was not
-// searched tells.
+// The set of wider operations meets the requirement, is minimal, and is checked on rays that the search did not use.
 #include "measure/repair/mend.hpp"
 
 #include <tbb/global_control.h>

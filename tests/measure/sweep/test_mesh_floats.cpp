@@ -24,7 +24,7 @@ std::string sweep_text(const std::string& axis, const std::string& origin = "-8,
            axis + "\n[[ray]]\nname = \"far\"\norigin = [" + origin + "]\ndirection = [\"0x1p-7\", \"0x1p-8\", -1]\n";
 }
 
-/// How many triangles the form claims, and how many the ray truly crosses, of several at one t one.
+/// Number of triangles that the form claims, and number of different t at which the ray truly crosses triangles.
 struct Counted {
     std::size_t claimed = 0, crossed = 0;
 };

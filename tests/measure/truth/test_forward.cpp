@@ -43,7 +43,7 @@ struct Tally {
         const double ratio = forward / (condition * backward);
         ++trials, above += !(ratio <= most_allowed), most = std::max(most, ratio);
     }
-    /// That it holds, and would not if one of the three were half of what it is, or twice.
+    /// Checks that the bound holds, and that it would fail if one of the three numbers were half or twice as large.
     void check(int at_least) const {
         CHECK(above == 0);
         CHECK(most <= most_allowed);

@@ -1,4 +1,4 @@
-// How much a problem may change before its answer does: against problems that are changed so much, exactly.
+// Decision margins, compared with the exact decisions of problems that are changed by as much.
 //
 //   LOSTBITS_RAYS=13400 build/test_truth "[margin]"      so many rays of each of 76 distributions and formats, 10^6 in
 //   all LOSTBITS_LONG=1 build/test_truth "[attack]"          100000 attacked problems of each shape

@@ -1,5 +1,5 @@
-// How far errors of the inputs can move t, compared with problems that have such errors, in 2048 bits: at primitives of
-// their own, and at one under a matrix whose numbers are far apart.
+// The bound on how far errors of the inputs move t, compared with problems that have such errors, in 2048 bits: with a
+// primitive for each ray, and with one primitive under a matrix whose numbers are far apart.
 #include <array>
 #include <cmath>
 #include <optional>
@@ -173,7 +173,7 @@ void check_distributions(const std::vector<test::HardDistribution>& distribution
     }
 }
 
-/// That the bound is within a factor of two of what was seen, for all but so many of a hundred.
+/// Checks that the bound is within a factor of two of the largest change seen, for all but `percent` of the problems.
 void check_tightness(const Tally& tally, int percent) {
     CHECK(tally.trials >= 200);
     CHECK(tally.worst > 0.999);

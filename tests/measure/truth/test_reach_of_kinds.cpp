@@ -1,5 +1,6 @@
-// How far errors of the inputs can move t and the distance, against problems that have such errors: every shape, random
-// rays and rays that run exactly across, along and through what they meet, lengths and directions of every exponent.
+// The bound on how far errors of the inputs move t and the distance, compared with problems that have such errors: for
+// every shape, with random rays, rays that run exactly across, along and through a primitive, and lengths and
+// directions of every exponent.
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -107,7 +108,7 @@ std::optional<Problem> scaled_by(const Problem& p, int lengths, int directions) 
     return kept ? std::optional(q) : std::nullopt;
 }
 
-/// How far t or the distance of a problem was seen to move, over what it can reach.
+/// Largest change of t or the distance that was seen for a problem, divided by its bound.
 class Trial {
 public:
     /// `plain` is the problem before it was scaled, whose slopes have the same signs and are doubles.
@@ -161,7 +162,7 @@ private:
         const Certified t = find_truth(plain_.ray, plain_.primitive).t;
         return std::ldexp(t.hi, static_cast<int>(t.exponent)) * d[static_cast<int>(i) - 3] / dot(d, d);
     }
-    /// How far the answer moves, in the unit of the bound; 0 where the problem that way has none.
+    /// Change of the answer, in the unit of the bound; 0 if the changed problem has no answer.
     [[nodiscard]] double seen(const std::vector<double>& way) const {
         std::vector<Real> moved(x_.begin(), x_.end());
         for (std::size_t i = 0; i < moved.size() && !normwise_; ++i) moved[i] += step_[i] * way[i];

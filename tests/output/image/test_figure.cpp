@@ -85,7 +85,7 @@ TEST_CASE("an SVG keeps text as text and every figure as a shape", "[figure]") {
     CHECK(root.select_nodes(".//circle").size() == 1);
     CHECK(std::string(root.select_node(".//path[@stroke-dasharray='4 3']").node().attribute("d").value()) ==
           "M30 30l20.13 10 9.87-5");
-    // What reaches beyond its box is cut off by a box of its own, and the rest is not.
+    // Only parts that extend beyond their box are clipped, by a box of their own.
     const auto inner = root.child("svg");
     CHECK(std::string(inner.attribute("viewBox").value()) == "20 20 100 60");
     CHECK(inner.select_nodes(".//path").size() == 1);

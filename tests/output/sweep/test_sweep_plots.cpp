@@ -68,7 +68,7 @@ struct Made {
     std::vector<measure::sweep::Onset> onsets;
 };
 
-/// How many pixels have a colour, in the picture and at the highest and the lowest that do.
+/// Number of pixels with a colour, and the highest and lowest line that has one.
 struct Found {
     int pixels = 0, top = -1, foot = -1;
 };
@@ -154,7 +154,7 @@ TEST_CASE("an ulp of the distance is as wide as the sphere from 2^p radii on", "
     const auto all = part_of(sweep_of("rays = 2\nradius = 1", "distance", "\"0x1p30\"", "\"0x1p40\""), binary32);
     REQUIRE(all.has_value());
     CHECK((all->from == 0x1p30 && all->to == 0x1p40));
-    // Which way the axis runs does not matter.
+    // The direction of the axis does not matter.
     const auto falling = part_of(sweep_of("rays = 2\nradius = 1", "distance", "\"0x1p40\"", "4"), binary32);
     REQUIRE(falling.has_value());
     CHECK((falling->from == single->from && falling->to == single->to));

@@ -83,7 +83,7 @@ function commandsFor(map, row, x, y, metric) {
 }
 
 /**
- * Interval about a measured number for a claim, so that a trifle does not make the claim fail: half a bit, a hundredth
+ * Interval about a measured number for a claim, so that a tiny change does not make it fail: half a bit, a hundredth
  * for a fraction, a hundredth of the rays for a count but at most a tenth of it, else a tenth of the value. It never
  * reaches below 0. An exact zero allows only zero. One ray allows only its outcome.
  */

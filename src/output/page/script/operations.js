@@ -12,7 +12,7 @@ function nearestRay(rays, x, y) {
     return { ray, pixels: away(ray) };
 }
 
-/** Goes to the next held ray, or from a pixel without one to the first. */
+/** Goes to the next held ray, or to the first if the chosen pixel has no held ray. */
 async function turnRay(by) {
     const rays = await raysOf(mapNow(), rowNow()), at = rays.findIndex(isAt(state.x, state.y));
     if (rays.length === 0) return;

@@ -56,7 +56,7 @@ const ableMetrics = (map) => metricsOf(map).filter((m) => !m.marches || marches(
 
 const sweepHas = (key) => index.sweeps.find((s) => s.id === state.sweep)?.rows.includes(key) === true;
 
-/** Replaces what does not exist by what does. `asked` holds what a link asked for. */
+/** Replaces choices that do not exist by ones that exist. `asked` holds the choices of a link. */
 function settle(asked = {}) {
     const choose = (key, names) => {
         if (names.includes(state[key])) return;

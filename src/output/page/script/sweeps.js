@@ -8,7 +8,7 @@ const sweepOf = (id) => jsonOf(`sweep:${id}`);
 
 const asNumber = (v) => (v === null ? NaN : v === "inf" ? Infinity : v === "-inf" ? -Infinity : v);
 
-/** Key of the chosen row: the one asked for here, else the map's, else the nearest to it that the sweep has. */
+/** Key of the chosen row: the row asked for here, else the row of the map, else the nearest row that the sweep has. */
 function sweepKey() {
     const { rows } = index.sweeps.find((s) => s.id === state.sweep);
     return [state.line, `${state.form}.${state.format}`].find((key) => rows.includes(key)) ??
