@@ -176,20 +176,14 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const Ow
             std::optional<std::vector<output::choice::MendedCandidate>> mended = {}) {
     measure::choice::TimedRays timed;
     std::optional<measure::choice::MetPixelsByForm> meetings;
-    if (request.scene) request.shows = meetings.emplace(request, request.rows).shows();
+    if (request.scene) request.show = meetings.emplace(request, request.rows).show();
     const auto all = measure_candidates(request, timed);
-    output::choice::ChoiceResult chosen{request, all, timed, cheapest(all, request.requirement)};
+    auto requirement_map = meetings ? std::optional(requirement_map_of(request, all, *meetings)) : std::nullopt;
+    auto chosen = output::choice::choose_among(request, all, timed);
+    chosen.requirement_map = std::move(requirement_map);
     chosen.mended = std::move(mended);
-    if (meetings) chosen.requirement_map = requirement_map_of(request, all, *meetings);
-    request.shows.clear();
-    request.progress = [](std::uint64_t) {};
-    if (chosen.meets) {
-        const measure::evaluate::TestedForm& row = all[*chosen.meets].row;
-        chosen.margins = margins_of(request, row);
-        if (request.scene) chosen.offsets = measure::choice::safe_offsets(*request.scene, row, request.limit);
-    } else {
-        chosen.obstacle = find_obstacle(request, all[*nearest(all, request.requirement)].row);
-    }
+    if (chosen.meets && request.scene)
+        chosen.offsets = measure::choice::safe_offsets(*request.scene, all[*chosen.meets].row, request.limit);
     files.finish(chosen);
     complete(owner);
     progress.finish();

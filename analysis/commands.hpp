@@ -16,7 +16,7 @@
 #include "analysis/shell/command_line.hpp"
 #include "analysis/shell/text_table.hpp"
 #include "intersect/process/stop_token.hpp"
-#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/evaluate/needed.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "number/error.hpp"
@@ -163,9 +163,9 @@ void add_wrong_columns(std::vector<shell::TextColumn>& columns);
 void add_wrong_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& summary);
 
 /// Prints a table on stdout, with a line per row of a map, or per form for the bits needed.
-void print_table(const measure::evaluate::EvaluationRequest& request,
+void print_table(const measure::evaluate::MapStudy& request,
                  const std::vector<measure::evaluate::FormSummary>& summaries);
-void print_table(const measure::evaluate::NeededRequest& request,
+void print_table(const measure::evaluate::NeededStudy& request,
                  const std::vector<measure::evaluate::NeededSummary>& summaries);
 
 /// Prints a line on stdout: how many truths, each of a ray and a primitive, each stage settled.

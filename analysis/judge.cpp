@@ -144,35 +144,36 @@ std::vector<measure::evaluate::TestedForm> rows_of(const JudgeOptions& o, const 
     return rows;
 }
 
+/// What a judgement of a file found; the worst rays of each row.
+struct JudgeFindings {
+    JudgeResult result = {};
+    std::vector<measure::judge::WorstRays> worst = {};
+    measure::truth::StageCounts stages = {};
+};
+LOSTBITS_FIELDS(JudgeFindings, result, worst, stages)
+
 /// Judges the rays of a file: all of them, or a part in a shard, or joins what shards found. Returns nothing in a
 /// shard.
 std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output::judge::JudgeFiles& files,
                                       shard::Division& division,
                                       const std::function<std::unique_ptr<Dump>()>& open_again) {
-    const std::string job = "judge";
-    if (!division.joins()) {
-        if (division.is_shard())
-            request.pieces = division.share().of_units(measure::judge::count_pieces(*open_again(), request));
-        JudgeResult result = measure::judge::run_judge(
-            dump, request,
-            [&files](std::size_t row, const auto& chunk, const auto& band) { files.piece(row, chunk, band); });
-        if (!division.is_shard()) return result;
-        division.put(job, shard::RecordKind::end, result, files.worst(), *request.stages);
-        return std::nullopt;
+    if (division.is_shard())
+        request.pieces = division.share().of_units(measure::judge::count_pieces(*open_again(), request));
+    auto found = shard::result_with_files(
+        JudgeFindings{.worst = files.worst()}, files, division, "judge", [&]() -> JudgeFindings {
+            JudgeResult result = measure::judge::run_judge(
+                dump, request,
+                [&files](std::size_t row, const auto& chunk, const auto& band) { files.piece(row, chunk, band); });
+            return {std::move(result), division.is_shard() ? files.worst() : std::vector<measure::judge::WorstRays>{},
+                    *request.stages};
+        });
+    if (!found) return std::nullopt;
+    if (division.joins()) {
+        files.append(std::move(found->worst));
+        measure::judge::check_whole(dump, request, found->result);
     }
-    JudgeResult all;
-    division.each(job, [&](output::shard::BitReader& bits) {
-        if (shard::joined_piece(bits, files)) return;
-        JudgeResult part;
-        std::vector<measure::judge::WorstRays> worst;
-        measure::truth::StageCounts stages;
-        bits(part, worst, stages);
-        all.append(std::move(part));
-        files.append(std::move(worst));
-        *request.stages += stages;
-    });
-    measure::judge::check_whole(dump, request, all);
-    return all;
+    *request.stages = found->stages;
+    return std::move(found->result);
 }
 
 Exit run(const JudgeOptions& o, const Common& common) {

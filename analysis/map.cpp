@@ -1,4 +1,4 @@
-#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/map.hpp"
 
 #include <fmt/format.h>
 
@@ -8,15 +8,14 @@
 #include <set>
 
 #include "analysis/selection/external.hpp"
+#include "analysis/selection/measurements.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/shard/pieces.hpp"
 #include "commands.hpp"
 #include "intersect/conventions.hpp"
-#include "measure/attribution/culprits.hpp"
 #include "measure/contract/suspect.hpp"
-#include "measure/evaluate/bands.hpp"
-#include "measure/evaluate/culprit_order.hpp"
+#include "measure/study/bands.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/map/map_exr.hpp"
 #include "output/map/map_files.hpp"
@@ -27,7 +26,7 @@
 namespace lostbits::analysis {
 
 using measure::answer::Outcome;
-using measure::evaluate::NeededRequest;
+using measure::evaluate::NeededStudy;
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 using scene::file::Scene;
@@ -70,31 +69,22 @@ std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::
 
 /// The work on one scene.
 struct SceneWork {
-    measure::evaluate::EvaluationRequest map;
-    std::optional<NeededRequest> needed;
+    measure::evaluate::MapStudy map;
+    std::optional<NeededStudy> needed;
 
     [[nodiscard]] std::uint64_t units() const {
-        return map.scene->pixels() * map.rows.size() + (needed ? measure::evaluate::needed_units(*needed) : 0);
+        return map.scene->pixels() * map.rows.size() + (needed ? needed->units() : 0);
     }
 };
 
 SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<TestedForm>& rows,
                   const std::vector<const Metric*>& wanted, measure::metric::MetricSet& metric_set) {
-    SceneWork work{{.scene = &scene,
-                    .rows = selection::fitting(rows, [&](Shapes forms) { return scene.meets(forms); }),
-                    .metrics = {},
-                    .limit = {.stop = o.scenes.stop}},
-                   {}};
-    work.map.metrics =
-        metric_set.for_forms(selection::measured(wanted, work.map.rows), measure::evaluate::forms_of(work.map.rows),
-                             [&scene] { return measure::attribution::OwnedSetting(scene); });
-    work.map.metrics = measure::evaluate::order_culprits(work.map, metric_set);
+    auto its_rows = selection::fitting(rows, [&](Shapes forms) { return scene.meets(forms); });
+    SceneWork work{selection::map_of(scene, std::move(its_rows), wanted, metric_set, o.scenes.stop), {}};
     if (o.bits_needed > 0) selection::refuse_generators(rows, "--bits");
     if (o.bits_needed > 0)
-        work.needed.emplace(NeededRequest{.scene = scene,
-                                          .forms = forms_of_any_width(work.map.rows),
-                                          .bits = o.bits_needed,
-                                          .limit = work.map.limit});
+        work.needed.emplace(NeededStudy{
+            .scene = scene, .rows = forms_of_any_width(work.map.rows), .bits = o.bits_needed, .limit = work.map.limit});
     return work;
 }
 
@@ -186,7 +176,6 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
     shard::Division& division = context.division;
     const Scene& scene = *work.map.scene;
     const std::string job = "map " + scene.id, needed_job = "needed " + scene.id;
-    work.map.share = division.share();
     const auto folder = std::filesystem::path(o.out) / scene.id;
     const bool pixels = o.pixels == "csv";
     std::optional<output::map::MapExr> exr;
@@ -215,27 +204,18 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
                    .keep = shard::keep_in(division, job)});
 
     SceneSummaries summaries;
-    if (division.joins()) shard::join_into(files, summaries.map, *work.map.stages, division, job);
-    else summaries.map = measure::evaluate::evaluate_rows(work.map, files.shows());
-    if (division.is_shard()) division.put(job, shard::RecordKind::end, summaries.map, *work.map.stages);
-    if (work.needed && division.joins()) {
-        measure::truth::StageCounts none;
-        shard::join_into(*needed_files, summaries.needed, none, division, needed_job);
-    } else if (work.needed) {
-        NeededRequest request = *work.needed;
-        request.share = division.share();
+    auto mapped = shard::run_divided(work.map, files, division, job);
+    if (mapped) summaries.map = std::move(*mapped);
+    if (work.needed) {
         // --bits tests the rays in many widths, so the time of the map does not predict its time.
-        output::file::Estimate estimate(progress, scene.id + " --bits", measure::evaluate::needed_units(request),
+        output::file::Estimate estimate(progress, scene.id + " --bits", work.needed->units() / division.share().count,
                                         common.quiet);
-        request.progress = advancing(progress, &estimate);
-        summaries.needed = measure::evaluate::run_needed(
-            request, [&](std::size_t form, const auto& band) { needed_files->band(form, band); });
+        NeededStudy needed = *work.needed;
+        needed.progress = advancing(progress, &estimate);
+        if (auto found = shard::run_divided(needed, *needed_files, division, needed_job))
+            summaries.needed = std::move(*found);
     }
-    if (division.is_shard()) {
-        if (work.needed)
-            division.put(needed_job, shard::RecordKind::end, summaries.needed, measure::truth::StageCounts{});
-        return 0;
-    }
+    if (!mapped) return 0;
     if (work.needed) needed_files->finish(summaries.needed);
     files.finish(summaries.map);
     context.complete();
@@ -300,7 +280,7 @@ Exit run(MapOptions o, const Common& common) {
     const std::uint64_t unresolved = folders.each(works.size(), progress, [&](std::size_t k, const auto& complete) {
         SceneWork work = works[k];  // a copy that may point to objects of this iteration
         measure::truth::StageCounts stages;
-        const auto bands = measure::evaluate::Bands(*work.map.scene, divided.division.share()).size();
+        const auto bands = measure::study::Bands(*work.map.scene, divided.division.share()).size();
         output::file::Estimate estimate(
             progress, work.map.scene->id,
             work.map.scene->pixels() * work.map.rows.size() / divided.division.share().count, common.quiet, bands);

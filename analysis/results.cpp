@@ -213,7 +213,7 @@ void add_wrong_cells(std::vector<std::string>& cells, const measure::evaluate::F
         cells.push_back(std::to_string(s.count(o)));
 }
 
-void print_table(const measure::evaluate::EvaluationRequest& request,
+void print_table(const measure::evaluate::MapStudy& request,
                  const std::vector<measure::evaluate::FormSummary>& summaries) {
     const std::size_t lost = measure::metric::index_of(request.metrics, "lost_bits");
     const bool mesh = request.scene != nullptr && request.scene->mesh;
@@ -239,7 +239,7 @@ void print_table(const measure::evaluate::EvaluationRequest& request,
         fmt::print("  -: form and truth agree on less than a tenth of the true hits, too few to represent the form\n");
 }
 
-void print_table(const measure::evaluate::NeededRequest& request,
+void print_table(const measure::evaluate::NeededStudy& request,
                  const std::vector<measure::evaluate::NeededSummary>& summaries) {
     shell::TextTable table({{"form", 28, true},
                             {fmt::format("{:>3} bits need:", request.bits), 14},

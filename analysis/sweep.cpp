@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "analysis/selection/external.hpp"
+#include "analysis/selection/measurements.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/selection/sweep_options.hpp"
@@ -76,22 +77,10 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     const Common& common = chosen.common;
     scene::sweep::SweepFile sweep(path, chosen.data(), selection::read_changes(chosen.o), common.stop);
     sweep.title += chosen.o.in_title();
-    measure::sweep::SweepRequest request{
-        .sweep = sweep,
-        .rows = selection::fitting(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
-        .metrics = {},
-        .limit = {.stop = common.stop}};
-    auto asked = chosen.asked;
-    // Forms that march stop short on purpose, so the error alone says little: it is split in two.
-    if (std::ranges::any_of(request.rows, [](const TestedForm& row) { return !is_primitive(row.form->shape); })) {
-        for (const char* name : {"model_error", "rounding_error"}) asked.push_back(measure::metric::find_metric(name));
-    }
-    request.metrics =
-        chosen.metric_set.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
-                                    [&sweep] { return measure::attribution::OwnedSetting(sweep.first_rays()); });
-    for (TestedForm& row : request.rows) row.judged = sweep.convention;
-    request.further_draws = chosen.o.seeds.value_or(2);
-    request.recoveries = request.both_ends = true;
+    auto request =
+        selection::sweep_of(sweep, selection::fitting(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
+                            chosen.asked, chosen.metric_set, common.stop);
+    if (chosen.o.seeds) request.further_draws = *chosen.o.seeds;
     selection::note_without_formula(chosen.asked, request.rows, common.quiet);
     output::sweep::SweepFiles::require_own_columns(request);
     if (!common.quiet) selection::note_lost_numbers(sweep, request.rows, common.stop);

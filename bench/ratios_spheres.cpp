@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/metric/metrics.hpp"
 #include "number/real.hpp"
 #include "ratios.hpp"
@@ -40,7 +40,7 @@ scene::file::Scene flake_scene(int levels, double distance, const char* fov_deg)
 }
 
 void print_map_of(const scene::file::Scene& scene, const char* view, const char* form, const char* format) {
-    measure::evaluate::EvaluationRequest request{
+    measure::evaluate::MapStudy request{
         .scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("lost_bits")}};
     for (const intersect::table::Intersector& i : intersect::table::intersectors(Shape::sphere)) {
         if (i.info->name == form) request.rows.push_back({&i, *find_format(format)});
@@ -49,7 +49,7 @@ void print_map_of(const scene::file::Scene& scene, const char* view, const char*
     std::ofstream("/proc/self/clear_refs") << "5";  // forget the peak so far
     const double before = status("VmRSS"), spheres = static_cast<double>(scene.primitive_count());
     const auto start = std::chrono::steady_clock::now();
-    measure::evaluate::evaluate_rows(request, {});
+    measure::evaluate::run_map(request);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     std::printf("%-28s %-6s %-5s %10.0f %9.1f %8.2f\n", form, format, view, spheres,
                 (status("VmHWM") - before) / spheres, seconds);

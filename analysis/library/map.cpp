@@ -1,8 +1,7 @@
 // Maps of a scene.
 #include "analysis/library/handles.hpp"
-#include "measure/attribution/culprits.hpp"
+#include "analysis/selection/measurements.hpp"
 #include "measure/contract/suspect.hpp"
-#include "measure/evaluate/culprit_order.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/map/map_tables.hpp"
 
@@ -19,12 +18,7 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& 
     std::vector<const Metric*> asked{measure::metric::find_metric("lost_bits")};
     std::ranges::copy(chosen.asked, std::back_inserter(asked));
     static_cast<void>(selection::applicable_metrics(asked, chosen.rows, "scene " + scene.id));
-    measure::evaluate::EvaluationRequest request{
-        .scene = &scene, .rows = chosen.rows, .metrics = {}, .limit = {.stop = running.stop()}};
-    request.metrics =
-        chosen.metric_set.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
-                                    [&scene] { return measure::attribution::OwnedSetting(scene); });
-    request.metrics = measure::evaluate::order_culprits(request, chosen.metric_set);
+    auto request = selection::map_of(scene, chosen.rows, asked, chosen.metric_set, running.stop());
     request.progress = running.advancing(scene.pixels() * request.rows.size());
 
     auto result = std::make_unique<lostbits_result>();
@@ -37,7 +31,7 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& 
             std::string(row.form->info->name) + "." + std::string(row.format.name), RayTable::columns(request.metrics));
         rays.emplace_back(of_row, row, request.metrics);
     }
-    const auto summaries = measure::evaluate::evaluate_rows(request, measure::evaluate::shown_to_each(rays));
+    const auto summaries = measure::evaluate::run_map(request, measure::evaluate::shown_to_each(rays));
     auto csv = table.writer();
     const auto name_of = [&](const measure::evaluate::WorstRay& ray) {
         return given.explain_arguments.empty()

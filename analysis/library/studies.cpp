@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "analysis/library/handles.hpp"
+#include "analysis/selection/measurements.hpp"
 #include "analysis/selection/scenes.hpp"
 #include "analysis/study/studies.hpp"
 #include "measure/attribution/culprits.hpp"
@@ -32,14 +33,7 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
     chosen.keep_rows_for("sweep " + sweep.id, [&sweep](Shapes forms) { return sweep.meets(forms); });
     std::vector<const measure::metric::Metric*> asked = chosen.asked;
     for (const char* name : {"inherent_bits", "excess_bits"}) asked.push_back(measure::metric::find_metric(name));
-    measure::sweep::SweepRequest request{
-        .sweep = sweep, .rows = chosen.rows, .metrics = {}, .limit = {.stop = running.stop()}};
-    request.metrics =
-        chosen.metric_set.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
-                                    [&sweep] { return measure::attribution::OwnedSetting(sweep.first_rays()); });
-    for (TestedForm& row : request.rows) row.judged = sweep.convention;
-    request.further_draws = 2;
-    request.recoveries = request.both_ends = true;
+    auto request = selection::sweep_of(sweep, chosen.rows, std::move(asked), chosen.metric_set, running.stop());
     output::sweep::SweepFiles::require_own_columns(request);
     request.progress = running.advancing(measure::sweep::sweep_units(request));
     const auto found = measure::sweep::measure_sweep(request);
@@ -160,10 +154,7 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
     request.progress = running.advancing(scene.pixels() * request.rows.size());
     measure::choice::TimedRays timed;
     const auto all = measure_candidates(request, timed);
-    request.progress = [](std::uint64_t) {};
-    output::choice::ChoiceResult found{request, all, timed, cheapest(all, request.requirement)};
-    if (found.meets) found.margins = margins_of(request, all[*found.meets].row);
-    else found.obstacle = find_obstacle(request, all[*nearest(all, request.requirement)].row);
+    const auto found = output::choice::choose_among(request, all, timed);
     result.add_table("choose", output::choice::candidate_table(), output::choice::candidate_rows(found));
     result.add_table("room", output::choice::margin_table(), found.margins);
     result.texts.push_back(output::choice::in_words(found));

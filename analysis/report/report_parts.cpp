@@ -8,6 +8,7 @@
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
 #include "measure/evaluate/culprit_order.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "output/image/figure.hpp"
 #include "output/map/finding.hpp"
@@ -149,7 +150,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
 page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
                        const std::function<void(std::uint64_t)>& advance, StopToken stop) {
     const scene::file::Scene& scene = work.scene;
-    measure::evaluate::EvaluationRequest request{
+    measure::evaluate::MapStudy request{
         .scene = &scene, .rows = work.rows, .metrics = work.metrics, .limit = {.stop = stop}};
     request.metrics = measure::evaluate::order_culprits(request, metric_set);
     request.progress = advance;
@@ -161,11 +162,11 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
                                                   .drawn = {measure::metric::find_metric("lost_bits")},
                                                   .named = work.named,
                                                   .sheet_alone = file});
-            const auto drawn = sheet.shows(), kept = data.shows();
-            std::vector<measure::evaluate::Show> both;
-            for (std::size_t r = 0; r < drawn.size(); ++r)
-                both.push_back([&, r](const auto& band) { drawn[r](band), kept[r](band); });
-            summaries = measure::evaluate::evaluate_rows(request, both);
+            summaries = measure::evaluate::run_map(
+                request, [drawn = sheet.show(), kept = data.show()](std::size_t row, const auto& band) {
+                    drawn(row, band);
+                    kept(row, band);
+                });
             sheet.finish(summaries);
         });
     work.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);

@@ -103,9 +103,7 @@ page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
     request.limit.stop = request.plan.stop = stop;
     measure::choice::TimedRays timed;
     const auto all = measure_candidates(request, timed);
-    output::choice::ChoiceResult chosen{request, all, timed, cheapest(all, request.requirement)};
-    if (chosen.meets) chosen.margins = margins_of(request, all[*chosen.meets].row);
-    else chosen.obstacle = find_obstacle(request, all[*nearest(all, work.requirement)].row);
+    const auto chosen = output::choice::choose_among(request, all, timed);
     return {.scene = work.scene.id,
             .requirement = output::choice::in_words(work.requirement),
             .words = output::choice::in_words(chosen),

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "measure/answer/wrong_decision_phrase.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "number/error.hpp"
 #include "output/file/number_text.hpp"
@@ -86,9 +87,9 @@ int worst_of(std::vector<RayGroup> groups, int rays, const TestedForm& row, Stop
 }
 
 SelectedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const TestedForm& row, StopToken stop) {
-    const measure::evaluate::EvaluationRequest request{
+    const measure::evaluate::MapStudy request{
         .scene = scene.get(), .rows = {row}, .metrics = lost_bits(), .limit = {.stop = stop}};
-    const auto summaries = measure::evaluate::evaluate_rows(request, {nullptr});
+    const auto summaries = measure::evaluate::run_map(request);
     const WorstOfAll worst(summaries);
     if (worst.ray == nullptr) refuse(row, "scene " + scene->id, worst);
     const auto x = static_cast<int>(worst.ray->x);

@@ -35,42 +35,56 @@ bool joined_piece(output::shard::BitReader& bits, Files& files) {
     return true;
 }
 
-/// Passes the pieces of a job's rows in all shards to its files, and adds up the summaries.
-template <class Files, class Summary>
-void join_into(Files& files, std::vector<Summary>& all, measure::truth::StageCounts& stages, Division& division,
-               const std::string& job) {
+/// The result of a job that writes files: what `measure` returns, or the sum of what shards found. Returns nothing in a
+/// shard, which records its part. `none` is the result of no work. `files` take the pieces of the rows that shards
+/// kept.
+template <class Result, class Files, class Measure>
+std::optional<Result> result_with_files(Result none, Files& files, Division& division, const std::string& job,
+                                        const Measure& measure) {
+    if (!division.joins()) {
+        Result here = measure();
+        if (!division.is_shard()) return here;
+        division.put(job, RecordKind::end, here);
+        return std::nullopt;
+    }
     division.each(job, [&](output::shard::BitReader& bits) {
         if (joined_piece(bits, files)) return;
-        std::vector<Summary> part;
-        measure::truth::StageCounts of_part;
-        bits(part, of_part);
-        stages += of_part;
-        if (all.empty()) all = std::move(part);
-        else
-            for (std::size_t r = 0; r < all.size(); ++r) all[r].append(std::move(part.at(r)));
+        Result part;
+        bits(part);
+        measure::study::add_up(none, std::move(part));
     });
+    return none;
+}
+
+/// What a study found: a summary of each row, and how many truths each stage settled.
+template <class Summary>
+struct StudyResult {
+    std::vector<Summary> rows;
+    measure::truth::StageCounts stages = {};
+};
+template <class Bits, class Summary>
+void fields(Bits& bits, StudyResult<Summary>& found) {
+    auto& [rows, stages] = found;
+    bits(rows, stages);
 }
 
 /// Measures a study, or a part of it in a shard, or joins what shards found. Returns nothing in a shard, which keeps
-/// its part. `files` take the pieces of the rows.
+/// its part. `files` take the pieces of the rows. A study with `stages` gets the counts of all parts there.
 template <measure::study::Study S, class Files>
 std::optional<std::vector<typename S::Summary>> run_divided(S study, Files& files, Division& division,
                                                             const std::string& job) {
-    if (!division.joins() && !division.is_shard()) return measure::study::run_study(study, files.show());
-    if (division.is_shard()) {
-        study.share = division.share();
-        division.put(job, RecordKind::end, measure::study::run_share(study, files.show()));
-        return std::nullopt;
-    }
-    auto all = measure::study::begin_all(study);
-    division.each(job, [&](output::shard::BitReader& bits) {
-        if (joined_piece(bits, files)) return;
-        std::vector<typename S::Summary> part;
-        bits(part);
-        measure::study::add_up(all, std::move(part));
-    });
-    measure::study::seal_all(all);
-    return all;
+    using Result = StudyResult<typename S::Summary>;
+    study.share = division.share();
+    std::optional<Result> found =
+        result_with_files(Result{measure::study::begin_all(study)}, files, division, job, [&] {
+            Result here{measure::study::run_share(study, files.show())};
+            if constexpr (requires { here.stages = *study.stages; }) here.stages = *study.stages;
+            return here;
+        });
+    if (!found) return std::nullopt;
+    if constexpr (requires { *study.stages = found->stages; }) *study.stages = found->stages;
+    measure::study::seal_all(found->rows);
+    return std::move(found->rows);
 }
 
 }  // namespace lostbits::analysis::shard

@@ -8,6 +8,7 @@
 
 #include "intersect/simd/packed.hpp"
 #include "measure/choice/file_rays.hpp"
+#include "measure/evaluate/map.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::measure::choice {
@@ -33,11 +34,10 @@ std::vector<const metric::Metric*> Requirement::metrics() const {
 }
 
 std::vector<RowQuality> quality_of(const ChoiceRequest& request) {
-    evaluate::EvaluationRequest asked{
-        .scene = request.scene, .rows = request.rows, .metrics = request.requirement.metrics()};
+    evaluate::MapStudy asked{.scene = request.scene, .rows = request.rows, .metrics = request.requirement.metrics()};
     asked.limit = request.limit;
     asked.progress = request.progress;
-    const auto summaries = evaluate::evaluate_rows(asked, request.shows);
+    const auto summaries = evaluate::run_map(asked, request.show);
     std::vector<RowQuality> all;
     for (std::size_t r = 0; r < summaries.size(); ++r)
         all.push_back(quality_of(summaries[r], request.rows[r], request.requirement));

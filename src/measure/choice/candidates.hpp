@@ -71,7 +71,7 @@ struct ChoiceRequest {
     bool single = false;  ///< one ray at a time instead of a register full
     speed::TimingPlan plan{};
     truth::TruthLimit limit{};
-    std::vector<evaluate::Show> shows = {};  ///< receive the rows of `measure_candidates`, in their order; may be empty
+    evaluate::ShowRows show = {};  ///< receives the rows of `measure_candidates`; may be empty
     /// Receives the number of (ray, row) pairs done since the last call; may throw to stop. The plan's own progress
     /// counts its measurements.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};

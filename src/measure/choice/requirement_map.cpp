@@ -1,5 +1,7 @@
 #include "measure/choice/requirement_map.hpp"
 
+#include "measure/evaluate/map.hpp"
+
 #include <algorithm>
 #include <limits>
 
@@ -116,11 +118,11 @@ RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vecto
 
     MetPixelsByForm emulated(request, request.untimed);
     if (!request.untimed.empty()) {
-        evaluate::EvaluationRequest asked{
+        evaluate::MapStudy asked{
             .scene = request.scene, .rows = request.untimed, .metrics = request.requirement.metrics()};
         asked.limit = request.limit;
         asked.progress = request.progress;
-        (void)evaluate::evaluate_rows(asked, emulated.shows());
+        (void)evaluate::run_map(asked, emulated.show());
     }
     std::vector<TestedForm> rows = request.rows;
     rows.insert(rows.end(), request.untimed.begin(), request.untimed.end());

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "measure/choice/candidates.hpp"
+#include "measure/evaluate/map.hpp"
 
 namespace lostbits::measure::choice {
 
@@ -29,11 +30,11 @@ private:
     std::vector<bool> meets_, unresolved_;
 };
 
-/// One `MetPixels` for each row of the request, in the form that `evaluate_rows` takes.
+/// One `MetPixels` for each row of the request, in the form that `run_map` takes.
 struct MetPixelsByForm {
     std::vector<MetPixels> rows;
     explicit MetPixelsByForm(const ChoiceRequest& request, const std::vector<evaluate::TestedForm>& of);
-    [[nodiscard]] std::vector<evaluate::Show> shows() { return evaluate::shown_to_each(rows); }
+    [[nodiscard]] evaluate::ShowRows show() { return evaluate::shown_to_each(rows); }
 };
 
 struct RequirementMap {

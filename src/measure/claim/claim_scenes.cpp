@@ -9,6 +9,7 @@
 #include "measure/answer/one_ray.hpp"
 #include "measure/claim/claim_columns.hpp"
 #include "measure/claim/claim_subjects.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/evaluate/measure_row.hpp"
 #include "measure/picture/render.hpp"
 #include "measure/study/study.hpp"
@@ -91,15 +92,15 @@ void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run)
         else pictures.push_back(asked);
     }
     if (pictures.empty()) return;
-    evaluate::EvaluationRequest request{.scene = &scene, .rows = {}, .metrics = {}, .limit = {.stop = run.stop}};
+    evaluate::MapStudy request{.scene = &scene, .rows = {}, .metrics = {}, .limit = {.stop = run.stop}};
     std::vector<std::size_t> rows;
     for (const auto& asked : pictures) rows.push_back(place_or_added(request.rows, row_for(asked.claim, scene)));
     const OwnedSetting setting(scene);
     const ClaimColumns columns(claims_in(pictures), request.rows, setting.get());
     request.metrics = columns.metrics();
     const auto whole = [](const auto& asked) { return !asked.on.pixel; };
-    const auto summaries = std::ranges::any_of(pictures, whole) ? evaluate::evaluate_rows(request, {})
-                                                                : std::vector<evaluate::FormSummary>();
+    const auto summaries =
+        std::ranges::any_of(pictures, whole) ? evaluate::run_map(request) : std::vector<evaluate::FormSummary>();
     for (std::size_t k = 0; k < pictures.size(); ++k) {
         const auto& [claim, on, result] = pictures[k];
         const TestedForm& row = request.rows[rows[k]];

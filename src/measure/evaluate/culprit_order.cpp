@@ -18,12 +18,12 @@ Scene small_picture_of(const Scene& scene, int most_across) {
     return small;
 }
 
-std::vector<const Metric*> order_culprits(const EvaluationRequest& request, metric::MetricSet& metric_set) {
+std::vector<const Metric*> order_culprits(const MapStudy& request, metric::MetricSet& metric_set) {
     const auto culprit = std::ranges::find_if(request.metrics, &Metric::by_run);
     if (culprit == request.metrics.end()) return request.metrics;
     const Scene small = small_picture_of(*request.scene, 96);
     const auto summaries =
-        evaluate_rows({.scene = &small, .rows = request.rows, .metrics = {*culprit}, .limit = request.limit}, {});
+        run_map({.scene = &small, .rows = request.rows, .metrics = {*culprit}, .limit = request.limit});
     const auto categories = (*culprit)->categories;
     std::vector<std::uint64_t> total(categories.size());
     for (const FormSummary& s : summaries)

@@ -1,7 +1,7 @@
 // Culprits of a picture, most frequent first: their colours follow this order.
 #pragma once
 
-#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/metric/metric_set.hpp"
 
 namespace lostbits::measure::evaluate {
@@ -12,6 +12,6 @@ scene::file::Scene small_picture_of(const scene::file::Scene& scene, int most_ac
 /// The request's metrics, with the categories of `culprit` sorted by how often they are to blame. The counts are over
 /// all rows of a small picture of the scene (at most 96 rays across). Categories that do not occur there come last, in
 /// the order of the tapes. The result is the same for any number of threads.
-std::vector<const metric::Metric*> order_culprits(const EvaluationRequest& request, metric::MetricSet& metric_set);
+std::vector<const metric::Metric*> order_culprits(const MapStudy& request, metric::MetricSet& metric_set);
 
 }  // namespace lostbits::measure::evaluate

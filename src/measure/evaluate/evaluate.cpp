@@ -6,9 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "intersect/process/parallel.hpp"
-#include "measure/evaluate/bands.hpp"
-#include "measure/evaluate/measure_row.hpp"
+#include "measure/evaluate/map.hpp"
 #include "scene/rays/made_rows.hpp"
 
 namespace lostbits::measure::evaluate {
@@ -63,14 +61,18 @@ void FormSummary::append(FormSummary&& after) {
     rays += after.rays;
     true_hits += after.true_hits;
     for (std::size_t o = 0; o < outcomes.size(); ++o) outcomes[o] += after.outcomes[o];
-    for (std::size_t m = 0; m < metrics.size(); ++m) metrics[m].add(after.metrics[m]);
+    for (std::size_t m = 0; m < metrics.size(); ++m) metrics[m].add(after.metrics.at(m));
     for (std::size_t m = 0; m < categories.size(); ++m) {
-        for (std::size_t c = 0; c < categories[m].size(); ++c) categories[m][c] += after.categories[m][c];
+        for (std::size_t c = 0; c < categories[m].size(); ++c) categories[m][c] += after.categories.at(m).at(c);
     }
     if (after.worst.size > worst.size) worst = std::move(after.worst);
     for (std::size_t kind = 0; kind < faults.size(); ++kind) {
         if (!faults[kind]) faults[kind] = std::move(after.faults[kind]);
     }
+}
+
+void FormSummary::seal() {
+    for (metric::Distribution& d : metrics) d.seal();
 }
 
 std::uint64_t FormSummary::wrong_count() const {
@@ -112,25 +114,6 @@ unsigned needs_supported_by(const intersect::table::Intersector& form) {
 }
 
 namespace {
-
-/// Rows with the same ray generator and their indices in the list of rows; null: rays as the scene makes them.
-struct FormsOfGenerator {
-    const scene::camera::RayGenerator* generator;
-    std::vector<TestedForm> rows;
-    std::vector<std::size_t> places;
-};
-
-std::vector<FormsOfGenerator> by_generator(const std::vector<TestedForm>& rows) {
-    std::vector<FormsOfGenerator> all;
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-        const auto* const generator = scene::rays::generator_of(*rows[r].form);
-        auto found = std::ranges::find(all, generator, &FormsOfGenerator::generator);
-        if (found == all.end()) found = all.insert(found, {generator, {}, {}});
-        found->rows.push_back(rows[r]);
-        found->places.push_back(r);
-    }
-    return all;
-}
 
 /// Groups of rays with one primitive each, joined into one group whose rays are paired with their primitives.
 struct JoinedRays {
@@ -185,23 +168,24 @@ void measure_group(scene::rays::RayGroup rays, int group, const std::vector<Test
                    const std::vector<const Metric*>& metrics, truth::TruthLimit limit,
                    const std::vector<FormSummary*>& summaries) {
     for (const FormsOfGenerator& some : by_generator(rows)) {
+        std::vector<TestedForm> its_rows;
         std::vector<FormSummary*> into;
-        for (const std::size_t place : some.places) into.push_back(summaries[place]);
+        for (const std::size_t r : some.rows) its_rows.push_back(rows[r]), into.push_back(summaries[r]);
         if (some.generator == nullptr && !(rays.scene && rays.scene->camera.rays)) {
             std::optional<culling::Culler> culler;
             if (rays.mesh) culler.emplace(scene::rays::primitive_list_of(rays), rays.rays);
             Band band(rays, limit, culler ? &*culler : nullptr);
-            measure_band(band, group, some.rows, metrics, into);
+            measure_band(band, group, its_rows, metrics, into);
             continue;
         }
         if (!rays.scene)
             throw InputError(
-                std::string(some.rows.front().form->info->name) +
+                std::string(its_rows.front().form->info->name) +
                 ": it makes camera rays, and the rays of this sweep do not come from a camera with a projection; name "
                 "a sweep over a scene that has [camera.projection]");
         const scene::file::Scene made = some.generator ? with_rays(*rays.scene, *some.generator) : *rays.scene;
         Band band(made, 0, made.height, limit);
-        measure_band(band, group, some.rows, metrics, into);
+        measure_band(band, group, its_rows, metrics, into);
     }
 }
 
@@ -232,37 +216,7 @@ std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> group
         measure_group(std::move(groups[g]), static_cast<int>(g), one_by_one, metrics, limit, of_each);
     for (FormSummary& s : summaries) {
         s.views = groups.size();
-        for (metric::Distribution& d : s.metrics) d.seal();
-    }
-    return summaries;
-}
-
-namespace {
-
-/// Measures rows over the pixels of a scene, with rays as the scene makes them. Adds to the summaries at their indices
-/// and calls their `shows`.
-void map_rows(const scene::file::Scene& scene, const FormsOfGenerator& some, const EvaluationRequest& request,
-              const std::vector<Show>& shows, std::vector<FormSummary>& summaries) {
-    Bands(scene, request.share).each(request.limit, [&](Band& band) {
-        if (request.stages) *request.stages += band.stages();
-        const SharedBandTruth shared(band, some.rows, request.metrics);
-        intersect::process::in_parallel(std::size_t{0}, some.rows.size(), [&](std::size_t k) {
-            const TestedForm& row = some.rows[k];
-            const std::size_t r = some.places[k];
-            measure_row({row, request.metrics, r < shows.size() ? shows[r] : Show()}, shared.of(row), summaries[r]);
-            request.progress(band.pixels());
-        });
-    });
-}
-
-}  // namespace
-
-std::vector<FormSummary> evaluate_rows(const EvaluationRequest& request, const std::vector<Show>& shows) {
-    std::vector<FormSummary> summaries;
-    for (std::size_t r = 0; r < request.rows.size(); ++r) summaries.emplace_back(request.metrics);
-    for (const FormsOfGenerator& some : by_generator(request.rows)) {
-        if (some.generator) map_rows(with_rays(*request.scene, *some.generator), some, request, shows, summaries);
-        else map_rows(*request.scene, some, request, shows, summaries);
+        s.seal();
     }
     return summaries;
 }

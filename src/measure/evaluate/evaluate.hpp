@@ -12,7 +12,6 @@
 #include "measure/answer/outcome.hpp"
 #include "measure/metric/metrics.hpp"
 #include "measure/metric/statistics.hpp"
-#include "measure/shard/share.hpp"
 #include "measure/truth/band.hpp"
 #include "measure/truth/missing.hpp"
 #include "scene/rays/rays.hpp"
@@ -90,6 +89,8 @@ struct FormSummary {
     [[nodiscard]] const WorstRay* worst_ray() const;
     /// Counts of the hits that errors are measured on.
     [[nodiscard]] metric::Agreement agreement() const { return {count(answer::Outcome::agree_hit), true_hits}; }
+    /// Frees most of the memory of the distributions; see `metric::Distribution::seal`.
+    void seal();
     /// Number of rays that truly miss, whatever the form answers.
     [[nodiscard]] std::uint64_t true_misses() const { return rays - true_hits - count(answer::Outcome::unresolved); }
 };
@@ -112,12 +113,12 @@ struct BandResult {
 /// Receives a row's results (for files, plots, tests); may be empty. Called for each band from top to bottom, never
 /// concurrently for one row; different rows may be shown at the same time.
 using Show = std::function<void(const BandResult&)>;
-/// Passes the rows, in their order, to the `band` functions of the readers. The readers must outlive the result.
+/// The same for all rows.
+using ShowRows = std::function<void(std::size_t row, const BandResult&)>;
+/// Passes the bands of row i to the function `band` of readers[i]. The readers must outlive the result.
 template <class Readers>
-std::vector<Show> shown_to_each(Readers& readers) {
-    std::vector<Show> shows;
-    for (auto& reader : readers) shows.push_back([&reader](const BandResult& result) { reader.band(result); });
-    return shows;
+ShowRows shown_to_each(Readers& readers) {
+    return [&readers](std::size_t row, const BandResult& result) { readers.at(row).band(result); };
 }
 
 /// Metrics and receiver of one row.
@@ -145,21 +146,5 @@ unsigned needs_of(const std::vector<const metric::Metric*>& metrics);
 /// Flags of what a form can provide. Answers of a file and external functions have no formula to evaluate without
 /// rounding or to record.
 unsigned needs_supported_by(const intersect::table::Intersector& form);
-
-struct EvaluationRequest {
-    const scene::file::Scene* scene = nullptr;
-    std::vector<TestedForm> rows;
-    std::vector<const metric::Metric*> metrics;
-    truth::TruthLimit limit{};
-    /// Receives the number of truths that each stage settled; may be null.
-    truth::StageCounts* stages = nullptr;
-    shard::Share share = {};  ///< share of the bands
-    /// Called after each band with the number of (pixel, row) pairs done; may throw to stop.
-    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
-};
-
-/// Runs the map; shows[i] receives rows[i]. Memory does not grow with the height of the picture. Results do not depend
-/// on the number of threads: the picture alone decides the bands, and each row is summed in order.
-std::vector<FormSummary> evaluate_rows(const EvaluationRequest& request, const std::vector<Show>& shows);
 
 }  // namespace lostbits::measure::evaluate

@@ -9,8 +9,6 @@
 #include "measure/answer/answers.hpp"
 #include "measure/answer/outcome.hpp"
 #include "measure/answer/owners.hpp"
-#include "measure/evaluate/bands.hpp"
-#include "measure/evaluate/evaluate.hpp"
 #include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::evaluate {
@@ -38,7 +36,7 @@ FormatInputs only(const FormatInputs& all, const intersect::Info& info, const st
 
 /// Scan of one form over a part of a band; `pixels` are those on which every width so far has sufficed.
 struct Scan {
-    std::size_t form;  ///< index in the request
+    std::size_t form;  ///< index in the study
     std::vector<std::uint32_t> pixels;
 };
 
@@ -146,15 +144,14 @@ double WidthCounts::quantile(double q) const {
     return static_cast<double>(w);
 }
 
-std::uint64_t needed_units(const NeededRequest& request) {
+std::uint64_t NeededStudy::units() const {
     constexpr std::uint64_t widths = most_width - least_width + 1;
-    return static_cast<std::uint64_t>(request.scene.width) * static_cast<std::uint64_t>(request.scene.height) *
-           request.forms.size() * widths;
+    return scene.pixels() * rows.size() * widths;
 }
 
-std::vector<NeededBand> measure_needed(const NeededRequest& request, const truth::Band& band) {
+std::vector<NeededBand> NeededStudy::prepare(const truth::Band& band) const {
     std::vector<NeededBand> results;
-    for (const intersect::table::Intersector* form : request.forms) {
+    for (const intersect::table::Intersector* form : rows) {
         const int columns = static_cast<int>(band.pixels()) / std::max(1, band.rows());
         results.push_back({.y0 = band.y0(),
                            .rows = band.rows(),
@@ -172,10 +169,10 @@ std::vector<NeededBand> measure_needed(const NeededRequest& request, const truth
             const FormatInputs inputs =
                 band.inputs(*find_format("p" + std::to_string(width)), {.unit_rays = std::ranges::any_of(scans, unit)});
             intersect::process::in_parallel(std::size_t{0}, scans.size(), [&](std::size_t s) {
-                step(scans[s], *request.forms[scans[s].form], inputs, request.bits, results[scans[s].form]);
+                step(scans[s], *rows[scans[s].form], inputs, bits, results[scans[s].form]);
             });
         }
-        request.progress(band.pixels() * request.forms.size());
+        if (width > least_width) progress(band.pixels() * rows.size());  // the driver counts the last width
     }
     for (const Scan& s : scans) {
         for (const std::uint32_t i : s.pixels) results[s.form].needed[i] = least_width;
@@ -183,18 +180,11 @@ std::vector<NeededBand> measure_needed(const NeededRequest& request, const truth
     return results;
 }
 
-std::vector<NeededSummary> run_needed(const NeededRequest& request,
-                                      const std::function<void(std::size_t, const NeededBand&)>& show) {
-    std::vector<NeededSummary> summaries(request.forms.size());
-    Bands(request.scene, request.share).each(request.limit, [&](const truth::Band& band) {
-        const std::vector<NeededBand> results = measure_needed(request, band);
-        intersect::process::in_parallel(std::size_t{0}, results.size(), [&](std::size_t f) {
-            for (std::size_t i = 0; i < results[f].needed.size(); ++i)
-                summaries[f].add(results[f].truth(i), results[f].needed[i]);
-            if (show) show(f, results[f]);
-        });
-    });
-    return summaries;
+void NeededStudy::measure(const std::vector<NeededBand>& found, std::size_t row, NeededSummary& summary,
+                          const std::function<void(const NeededBand&)>& show) {
+    const NeededBand& its = found[row];
+    for (std::size_t i = 0; i < its.needed.size(); ++i) summary.add(its.truth(i), its.needed[i]);
+    show(its);
 }
 
 }  // namespace lostbits::measure::evaluate

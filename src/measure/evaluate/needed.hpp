@@ -8,8 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "measure/shard/share.hpp"
-#include "measure/truth/band.hpp"
+#include "measure/study/study.hpp"
 
 namespace lostbits::measure::evaluate {
 
@@ -69,20 +68,8 @@ struct NeededBand {
     [[nodiscard]] truth::Truth truth(std::size_t i) const { return band->truth(i, form->convention()); }
 };
 
-struct NeededRequest {
-    const scene::file::Scene& scene;
-    std::vector<const intersect::table::Intersector*> forms;  ///< each with `rounded` kernels
-    int bits = 12;                                            ///< B, 1 to 52
-    truth::TruthLimit limit{};
-    shard::Share share = {};  ///< share of the bands, as in `EvaluationRequest`
-    /// Called with the number of (pixel, form, width) triples done, `needed_units` in all; may throw to stop.
-    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
-};
-
-std::uint64_t needed_units(const NeededRequest& request);
-
-/// Measures the forms over one band; the results are in the order of `request.forms`. A pixel's value is the smallest P
-/// such that P and every width above it up to 53 suffice.
+/// The bits needed at each pixel of a scene, as a study (measure/study/study.hpp); a row is a form. A pixel's value is
+/// the smallest P such that P and every width above it up to 53 suffice.
 ///
 /// Correctness is not monotone in P: a narrow width may be lucky. So a proof of a value P has to test all of P…53. The
 /// scan goes from 53 down, and a pixel leaves it at the first width that fails. That costs 53 − P + 2 evaluations for a
@@ -90,12 +77,28 @@ std::uint64_t needed_units(const NeededRequest& request);
 ///
 /// As for every format, inputs are rounded to pP too. Shared inputs are binary32 numbers, so widths below 24 (for own
 /// inputs, all widths) have input error on top of the form's own rounding. The value is that of the whole pipeline at P
-/// bits.
-std::vector<NeededBand> measure_needed(const NeededRequest& request, const truth::Band& band);
+/// bits. Results do not depend on the set of forms.
+struct NeededStudy {
+    using Band = NeededBand;
+    using Summary = NeededSummary;
+    static constexpr int pixels_together = study::pixels_of_band;
 
-/// Measures the whole picture. `show` receives the bands of each form from top to bottom, different forms at the same
-/// time. Results do not depend on the number of threads or on the set of forms.
-std::vector<NeededSummary> run_needed(const NeededRequest& request,
-                                      const std::function<void(std::size_t form, const NeededBand& band)>& show = {});
+    const scene::file::Scene& scene;
+    std::vector<const intersect::table::Intersector*> rows;  ///< each with `rounded` kernels
+    int bits = 12;                                           ///< B, 1 to 52
+    truth::TruthLimit limit{};
+    shard::Share share = {};
+    /// Called with the number of (pixel, form, width) triples done, `units()` in all; may throw to stop.
+    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
+
+    [[nodiscard]] std::uint64_t units() const;
+
+    static void require() {}
+    [[nodiscard]] static NeededSummary begin(std::size_t) { return {}; }
+    /// All rows of a band. They are scanned together, since a width's inputs serve every form.
+    [[nodiscard]] std::vector<NeededBand> prepare(const truth::Band& band) const;
+    static void measure(const std::vector<NeededBand>& found, std::size_t row, NeededSummary& summary,
+                        const std::function<void(const NeededBand&)>& show);
+};
 
 }  // namespace lostbits::measure::evaluate

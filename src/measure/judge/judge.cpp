@@ -14,8 +14,8 @@
 #include "intersect/table/union_field.hpp"
 #include "measure/culling/box_tree.hpp"
 #include "measure/culling/culling.hpp"
-#include "measure/evaluate/bands.hpp"
 #include "measure/evaluate/measure_row.hpp"
+#include "measure/study/bands.hpp"
 #include "number/error.hpp"
 #include "scene/dump/number_parser.hpp"
 #include "scene/toml/counted.hpp"
@@ -51,7 +51,7 @@ std::uint64_t pixels_of(const JudgeRequest& request) {
 
 std::size_t records_of_piece(const JudgeRequest& request) {
     const int width = request.picture ? request.picture->first : 32768;
-    return static_cast<std::size_t>(request.picture ? evaluate::lines_of_band(width) : 1) *
+    return static_cast<std::size_t>(request.picture ? study::lines_of_band(width) : 1) *
            static_cast<std::size_t>(width);
 }
 

@@ -12,8 +12,8 @@
 #include "intersect/transform/transform_method.hpp"
 #include "intersect/transform/transformed_form.hpp"
 #include "measure/answer/chunk.hpp"
-#include "measure/evaluate/bands.hpp"
 #include "measure/evaluate/measure_row.hpp"
+#include "measure/study/bands.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::measure::repair {
@@ -94,7 +94,7 @@ const std::string& MendRequest::id() const { return scene ? scene->id : rays->id
 /// Some of the rays, with their truth and everything that rows with the contract and format of the request's row share.
 class Judge::Part {
 public:
-    Part(const MendRequest& request, const evaluate::Bands& bands, std::size_t k, culling::Culler& culler)
+    Part(const MendRequest& request, const study::Bands& bands, std::size_t k, culling::Culler& culler)
         : band(bands.at(k, request.limit, culler)),
           row_(request.row),
           shared_(band, {row_}, request.requirement.metrics()) {}
@@ -119,7 +119,7 @@ Judge::Judge(const MendRequest& request, const Scene* scene) : request_(request)
     }
     culler_ = std::make_unique<culling::Culler>(*scene);
     if (scene->pixels() > most_kept) return;
-    const evaluate::Bands bands(*scene);
+    const study::Bands bands(*scene);
     for (std::size_t k = 0; k < bands.size(); ++k)
         kept_.push_back(std::make_unique<Part>(request_, bands, k, *culler_));
 }
@@ -135,16 +135,15 @@ std::uint64_t Judge::rays() const { return scene_ ? scene_->pixels() : kept_.fro
 void Judge::each_part(const std::function<void(const Part&)>& act) {
     for (const auto& part : kept_) act(*part);
     if (!kept_.empty()) return;
-    const evaluate::Bands bands(*scene_);
+    const study::Bands bands(*scene_);
     for (std::size_t k = 0; k < bands.size(); ++k) act(Part(request_, bands, k, *culler_));
 }
 
-std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& rows,
-                                          const std::vector<evaluate::Show>& shows) {
-    return quality_of(rows, shows, {});
+std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& rows, const evaluate::ShowRows& show) {
+    return quality_of(rows, show, {});
 }
 
-std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& rows, const std::vector<evaluate::Show>& shows,
+std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& rows, const evaluate::ShowRows& show,
                                           const std::vector<std::unique_ptr<TapeForm>>& tapes) {
     const std::vector<const metric::Metric*> metrics = request_.requirement.metrics();
     std::vector<evaluate::FormSummary> summaries;
@@ -153,7 +152,8 @@ std::vector<RowQuality> Judge::quality_of(const std::vector<TestedForm>& rows, c
         intersect::process::in_parallel(std::size_t{0}, rows.size(), [&](std::size_t r) {
             request_.limit.stop.check();
             const auto among = tapes.empty() ? std::nullopt : answers_among_many(*tapes[r], part.rows().inputs);
-            evaluate::RowRequest asked{rows[r], metrics, shows.empty() ? evaluate::Show() : shows[r]};
+            evaluate::RowRequest asked{rows[r], metrics};
+            if (show) asked.show = [&show, r](const evaluate::BandResult& band) { show(r, band); };
             if (among) asked.answers = &*among;
             measure_row(asked, part.rows(), summaries[r]);
         });

@@ -52,10 +52,10 @@ public:
 
     /// Worth of each tape, in the order of the tapes.
     std::vector<RowQuality> quality_of(const std::vector<Tape>& tapes);
-    /// Worth of rows that have the contract and format of the request's row. `shows` is empty or has one function a
-    /// row, which is shown the row's answers.
+    /// Worth of rows that have the contract and format of the request's row. `show` receives their answers; it may be
+    /// empty.
     std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& rows,
-                                       const std::vector<evaluate::Show>& shows = {});
+                                       const evaluate::ShowRows& show = {});
     [[nodiscard]] std::uint64_t rays() const;
     [[nodiscard]] std::uint64_t tried() const { return tried_; }
 
@@ -64,8 +64,7 @@ public:
 private:
     class Part;
     Judge(const MendRequest& request, const scene::file::Scene* scene);
-    std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& rows,
-                                       const std::vector<evaluate::Show>& shows,
+    std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& rows, const evaluate::ShowRows& show,
                                        const std::vector<std::unique_ptr<tape::TapeForm>>& tapes);
     void each_part(const std::function<void(const Part&)>& act);
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 
+#include "measure/evaluate/map.hpp"
 #include "measure/speed/scene_work.hpp"
 #include "shapes/lift.hpp"
 
@@ -83,9 +84,9 @@ void measure_all(const TradeRequest& request, TradeResult& result) {
         if (same == rows.end()) rows.push_back(k.measured);
     }
     if (request.scene) {
-        const evaluate::EvaluationRequest asked{
+        const evaluate::MapStudy asked{
             .scene = request.scene, .rows = rows, .metrics = request.metrics, .limit = request.limit};
-        result.rows.push_back(evaluate::evaluate_rows(asked, {}));
+        result.rows.push_back(evaluate::run_map(asked));
         return;
     }
     for (const RaySet& set : ray_sets(request.shape))

@@ -11,6 +11,13 @@
 // - `prepare(band)`: everything that the rows of a band share, their truth above all;
 // - `measure(shared, row, summary)`: measures a row on a band, adds to its summary, and returns what sinks show.
 //
+// A study may also have
+//
+// - `scenes()`: the scenes of its rows, where rows differ in the rays that a scene makes;
+// - `prepare(band, rows)`, in place of `prepare(band)`: the rows are those whose rays are of this band;
+// - `measure(shared, row, summary, show)`: calls `show` with what sinks show, in memory that it uses again;
+// - `stages`: receives the number of truths that each stage settled; may be null.
+//
 // The driver owns the loop over bands and rows, their threads, the share of a shard, and how summaries add up.
 #pragma once
 
@@ -18,10 +25,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <numeric>
 #include <vector>
 
 #include "intersect/process/parallel.hpp"
-#include "measure/evaluate/bands.hpp"
+#include "measure/study/bands.hpp"
 #include "measure/study/sums.hpp"
 
 namespace lostbits::measure::study {
@@ -30,11 +39,54 @@ namespace lostbits::measure::study {
 template <class Study>
 using ShowBand = std::function<void(std::size_t row, const typename Study::Band& band)>;
 
+/// Rows whose rays are the same, and the scene that makes these rays.
+struct RowsOfScene {
+    std::shared_ptr<const scene::file::Scene> scene;
+    std::vector<std::size_t> rows;  ///< indices in the study
+};
+
+/// A pointer to a scene that outlives it.
+inline std::shared_ptr<const scene::file::Scene> not_owned(const scene::file::Scene& scene) {
+    return {std::shared_ptr<void>(), &scene};
+}
+
+/// The scenes of a study's rows. Without `scenes()` there is one, which must outlive the result.
 template <class S>
-concept Study = requires(const S& study, const truth::Band& band, std::size_t row, typename S::Summary& summary) {
+std::vector<RowsOfScene> scenes_of(const S& study) {
+    if constexpr (requires { study.scenes(); }) {
+        return study.scenes();
+    } else {
+        RowsOfScene all{not_owned(study.scene), std::vector<std::size_t>(study.rows.size())};
+        std::iota(all.rows.begin(), all.rows.end(), std::size_t{0});
+        return {std::move(all)};
+    }
+}
+
+/// Everything that these rows of a band share.
+template <class S>
+decltype(auto) prepared(const S& study, truth::Band& band, const std::vector<std::size_t>& rows) {
+    if constexpr (requires { study.prepare(band, rows); }) return study.prepare(band, rows);
+    else return study.prepare(band);
+}
+
+/// Measures a row on a band, adds to its summary, and shows what it found.
+template <class S, class Shared>
+void measure_row(const S& study, const Shared& shared, std::size_t row, typename S::Summary& summary,
+                 const ShowBand<S>& show) {
+    const auto show_it = [&](const typename S::Band& found) {
+        if (show) show(row, found);
+    };
+    if constexpr (requires { study.measure(shared, row, summary, show_it); })
+        study.measure(shared, row, summary, show_it);
+    else show_it(study.measure(shared, row, summary));
+}
+
+template <class S>
+concept Study = requires(const S& study, truth::Band& band, std::size_t row, typename S::Summary& summary,
+                         const ShowBand<S>& show) {
     study.require();
     { study.begin(row) } -> std::same_as<typename S::Summary>;
-    { study.measure(study.prepare(band), row, summary) } -> std::same_as<typename S::Band>;
+    measure_row(study, prepared(study, band, {}), row, summary, show);
     { S::pixels_together } -> std::convertible_to<int>;
     { study.share } -> std::convertible_to<shard::Share>;
     study.progress(band.pixels());
@@ -62,15 +114,19 @@ template <Study S>
 std::vector<typename S::Summary> run_share(const S& study, const ShowBand<S>& show = {}) {
     study.require();
     auto all = begin_all(study);
-    const evaluate::Bands bands(study.scene, study.share, S::pixels_together);
-    bands.each(truth_limit(study.limit), [&](const truth::Band& band) {
-        const auto& shared = study.prepare(band);
-        intersect::process::in_parallel(std::size_t{0}, study.rows.size(), [&](std::size_t row) {
-            const typename S::Band found = study.measure(shared, row, all[row]);
-            if (show) show(row, found);
-            study.progress(band.pixels());
+    for (const RowsOfScene& some : scenes_of(study)) {
+        const Bands bands(*some.scene, study.share, S::pixels_together);
+        bands.each(truth_limit(study.limit), [&](truth::Band& band) {
+            if constexpr (requires { *study.stages += band.stages(); })
+                if (study.stages) *study.stages += band.stages();
+            const auto& shared = prepared(study, band, some.rows);
+            intersect::process::in_parallel(std::size_t{0}, some.rows.size(), [&](std::size_t k) {
+                const std::size_t row = some.rows[k];
+                measure_row(study, shared, row, all[row], show);
+                study.progress(band.pixels());
+            });
         });
-    });
+    }
     return all;
 }
 

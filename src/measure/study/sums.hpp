@@ -34,12 +34,15 @@ inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<std::optional<T>> = true;
 
-/// Adds a part of the work to `all`, which holds the parts before it. Counts and distributions add up; lists add up
-/// item by item; of an optional, which is the first of something, the first stays. Nothing is rounded, so the sum does
-/// not depend on where parts begin. Throws std::out_of_range for lists of different sizes.
+/// Adds a part of the work to `all`, which holds the parts before it. A result with a function `append` is asked for
+/// it. Counts and distributions add up; lists add up item by item; of an optional, which is the first of something, the
+/// first stays. Nothing is rounded, so the sum does not depend on where parts begin. Throws std::out_of_range for lists
+/// of different sizes.
 template <class T>
 void add_up(T& all, T&& part) {
-    if constexpr (std::unsigned_integral<T> && !std::same_as<T, bool>) {
+    if constexpr (requires { all.append(std::move(part)); }) {
+        all.append(std::move(part));
+    } else if constexpr (std::unsigned_integral<T> && !std::same_as<T, bool>) {
         all += part;
     } else if constexpr (is_optional<T>) {
         if (!all) all = std::move(part);
@@ -52,8 +55,11 @@ void add_up(T& all, T&& part) {
             fields(with_part, part);
         };
         fields(with_all, all);
-    } else {
+    } else if constexpr (requires { all.add(part); }) {
         all.add(part);
+    } else {
+        static_assert(!std::is_arithmetic_v<T>, "sums of rounded numbers depend on their order");
+        all += part;
     }
 }
 

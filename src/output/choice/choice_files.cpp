@@ -18,6 +18,17 @@ using measure::choice::RowQuality;
 using table::Table;
 using table::when;
 
+ChoiceResult choose_among(const measure::choice::ChoiceRequest& request, const std::vector<Candidate>& all,
+                          measure::choice::TimedRays timed) {
+    ChoiceResult chosen{request, all, timed, cheapest(all, request.requirement)};
+    measure::choice::ChoiceRequest quiet = request;
+    quiet.show = {};
+    quiet.progress = [](std::uint64_t) {};
+    if (chosen.meets) chosen.margins = margins_of(quiet, all[*chosen.meets].row);
+    else chosen.obstacle = find_obstacle(quiet, all[*nearest(all, request.requirement)].row);
+    return chosen;
+}
+
 Table<RowQuality> quality_columns() {
     return {
         {"rays", "integer", "", "rays whose truth is known", &RowQuality::rays},

@@ -47,6 +47,11 @@ struct ChoiceResult {
     }
 };
 
+/// Chooses among measured candidates. Also measures the margins of the chosen one, or what stands in the way if nothing
+/// meets the requirement. Calls neither `request.show` nor `request.progress`. The arguments must outlive the result.
+ChoiceResult choose_among(const measure::choice::ChoiceRequest& request,
+                          const std::vector<measure::choice::Candidate>& all, measure::choice::TimedRays timed);
+
 /// Bits to one decimal, or to as many as show on which side of the requirement they are: 15.96 if 16 are required.
 std::string bits_text_near(double kept, const measure::choice::Requirement& requirement);
 /// `, 0.0012 off`, with enough digits to tell it from the tolerance of the requirement; empty if there is none.

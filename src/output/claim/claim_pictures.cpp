@@ -6,6 +6,7 @@
 #include <set>
 
 #include "measure/claim/claim_columns.hpp"
+#include "measure/evaluate/map.hpp"
 #include "output/attribution/explain_text.hpp"
 #include "output/consistency/consistency_files.hpp"
 #include "output/file/escape.hpp"
@@ -91,14 +92,14 @@ std::string picture_of(const SceneSubject& on, const ShownSubject& shown) {
             text += fmt::format("```\n{}```\n", attribution::march_table(*row.form, row.format, ray));
         return text;
     }
-    const measure::evaluate::EvaluationRequest request{.scene = &scene,
-                                                       .rows = rows,
-                                                       .metrics = {measure::metric::find_metric("lost_bits")},
-                                                       .limit = {.stop = shown.run.stop}};
+    const measure::evaluate::MapStudy request{.scene = &scene,
+                                              .rows = rows,
+                                              .metrics = {measure::metric::find_metric("lost_bits")},
+                                              .limit = {.stop = shown.run.stop}};
     const std::string file = scene.id + ".png";
     map::MapFiles sheet(
         request, {.folder = {}, .drawn = request.metrics, .named = scene.id, .sheet_alone = picture_path(shown, file)});
-    sheet.finish(measure::evaluate::evaluate_rows(request, sheet.shows()));
+    sheet.finish(measure::evaluate::run_map(request, sheet.show()));
     return picture_link(shown, scene.title, file);
 }
 

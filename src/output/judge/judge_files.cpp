@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "measure/evaluate/map.hpp"
 #include "measure/judge/worst_rays.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/map/map_files.hpp"
@@ -149,7 +150,7 @@ struct JudgeFiles::Parts {
     const JudgeRequest& request;
     JudgeFilesOptions options;
     scene::file::Scene scene;
-    measure::evaluate::EvaluationRequest map_request = {};
+    measure::evaluate::MapStudy map_request = {};
     std::optional<map::MapFiles> map = {};
     std::optional<file::AtomicFile> worst = {};
     std::vector<std::unique_ptr<RowParts>> rows = {};
@@ -187,8 +188,8 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
                                                       .keep = p.keep_of_map(),
                                                       .by = request.by ? dump.layout().kept()[*request.by] : ""});
     if (p.options.worst > 0 && !p.options.keep) p.worst.emplace(p.options.folder / "worst.toml");
-    const auto shows = p.map->shows();
-    for (std::size_t r = 0; r < shows.size(); ++r) p.rows[r]->send_to(shows[r]);
+    for (std::size_t r = 0; r < p.rows.size(); ++r)
+        p.rows[r]->send_to([show = p.map->show(), r](const measure::evaluate::BandResult& band) { show(r, band); });
 }
 
 JudgeFiles::~JudgeFiles() = default;

@@ -13,8 +13,8 @@
 namespace lostbits::output::map {
 
 using measure::answer::Outcome;
-using measure::evaluate::EvaluationRequest;
 using measure::evaluate::FormSummary;
+using measure::evaluate::MapStudy;
 
 namespace {
 
@@ -33,7 +33,7 @@ std::string bits_text(double kept) {
 /// The better form comes first.
 std::pair<std::uint64_t, double> rank_of(const FoundForm& form) { return {form.summary->wrong_count(), -form.kept}; }
 
-std::vector<FoundForm> forms_of(const EvaluationRequest& request, const std::vector<FormSummary>& summaries) {
+std::vector<FoundForm> forms_of(const MapStudy& request, const std::vector<FormSummary>& summaries) {
     const std::size_t lost = measure::metric::index_of(request.metrics, "lost_bits");
     std::vector<FoundForm> forms;
     for (std::size_t r = 0; r < summaries.size() && lost < request.metrics.size(); ++r) {
@@ -75,7 +75,7 @@ std::string wrong_decision_text(const FormSummary& s) {
     return fmt::format("decides {} wrongly", count_and_share_text(wrong, s.rays, "rays"));
 }
 
-std::string finding_in_words(const EvaluationRequest& request, const std::vector<FormSummary>& summaries) {
+std::string finding_in_words(const MapStudy& request, const std::vector<FormSummary>& summaries) {
     const auto forms = forms_of(request, summaries);
     if (forms.empty()) return "";
     const auto [first, last] = std::ranges::minmax_element(forms, {}, rank_of);

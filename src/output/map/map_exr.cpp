@@ -183,7 +183,7 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
         parts.back().spec.attributes.emplace_back("lostbits:truths", pixel::numbered(measure::truth::decision_names));
     }
     if (request.needed) {
-        for (const intersect::table::Intersector* form : request.needed->forms) {
+        for (const intersect::table::Intersector* form : request.needed->rows) {
             needed_.push_back(form->info);
             parts.push_back(needed_part(request, *form->info));
         }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/evaluate/needed.hpp"
 #include "output/image/colour.hpp"
 #include "output/image/exr_book.hpp"
@@ -21,10 +21,10 @@ using pixel::ExrRows;
 
 /// Values to write, and the command that measured them.
 struct MapExrRequest {
-    const measure::evaluate::EvaluationRequest& map;
-    std::vector<const measure::metric::Metric*> layers;        ///< a selection of the map's metrics
-    std::string command;                                       ///< the command that makes the file again
-    const measure::evaluate::NeededRequest* needed = nullptr;  ///< null: bits needed are not asked for
+    const measure::evaluate::MapStudy& map;
+    std::vector<const measure::metric::Metric*> layers;      ///< a selection of the map's metrics
+    std::string command;                                     ///< the command that makes the file again
+    const measure::evaluate::NeededStudy* needed = nullptr;  ///< null: bits needed are not asked for
 };
 
 /// A band and the preview of all its pixels, which a part takes.

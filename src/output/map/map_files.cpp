@@ -16,8 +16,8 @@
 namespace lostbits::output::map {
 
 using measure::evaluate::BandResult;
-using measure::evaluate::EvaluationRequest;
 using measure::evaluate::FormSummary;
+using measure::evaluate::MapStudy;
 using measure::evaluate::TestedForm;
 
 namespace {
@@ -34,7 +34,7 @@ std::vector<image::Rgb8> outcomes_of(const BandResult& result) {
 }  // namespace
 
 struct MapFiles::Parts {
-    const EvaluationRequest& request;
+    const MapStudy& request;
     MapFilesOptions options;
     std::optional<MapPictures> pictures = {};
     std::deque<MapRowFiles> rows = {};
@@ -76,7 +76,7 @@ struct MapFiles::Parts {
     }
 };
 
-MapFiles::MapFiles(const EvaluationRequest& request, const MapFilesOptions& options)
+MapFiles::MapFiles(const MapStudy& request, const MapFilesOptions& options)
     : parts_(new Parts{.request = request, .options = options}) {
     Parts& p = *parts_;
     // Check before an hour of work is spent.
@@ -97,7 +97,7 @@ MapFiles::MapFiles(const EvaluationRequest& request, const MapFilesOptions& opti
 
 MapFiles::~MapFiles() = default;
 
-std::vector<measure::evaluate::Show> MapFiles::shows() { return measure::evaluate::shown_to_each(parts_->rows); }
+measure::evaluate::ShowRows MapFiles::show() { return measure::evaluate::shown_to_each(parts_->rows); }
 
 void MapFiles::put(std::size_t row, pixel::Piece&& piece) { parts_->rows.at(row).put(piece); }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/map.hpp"
 #include "output/file/csv.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/map_exr.hpp"
@@ -42,13 +42,13 @@ struct MapFilesOptions {
 /// names in `finish`. If it is destroyed without `finish`, nothing has a final name.
 class MapFiles {
 public:
-    MapFiles(const measure::evaluate::EvaluationRequest& request, const MapFilesOptions& options);
+    MapFiles(const measure::evaluate::MapStudy& request, const MapFilesOptions& options);
     ~MapFiles();
     MapFiles(const MapFiles&) = delete;
     MapFiles& operator=(const MapFiles&) = delete;
 
-    /// Functions that take the bands of each row of the request, in its order.
-    [[nodiscard]] std::vector<measure::evaluate::Show> shows();
+    /// Returns the function that takes the bands of the request's rows.
+    [[nodiscard]] measure::evaluate::ShowRows show();
     /// Writes the next piece of a row, which another run kept.
     void put(std::size_t row, pixel::Piece&& piece);
     void finish(const std::vector<measure::evaluate::FormSummary>& summaries,

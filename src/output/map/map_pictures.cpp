@@ -19,8 +19,8 @@ namespace lostbits::output::map {
 
 using measure::answer::Outcome;
 using measure::evaluate::BandResult;
-using measure::evaluate::EvaluationRequest;
 using measure::evaluate::FormSummary;
+using measure::evaluate::MapStudy;
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
@@ -39,7 +39,7 @@ std::string file_word(const Metric& metric) {
     return word;
 }
 
-std::vector<MapSheet> sheets_of(const EvaluationRequest& request, const MapFilesOptions& options) {
+std::vector<MapSheet> sheets_of(const MapStudy& request, const MapFilesOptions& options) {
     std::vector<MapSheet> sheets;
     for (const Metric* m : options.drawn) {
         const auto draws = [m](const TestedForm& row) {
@@ -56,7 +56,7 @@ std::vector<MapSheet> sheets_of(const EvaluationRequest& request, const MapFiles
 
 }  // namespace
 
-MapPictures::MapPictures(const EvaluationRequest& request, const MapFilesOptions& options)
+MapPictures::MapPictures(const MapStudy& request, const MapFilesOptions& options)
     : request_(request),
       options_(options),
       lost_(index_of(request.metrics, measure::metric::find_metric("lost_bits"))),

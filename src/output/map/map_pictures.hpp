@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/map.hpp"
 #include "number/format.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/pixel/columns.hpp"
@@ -71,7 +71,7 @@ struct MapSheet {
 class MapPictures {
 public:
     /// Both arguments must outlive the object.
-    MapPictures(const measure::evaluate::EvaluationRequest& request, const MapFilesOptions& options);
+    MapPictures(const measure::evaluate::MapStudy& request, const MapFilesOptions& options);
 
     /// Files of the columns. The first picture of a row is also its preview.
     [[nodiscard]] pixel::ColumnFiles<measure::evaluate::BandResult>& files() { return files_; }
@@ -97,7 +97,7 @@ private:
     [[nodiscard]] pixel::SheetEnd end_of(std::size_t sheet,
                                          const std::vector<measure::evaluate::FormSummary>& summaries) const;
 
-    const measure::evaluate::EvaluationRequest& request_;
+    const measure::evaluate::MapStudy& request_;
     const MapFilesOptions& options_;
     std::size_t lost_,
         excess_;  ///< indices of metrics in the request; `excess_` is the number of metrics without an envelope

@@ -17,7 +17,7 @@ using file::Cell;
 using intersect::Info;
 using measure::answer::Outcome;
 using measure::evaluate::NeededBand;
-using measure::evaluate::NeededRequest;
+using measure::evaluate::NeededStudy;
 using measure::evaluate::NeededSummary;
 using measure::evaluate::WidthCounts;
 using measure::metric::Statistic;
@@ -47,10 +47,10 @@ pixel::PixelValue pixel_of(double needed) {
 using NeededColumns = pixel::ColumnFiles<NeededBand>;
 
 /// One picture per form.
-NeededColumns pictures_of(const NeededRequest& request, const NeededFilesOptions& options) {
+NeededColumns pictures_of(const NeededStudy& request, const NeededFilesOptions& options) {
     const auto look = std::make_shared<const pixel::Look>(needed_look());
     std::vector<pixel::PixelColumn<NeededBand>> columns;
-    for (const intersect::table::Intersector* form : request.forms)
+    for (const intersect::table::Intersector* form : request.rows)
         columns.push_back(
             {{.file = stem(*form->info) + ".png",
               .title = fmt::format("{}: significand bits needed for {} correct {}", form->info->name, request.bits,
@@ -139,14 +139,14 @@ using NeededFormFiles = pixel::RowFiles<NeededBand, NeededPixel>;
 }  // namespace
 
 struct NeededFiles::Parts {
-    const NeededRequest& request;
+    const NeededStudy& request;
     NeededFilesOptions options;
     std::optional<table::TableFile<NeededRow>> table = {};
     NeededColumns pictures = pictures_of(request, options);
     std::vector<std::unique_ptr<NeededFormFiles>> forms = {};
 
     void add_form(std::size_t place) {
-        const Info& form = *request.forms[place]->info;
+        const Info& form = *request.rows[place]->info;
         std::unique_ptr<table::TableFile<NeededPixel>> pixels;
         if (options.pixels_csv)
             pixels = std::make_unique<table::TableFile<NeededPixel>>(
@@ -169,18 +169,20 @@ struct NeededFiles::Parts {
     }
 };
 
-NeededFiles::NeededFiles(const NeededRequest& request, const NeededFilesOptions& options)
+NeededFiles::NeededFiles(const NeededStudy& request, const NeededFilesOptions& options)
     : parts_(new Parts{request, options}) {
     if (!options.keep)
         parts_->table.emplace(
             options.folder, "needed.csv",
             fmt::format("One row per form: significand bits needed for {} correct bits", request.bits), needed_table());
-    for (std::size_t form = 0; form < request.forms.size(); ++form) parts_->add_form(form);
+    for (std::size_t form = 0; form < request.rows.size(); ++form) parts_->add_form(form);
 }
 
 NeededFiles::~NeededFiles() = default;
 
-void NeededFiles::band(std::size_t form, const NeededBand& result) { parts_->forms.at(form)->band(result); }
+measure::study::ShowBand<NeededStudy> NeededFiles::show() {
+    return [this](std::size_t form, const NeededBand& result) { parts_->forms.at(form)->band(result); };
+}
 
 std::vector<file::DataResource> NeededFiles::resources() const {
     std::vector<file::DataResource> resources;
@@ -197,7 +199,7 @@ void NeededFiles::finish(const std::vector<NeededSummary>& summaries) {
     p.pictures.writer().finish();
     for (std::size_t f = 0; f < p.forms.size(); ++f) {
         if (auto& pixels = p.forms[f]->table()) pixels->close();
-        p.table->add({p.request.forms[f]->info->name, p.request.bits, &summaries[f], summaries[f].all()});
+        p.table->add({p.request.rows[f]->info->name, p.request.bits, &summaries[f], summaries[f].all()});
     }
     p.table->close();
 }

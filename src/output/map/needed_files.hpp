@@ -28,13 +28,13 @@ struct NeededFilesOptions {
 /// which closes the EXR and whose summary.csv marks the folder as complete.
 class NeededFiles {
 public:
-    NeededFiles(const measure::evaluate::NeededRequest& request, const NeededFilesOptions& options);
+    NeededFiles(const measure::evaluate::NeededStudy& request, const NeededFilesOptions& options);
     ~NeededFiles();
     NeededFiles(const NeededFiles&) = delete;
     NeededFiles& operator=(const NeededFiles&) = delete;
 
-    /// Takes the next band of a form.
-    void band(std::size_t form, const measure::evaluate::NeededBand& result);
+    /// Returns the function that takes the bands of the forms.
+    [[nodiscard]] measure::study::ShowBand<measure::evaluate::NeededStudy> show();
     /// Writes the next piece of a form, which another run kept.
     void put(std::size_t form, pixel::Piece&& piece);
     /// Tables for the folder's datapackage.json.

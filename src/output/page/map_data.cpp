@@ -18,7 +18,7 @@ namespace lostbits::output::page {
 
 using intersect::Direction;
 using measure::evaluate::BandResult;
-using measure::evaluate::EvaluationRequest;
+using measure::evaluate::MapStudy;
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
@@ -75,7 +75,7 @@ private:
 
 class MapData::Row {
 public:
-    Row(const EvaluationRequest& request, const TestedForm& row, std::size_t n, std::size_t group, Group* filled)
+    Row(const MapStudy& request, const TestedForm& row, std::size_t n, std::size_t group, Group* filled)
         : row_(row),
           group_(group),
           filled_(filled),
@@ -165,7 +165,7 @@ private:
     std::vector<Stored> stored_;
 };
 
-MapData::MapData(const EvaluationRequest& request) : request_(request) {
+MapData::MapData(const MapStudy& request) : request_(request) {
     const std::size_t n = request.scene->pixels();
     for (const TestedForm& row : request.rows) {
         const auto found =
@@ -179,10 +179,8 @@ MapData::MapData(const EvaluationRequest& request) : request_(request) {
 
 MapData::~MapData() = default;
 
-std::vector<measure::evaluate::Show> MapData::shows() {
-    std::vector<measure::evaluate::Show> all;
-    for (const auto& row : rows_) all.push_back([&row](const BandResult& result) { row->band(result); });
-    return all;
+measure::evaluate::ShowRows MapData::show() {
+    return [this](std::size_t row, const BandResult& result) { rows_.at(row)->band(result); };
 }
 
 namespace {
@@ -222,7 +220,7 @@ const char* coding_name(const Format& format) {
     return "plain64";
 }
 
-Json summary_json(const EvaluationRequest& request, const TestedForm& row, const measure::evaluate::FormSummary& s,
+Json summary_json(const MapStudy& request, const TestedForm& row, const measure::evaluate::FormSummary& s,
                   std::size_t group, const std::string& named) {
     Json statistics = Json::object();
     for (std::size_t m = 0; m < request.metrics.size(); ++m) {

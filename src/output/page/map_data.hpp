@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/map.hpp"
 #include "output/page/pack.hpp"
 #include "output/page/text.hpp"
 
@@ -31,8 +31,8 @@ inline constexpr std::size_t parts_each_way = 4;
 
 /// The output of `explain` for each ray: its sentences, and its table with a row per operation. A compiled form has no
 /// operations.
-[[nodiscard]] Json rays_json(const measure::evaluate::EvaluationRequest& request,
-                             const measure::evaluate::TestedForm& row, const std::vector<ChosenRay>& rays);
+[[nodiscard]] Json rays_json(const measure::evaluate::MapStudy& request, const measure::evaluate::TestedForm& row,
+                             const std::vector<ChosenRay>& rays);
 
 /// A packed piece of data, and the name by which the page finds it.
 struct Blob {
@@ -50,13 +50,13 @@ struct Blob {
 /// The page itself computes the metrics that are functions of t and t* alone (`derived_metrics`).
 class MapData {
 public:
-    explicit MapData(const measure::evaluate::EvaluationRequest& request);
+    explicit MapData(const measure::evaluate::MapStudy& request);
     ~MapData();
     MapData(const MapData&) = delete;
     MapData& operator=(const MapData&) = delete;
 
-    /// One per row of the request, in its order.
-    [[nodiscard]] std::vector<measure::evaluate::Show> shows();
+    /// Returns the function that takes the bands of the request's rows.
+    [[nodiscard]] measure::evaluate::ShowRows show();
 
     /// Everything but the pixels; call it after the map. `own_size`: the map has the scene's own size, so that claims
     /// are about the same rays. `named`: the scene with its size, as a command names it.
@@ -68,7 +68,7 @@ public:
 private:
     struct Group;
     class Row;
-    const measure::evaluate::EvaluationRequest& request_;
+    const measure::evaluate::MapStudy& request_;
     std::vector<std::unique_ptr<Group>> groups_;
     std::vector<std::unique_ptr<Row>> rows_;
 };

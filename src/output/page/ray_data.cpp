@@ -15,8 +15,8 @@
 namespace lostbits::output::page {
 
 using measure::attribution::Explanation;
-using measure::evaluate::EvaluationRequest;
 using measure::evaluate::FormSummary;
+using measure::evaluate::MapStudy;
 using measure::evaluate::TestedForm;
 
 namespace {
@@ -119,7 +119,7 @@ std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const f
     return all;
 }
 
-Json rays_json(const EvaluationRequest& request, const TestedForm& row, const std::vector<ChosenRay>& rays) {
+Json rays_json(const MapStudy& request, const TestedForm& row, const std::vector<ChosenRay>& rays) {
     const auto* const generator = scene::rays::generator_of(*row.form);
     const scene::file::Scene scene = generator ? with_rays(*request.scene, *generator) : *request.scene;
     std::vector<Json> explained(rays.size());

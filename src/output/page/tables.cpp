@@ -45,7 +45,7 @@ std::string caption_of(Side side) { return fmt::format("<caption>Rays {}</captio
 
 }  // namespace
 
-std::string summary_table(const measure::evaluate::EvaluationRequest& request,
+std::string summary_table(const measure::evaluate::MapStudy& request,
                           const std::vector<measure::evaluate::FormSummary>& summaries) {
     const auto columns = measure::evaluate::summary_columns(request.metrics);
     const auto value = [&](std::string_view name, const measure::evaluate::FormSummary& s) {

@@ -9,6 +9,7 @@
 #include "counts.hpp"
 #include "measure/attribution/recorded_rays.hpp"
 #include "measure/evaluate/culprit_order.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/rows.hpp"
 
 namespace lostbits::test::test_culprits {
@@ -142,7 +143,7 @@ TEST_CASE("a metric set keeps one row per label, and the row survives a move", "
 
 TEST_CASE("categories are ordered by how often they are to blame", "[culprits]") {
     const scene::file::Scene scene = test::scene_named("near-benign", std::pair{60, 40});
-    measure::evaluate::EvaluationRequest request{
+    measure::evaluate::MapStudy request{
         .scene = &scene, .rows = {}, .metrics = {find_metric("lost_bits"), find_metric("culprit")}};
     for (const Intersector& form : intersect::table::intersectors(Shape::sphere))
         request.rows.push_back({&form, *find_format("f32")});
@@ -160,7 +161,7 @@ TEST_CASE("categories are ordered by how often they are to blame", "[culprits]")
     std::ranges::sort(b);
     CHECK(a == b);
     // The picture is small enough to be its own small picture.
-    const auto summaries = measure::evaluate::evaluate_rows(request, {});
+    const auto summaries = measure::evaluate::run_map(request);
     std::vector<std::uint64_t> total(after->categories.size());
     for (const measure::evaluate::FormSummary& s : summaries) {
         for (std::size_t c = 0; c < total.size(); ++c) total[c] += s.categories[1][c];

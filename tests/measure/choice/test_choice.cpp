@@ -6,6 +6,7 @@
 #include "catch.hpp"
 #include "measure/choice/candidates.hpp"
 #include "measure/choice/margin.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/rows.hpp"
 #include "output/choice/choice_files.hpp"
 #include "scene/file/scene.hpp"
@@ -63,8 +64,7 @@ TEST_CASE("every row is timed on rays of the scene and has the accuracy that a m
     CHECK(timed.rays > 1000);
     for (const Candidate& c : all) CHECK(c.time.median > 0);
     const auto* const lost = measure::metric::find_metric("lost_bits");
-    const auto summaries = measure::evaluate::evaluate_rows({.scene = &scene, .rows = request.rows, .metrics = {lost}},
-                                                            {nullptr, nullptr});
+    const auto summaries = measure::evaluate::run_map({.scene = &scene, .rows = request.rows, .metrics = {lost}});
     for (std::size_t r = 0; r < all.size(); ++r) {
         CHECK(all[r].quality.wrong == summaries[r].wrong_count());
         CHECK(all[r].quality.hits == summaries[r].true_hits);

@@ -6,6 +6,7 @@
 #include "measure/choice/file_rays.hpp"
 #include "measure/choice/margin.hpp"
 #include "measure/choice/obstacle.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/rows.hpp"
 #include "measure/study/study.hpp"
 #include "number/error.hpp"
@@ -271,7 +272,7 @@ TEST_CASE("obstacles: format, problem and formula are told apart") {
     CHECK(loses.cause == Obstacle::Cause::formula);
     const Scene thin = with_smaller_picture(benign, 2048);
     const auto* const inherent = measure::metric::find_metric("inherent_bits");
-    const auto map = measure::evaluate::evaluate_rows({.scene = &thin, .rows = {lossy}, .metrics = {inherent}}, {});
+    const auto map = measure::evaluate::run_map({.scene = &thin, .rows = {lossy}, .metrics = {inherent}});
     CHECK(loses.inherent_kept == 24 - map.front().metrics[0].quantile(0.99));
     CHECK(loses.exact.kept_bits == 53);
     // Seen from 4100 radii, the quadratic formula decides wrongly what exact arithmetic decides correctly.

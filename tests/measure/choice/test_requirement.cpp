@@ -4,6 +4,7 @@
 
 #include "catch.hpp"
 #include "measure/choice/requirement_map.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/rows.hpp"
 #include "scene/file/scene.hpp"
 
@@ -42,9 +43,9 @@ struct Kept {
 std::vector<Kept> maps_of(const scene::file::Scene& scene, const std::vector<TestedForm>& rows) {
     std::vector<Kept> kept(rows.size());
     for (std::size_t r = 0; r < rows.size(); ++r) {
-        measure::evaluate::evaluate_rows(
+        measure::evaluate::run_map(
             {.scene = &scene, .rows = {rows[r]}, .metrics = {measure::metric::find_metric("lost_bits")}},
-            {[&one = kept[r]](const auto& band) { one.band(band); }});
+            [&one = kept[r]](std::size_t, const auto& band) { one.band(band); });
     }
     return kept;
 }
@@ -61,7 +62,7 @@ Asked require(const scene::file::Scene& scene, const std::vector<TestedForm>& ro
     Asked asked{.request = {.scene = &scene, .rows = rows, .untimed = untimed}, .all = {}, .requirement_map = {}};
     asked.request.requirement.bits = bits;
     MetPixelsByForm meetings(asked.request, rows);
-    asked.request.shows = meetings.shows();
+    asked.request.show = meetings.show();
     const auto quality = quality_of(asked.request);
     for (std::size_t r = 0; r < rows.size(); ++r) {
         asked.all.push_back({.row = rows[r], .quality = quality[r]});

@@ -6,6 +6,7 @@
 #include "measure/choice/candidates.hpp"
 #include "measure/claim/claim.hpp"
 #include "measure/consistency/consistency.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/evaluate/needed.hpp"
 #include "measure/judge/judge.hpp"
 #include "measure/offset/offsets.hpp"
@@ -38,11 +39,10 @@ scene::file::Scene scene_named(const std::string& name, StopToken stop = {}) {
 }
 
 std::vector<FormSummary> mapped(const scene::file::Scene& scene, const Metric& metric, StopToken stop) {
-    return measure::evaluate::evaluate_rows({.scene = &scene,
-                                             .rows = {test::row("sphere.schoolbook", "f32")},
-                                             .metrics = {&metric},
-                                             .limit = {.stop = stop}},
-                                            {});
+    return measure::evaluate::run_map({.scene = &scene,
+                                       .rows = {test::row("sphere.schoolbook", "f32")},
+                                       .metrics = {&metric},
+                                       .limit = {.stop = stop}});
 }
 
 }  // namespace
@@ -99,9 +99,9 @@ TEST_CASE("every computation stops where its own request says so") {
     measure::speed::TimedWork pass{.pass = [] {}, .items = 1, .warm = false};
     namespace m = measure;
     const std::pair<const char*, std::function<void()>> all[] = {
-        {"map",
-         [&] { m::evaluate::evaluate_rows({.scene = &scene, .rows = rows, .metrics = metrics, .limit = limit}, {}); }},
-        {"needed", [&] { m::evaluate::run_needed({.scene = scene, .forms = {row.form}, .limit = limit}); }},
+        {"map", [&] { m::evaluate::run_map({.scene = &scene, .rows = rows, .metrics = metrics, .limit = limit}); }},
+        {"needed",
+         [&] { m::study::run_study(m::evaluate::NeededStudy{.scene = scene, .rows = {row.form}, .limit = limit}); }},
         {"render",
          [&] {
              m::study::run_study(m::picture::RenderStudy{
@@ -127,7 +127,7 @@ TEST_CASE("every computation stops where its own request says so") {
          [&] {
              m::judge::run_judge(
                  *rays,
-                 {.primitives = {Sphere<double>{{0, 0, 0}, 1}}, .rows = rows, .metrics = metrics, .limit = limit}, {});
+                 {.primitives = {Sphere<double>{{0, 0, 0}, 1}}, .rows = rows, .metrics = metrics, .limit = limit});
          }},
         {"a file of rays", [&] { open(stop); }},
         {"a flake", [&] { static_cast<void>(scene_named("sphereflake-near", stop).primitives()); }},

@@ -3,7 +3,7 @@
 
 #include "catch.hpp"
 #include "measure/answer/one_ray.hpp"
-#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/rows.hpp"
 #include "number/real.hpp"
 
@@ -11,7 +11,7 @@ namespace lostbits::test::test_march {
 
 using intersect::Stop;
 using measure::answer::OneRay;
-using measure::evaluate::EvaluationRequest;
+using measure::evaluate::MapStudy;
 
 namespace {
 
@@ -63,11 +63,11 @@ private:
 
 TEST_CASE("input, model and rounding error of a march sum to its total error", "[measure][march]") {
     const auto scene = scene_of("sdf-union", 24);
-    EvaluationRequest request{.scene = &scene, .rows = marches(scene, {"f32", "f64", "bf16"}), .metrics = {}};
+    MapStudy request{.scene = &scene, .rows = marches(scene, {"f32", "f64", "bf16"}), .metrics = {}};
     for (const char* name : {"ulp_error", "model_error", "rounding_error", "input_error", "iterations", "stop"})
         request.metrics.push_back(measure::metric::find_metric(name));
     std::vector<Checker> checkers(request.rows.size(), Checker(scene.march->max_steps));
-    const auto summaries = measure::evaluate::evaluate_rows(request, measure::evaluate::shown_to_each(checkers));
+    const auto summaries = measure::evaluate::run_map(request, measure::evaluate::shown_to_each(checkers));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         INFO(request.rows[r].form->info->name << " in " << request.rows[r].format.name << ", without a value "
                                               << checkers[r].without_self);
@@ -83,12 +83,11 @@ TEST_CASE("input, model and rounding error of a march sum to its total error", "
 
 TEST_CASE("forms that do not march have no march metrics", "[measure][march]") {
     const auto scene = scene_of("sdf-sphere", 16);
-    EvaluationRequest request{
-        .scene = &scene,
-        .rows = {{&intersect::table::intersectors().front(), *find_format("f32")}},
-        .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("iterations"),
-                    measure::metric::find_metric("stop")}};
-    const auto summary = std::move(measure::evaluate::evaluate_rows(request, {}).front());
+    MapStudy request{.scene = &scene,
+                     .rows = {{&intersect::table::intersectors().front(), *find_format("f32")}},
+                     .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("iterations"),
+                                 measure::metric::find_metric("stop")}};
+    const auto summary = std::move(measure::evaluate::run_map(request).front());
     CHECK(summary.metrics[0].count() > 0);
     CHECK(summary.metrics[1].count() == 0);
     CHECK(summary.categories[2] == std::vector<std::uint64_t>(intersect::stop_names.size(), 0));
@@ -96,9 +95,9 @@ TEST_CASE("forms that do not march have no march metrics", "[measure][march]") {
 
 TEST_CASE("refining the answer removes the model error", "[measure][march]") {
     const auto scene = scene_of("sdf-sphere", 24);
-    EvaluationRequest request{
+    MapStudy request{
         .scene = &scene, .rows = marches(scene, {"f64"}), .metrics = {measure::metric::find_metric("model_error")}};
-    const auto summaries = measure::evaluate::evaluate_rows(request, {});
+    const auto summaries = measure::evaluate::run_map(request);
     const double plain = summaries[0].metrics[0].quantile(0.5);
     int refined = 0;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {

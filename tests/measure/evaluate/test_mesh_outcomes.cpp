@@ -7,7 +7,7 @@
 
 #include "catch.hpp"
 #include "intersect/process/parallel.hpp"
-#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/rows.hpp"
 #include "number/real.hpp"
 #include "scene/file/scene.hpp"
@@ -167,7 +167,7 @@ TEST_CASE("outcomes of meshes agree with triangles asked one by one", "[outcome]
     for (const auto& scene :
          {smaller("mesh-icosphere-edges", {{"mesh[0].levels", "2"}}), smaller("mesh-grid-vertices", {}),
           smaller("mesh-tube-far", {{"mesh[0].along", "16"}}), smaller("mesh-sheets-far", {})}) {
-        measure::evaluate::EvaluationRequest request{
+        measure::evaluate::MapStudy request{
             .scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("lost_bits")}};
         for (const char* form : {"triangle.undivided", "triangle.plucker", "triangle.baldwin_weber",
                                  "triangle.havel_herout", "triangle.filtered"})
@@ -175,7 +175,7 @@ TEST_CASE("outcomes of meshes agree with triangles asked one by one", "[outcome]
         std::vector<Recount> again;
         const MetPixelsByForm meetings(scene);
         for (const auto& row : request.rows) again.emplace_back(row, meetings);
-        const auto summaries = measure::evaluate::evaluate_rows(request, measure::evaluate::shown_to_each(again));
+        const auto summaries = measure::evaluate::run_map(request, measure::evaluate::shown_to_each(again));
         for (std::size_t r = 0; r < again.size(); ++r) {
             INFO(scene.id << ", " << request.rows[r].form->info->name);
             CHECK(again[r].wrong == 0);
@@ -193,9 +193,9 @@ TEST_CASE("outcomes of meshes agree with triangles asked one by one", "[outcome]
 namespace {
 
 measure::evaluate::FormSummary summary_of(const scene::file::Scene& scene, const char* form) {
-    const measure::evaluate::EvaluationRequest request{
+    const measure::evaluate::MapStudy request{
         .scene = &scene, .rows = {test::row(form, "f32")}, .metrics = {measure::metric::find_metric("lost_bits")}};
-    return std::move(measure::evaluate::evaluate_rows(request, {}).front());
+    return std::move(measure::evaluate::run_map(request).front());
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "catch.hpp"
-#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/evaluate/needed.hpp"
 #include "measure/rows.hpp"
 #include "scene/file/scene.hpp"
@@ -35,10 +35,10 @@ struct Collected {
 
 std::vector<Collected> map_of(const scene::file::Scene& scene, const intersect::table::Intersector& form,
                               const std::vector<std::string>& formats) {
-    EvaluationRequest request{.scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("correct_bits")}};
+    MapStudy request{.scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("correct_bits")}};
     for (const auto& f : formats) request.rows.push_back({&form, *find_format(f)});
     std::vector<Collected> all(formats.size());
-    evaluate_rows(request, shown_to_each(all));
+    run_map(request, shown_to_each(all));
     return all;
 }
 
@@ -54,7 +54,8 @@ std::vector<double> needed_of(const scene::file::Scene& scene, const intersect::
     const auto keep = [&values](std::size_t, const NeededBand& r) {
         values.insert(values.end(), r.needed.begin(), r.needed.end());
     };
-    const auto summaries = run_needed({.scene = scene, .forms = {&form}, .bits = bits}, keep);
+    const auto summaries =
+        measure::study::run_study(NeededStudy{.scene = scene, .rows = {&form}, .bits = bits}, {keep});
     if (summary) *summary = summaries.front();
     return values;
 }
@@ -118,12 +119,12 @@ TEST_CASE("bits needed do not depend on other forms in the run", "[needed]") {
                                                                   &test::form_named("sphere.unified")};
     std::vector<std::vector<double>> together(3);
     std::uint64_t done = 0;
-    NeededRequest request{.scene = scene, .forms = forms, .bits = 16};
+    NeededStudy request{.scene = scene, .rows = forms, .bits = 16};
     request.progress = [&done](std::uint64_t n) { done += n; };
-    run_needed(request, [&together](std::size_t form, const NeededBand& r) {
-        together[form].insert(together[form].end(), r.needed.begin(), r.needed.end());
-    });
-    CHECK(done == needed_units(request));
+    measure::study::run_study(request, {[&together](std::size_t form, const NeededBand& r) {
+                                  together[form].insert(together[form].end(), r.needed.begin(), r.needed.end());
+                              }});
+    CHECK(done == request.units());
     for (std::size_t f = 0; f < forms.size(); ++f) CHECK(together[f] == needed_of(scene, *forms[f], 16));
 }
 
@@ -179,7 +180,7 @@ TEST_CASE("a ray without a proved truth has no width, and is counted apart", "[n
     REQUIRE(band.truth(0, intersect::Touching::hit).decision == Truth::Decision::unresolved);
     const scene::file::Scene none;  // the band has its rays
     const auto results =
-        measure_needed({.scene = none, .forms = {&test::form_named("sphere.unified")}, .bits = 12}, band);
+        NeededStudy{.scene = none, .rows = {&test::form_named("sphere.unified")}, .bits = 12}.prepare(band);
     CHECK(std::isnan(results[0].needed[0]));
     CHECK(results[0].needed[1] <= most_width);
     NeededSummary summary;

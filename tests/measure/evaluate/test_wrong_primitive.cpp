@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "catch.hpp"
-#include "measure/evaluate/evaluate.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/evaluate/summary_columns.hpp"
 #include "measure/rows.hpp"
 #include "scene/file/scene.hpp"
@@ -37,13 +37,13 @@ public:
 
 TEST_CASE("a hit of the wrong primitive is not an agreed hit, and its error is not measured", "[outcome]") {
     const auto scene = test::load("rtg-fig-7-6-far", 96, 96);
-    const measure::evaluate::EvaluationRequest request{
+    const measure::evaluate::MapStudy request{
         .scene = &scene,
         .rows = {test::row("sphere.schoolbook", "f32"), test::row("sphere.schoolbook", "f64")},
         .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("ulp_error")}};
     std::array<Recount, 2> counts;
     const auto& [single, wide] = counts;
-    const auto summaries = measure::evaluate::evaluate_rows(request, measure::evaluate::shown_to_each(counts));
+    const auto summaries = measure::evaluate::run_map(request, measure::evaluate::shown_to_each(counts));
     CHECK(single.wrong > 500);
     CHECK(wide.wrong == 0);
     CHECK(single.mistaken + wide.mistaken == 0);

@@ -7,6 +7,7 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "measure/answer/answers.hpp"
+#include "measure/evaluate/map.hpp"
 #include "measure/judge/files_of_answers.hpp"
 #include "measure/judge/worst_rays.hpp"
 #include "measure/rows.hpp"
@@ -33,7 +34,7 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
     for (const char* name : forms) {
         INFO(scene_id << ": " << name);
         const evaluate::TestedForm row = test::row(name, format);
-        const auto expected = evaluate::evaluate_rows({.scene = &scene, .rows = {row}, .metrics = all_metrics}, {});
+        const auto expected = evaluate::run_map({.scene = &scene, .rows = {row}, .metrics = all_metrics});
 
         const scene::rays::RayBlock rays = scene::rays::make_shared_rays(scene, 0, scene.height);
         std::optional<intersect::MarchConstants<double>> march;
@@ -310,8 +311,8 @@ TEST_CASE("decisions without a t have outcomes and no errors") {
     const judge::FileForm form("a b.c", Shape::sphere, decides);
     CHECK(form.form().info->name == "file.a_b_c");
     const auto s = std::move(
-        judge::run_judge(
-            *dump, {.rows = {{&form.form(), dump->format()}}, .file_form = &form.form(), .metrics = all_metrics}, {})
+        judge::run_judge(*dump,
+                         {.rows = {{&form.form(), dump->format()}}, .file_form = &form.form(), .metrics = all_metrics})
             .summaries.front());
     CHECK(s.count(answer::Outcome::false_hit) + s.count(answer::Outcome::false_miss) == wrong);
     CHECK(s.count(answer::Outcome::agree_hit) + s.count(answer::Outcome::false_miss) == s.true_hits);

@@ -284,7 +284,7 @@ TEST_CASE("a map says in a sentence which form is best and which is worst", "[fi
     const auto says = [](auto... each) {
         std::vector<FormSummary> summaries;
         (summaries.push_back(std::move(each)), ...);
-        lostbits::measure::evaluate::EvaluationRequest request{
+        lostbits::measure::evaluate::MapStudy request{
             .rows = {lostbits::test::row("sphere.unified", "f32"), lostbits::test::row("sphere.schoolbook", "f32"),
                      lostbits::test::row("sphere.press", "f32")},
             .metrics = {find_metric("lost_bits")}};

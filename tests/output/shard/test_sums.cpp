@@ -3,10 +3,10 @@
 
 #include "catch.hpp"
 #include "measure/consistency/consistency.hpp"
-#include "measure/evaluate/bands.hpp"
 #include "measure/offset/offsets.hpp"
 #include "measure/picture/render.hpp"
 #include "measure/rows.hpp"
+#include "measure/study/bands.hpp"
 #include "measure/study/study.hpp"
 #include "output/shard/fields.hpp"
 
@@ -75,8 +75,8 @@ TEST_CASE("study: bands are blocks of 16 lines, and shards never split one", "[o
         run_share(study, {[&lines](std::size_t, const auto& band) { lines.push_back(band.y0 * 100 + band.rows); }});
     }
     CHECK(lines == std::vector<int>{16, 1616, 3216, 4816, 6406});
-    CHECK(measure::evaluate::lines_of_band(1024, 32768) == 32);
-    CHECK(measure::evaluate::lines_of_band(70000, 32768) == 16);
+    CHECK(measure::study::lines_of_band(1024, 32768) == 32);
+    CHECK(measure::study::lines_of_band(70000, 32768) == 16);
 }
 
 TEST_CASE("study: lists of different sizes cannot be added", "[output][study]") {

@@ -9,7 +9,7 @@
 #include "measure/shard/share.hpp"
 #include "measure/truth/band.hpp"
 
-namespace lostbits::measure::evaluate {
+namespace lostbits::measure::study {
 
 /// About how many pixels a band of a map has.
 inline constexpr int pixels_of_band = 32768;
@@ -55,4 +55,4 @@ private:
     shard::Units units_;
 };
 
-}  // namespace lostbits::measure::evaluate
+}  // namespace lostbits::measure::study

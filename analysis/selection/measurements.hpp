@@ -1,0 +1,26 @@
+// The measurements of a scene and of a sweep along axes, which the program and the library make alike.
+#pragma once
+
+#include <vector>
+
+#include "intersect/process/stop_token.hpp"
+#include "measure/evaluate/map.hpp"
+#include "measure/metric/metric_set.hpp"
+#include "measure/sweep/sweep.hpp"
+
+namespace lostbits::analysis::selection {
+
+/// The map of a scene with the metrics that are asked for, and those of every map, as far as they apply to the rows.
+/// `metric_set` owns the metrics that are made for it. The scene must outlive the result.
+measure::evaluate::MapStudy map_of(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
+                                   const std::vector<const measure::metric::Metric*>& asked,
+                                   measure::metric::MetricSet& metric_set, intersect::process::StopToken stop);
+
+/// The same for a sweep along axes, judged by the convention of its file, with three draws of random rays for the
+/// spread of onsets. The sweep must outlive the result.
+measure::sweep::SweepRequest sweep_of(const scene::sweep::SweepFile& sweep,
+                                      std::vector<measure::evaluate::TestedForm> rows,
+                                      std::vector<const measure::metric::Metric*> asked,
+                                      measure::metric::MetricSet& metric_set, intersect::process::StopToken stop);
+
+}  // namespace lostbits::analysis::selection
