@@ -8,10 +8,10 @@
 #include <set>
 
 #include "analysis/selection/external.hpp"
-#include "analysis/selection/measurements.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/shard/pieces.hpp"
+#include "analysis/study/measurements.hpp"
 #include "commands.hpp"
 #include "intersect/conventions.hpp"
 #include "measure/contract/suspect.hpp"
@@ -80,7 +80,7 @@ struct SceneWork {
 SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<TestedForm>& rows,
                   const std::vector<const Metric*>& wanted, measure::metric::MetricSet& metric_set) {
     auto its_rows = selection::fitting(rows, [&](Shapes forms) { return scene.meets(forms); });
-    SceneWork work{selection::map_of(scene, std::move(its_rows), wanted, metric_set, o.scenes.stop), {}};
+    SceneWork work{study::map_of(scene, std::move(its_rows), wanted, metric_set, o.scenes.stop), {}};
     if (o.bits_needed > 0) selection::refuse_generators(rows, "--bits");
     if (o.bits_needed > 0)
         work.needed.emplace(NeededStudy{

@@ -8,10 +8,10 @@
 #include <optional>
 
 #include "analysis/selection/external.hpp"
-#include "analysis/selection/measurements.hpp"
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/selection/sweep_options.hpp"
+#include "analysis/study/measurements.hpp"
 #include "commands.hpp"
 #include "measure/contract/suspect.hpp"
 #include "output/sweep/case_files.hpp"
@@ -78,8 +78,8 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     scene::sweep::SweepFile sweep(path, chosen.data(), selection::read_changes(chosen.o), common.stop);
     sweep.title += chosen.o.in_title();
     auto request =
-        selection::sweep_of(sweep, selection::fitting(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
-                            chosen.asked, chosen.metric_set, common.stop);
+        study::sweep_of(sweep, selection::fitting(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
+                        chosen.asked, chosen.metric_set, common.stop);
     if (chosen.o.seeds) request.further_draws = *chosen.o.seeds;
     selection::note_without_formula(chosen.asked, request.rows, common.quiet);
     output::sweep::SweepFiles::require_own_columns(request);

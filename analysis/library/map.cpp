@@ -1,6 +1,6 @@
 // Maps of a scene.
 #include "analysis/library/handles.hpp"
-#include "analysis/selection/measurements.hpp"
+#include "analysis/study/measurements.hpp"
 #include "measure/contract/suspect.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/map/map_tables.hpp"
@@ -18,7 +18,7 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& 
     std::vector<const Metric*> asked{measure::metric::find_metric("lost_bits")};
     std::ranges::copy(chosen.asked, std::back_inserter(asked));
     static_cast<void>(selection::applicable_metrics(asked, chosen.rows, "scene " + scene.id));
-    auto request = selection::map_of(scene, chosen.rows, asked, chosen.metric_set, running.stop());
+    auto request = study::map_of(scene, chosen.rows, asked, chosen.metric_set, running.stop());
     request.progress = running.advancing(scene.pixels() * request.rows.size());
 
     auto result = std::make_unique<lostbits_result>();

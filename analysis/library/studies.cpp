@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "analysis/library/handles.hpp"
-#include "analysis/selection/measurements.hpp"
 #include "analysis/selection/scenes.hpp"
+#include "analysis/study/measurements.hpp"
 #include "analysis/study/studies.hpp"
 #include "measure/attribution/culprits.hpp"
 #include "measure/choice/candidates.hpp"
@@ -33,7 +33,7 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
     chosen.keep_rows_for("sweep " + sweep.id, [&sweep](Shapes forms) { return sweep.meets(forms); });
     std::vector<const measure::metric::Metric*> asked = chosen.asked;
     for (const char* name : {"inherent_bits", "excess_bits"}) asked.push_back(measure::metric::find_metric(name));
-    auto request = selection::sweep_of(sweep, chosen.rows, std::move(asked), chosen.metric_set, running.stop());
+    auto request = study::sweep_of(sweep, chosen.rows, std::move(asked), chosen.metric_set, running.stop());
     output::sweep::SweepFiles::require_own_columns(request);
     request.progress = running.advancing(measure::sweep::sweep_units(request));
     const auto found = measure::sweep::measure_sweep(request);

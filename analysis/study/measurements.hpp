@@ -8,7 +8,7 @@
 #include "measure/metric/metric_set.hpp"
 #include "measure/sweep/sweep.hpp"
 
-namespace lostbits::analysis::selection {
+namespace lostbits::analysis::study {
 
 /// The map of a scene with the metrics that are asked for, and those of every map, as far as they apply to the rows.
 /// `metric_set` owns the metrics that are made for it. The scene must outlive the result.
@@ -23,4 +23,4 @@ measure::sweep::SweepRequest sweep_of(const scene::sweep::SweepFile& sweep,
                                       std::vector<const measure::metric::Metric*> asked,
                                       measure::metric::MetricSet& metric_set, intersect::process::StopToken stop);
 
-}  // namespace lostbits::analysis::selection
+}  // namespace lostbits::analysis::study
