@@ -180,7 +180,7 @@ const std::string head = "profile = \"timing\"\n", choice = "choose = \"far.toml
 
 }  // namespace
 
-TEST_CASE("a criterion may rest on who meets a requirement, and on ratios of times") {
+TEST_CASE("a criterion may be about the forms that meet a requirement, and about ratios of times") {
     const Scratch scratch;
     scratch.write("far.toml", scene);
     const std::vector<std::tuple<std::string, std::string, double>> rows{

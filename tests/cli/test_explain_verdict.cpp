@@ -228,7 +228,7 @@ TEST_CASE("explain: a camera ray that is NaN is blamed on the camera's operation
     CHECK_FALSE(has(text, "The input d.x"));
 }
 
-TEST_CASE("explain: an operand that an operation takes twice is listed once") {
+TEST_CASE("explain: an operand that an operation uses twice is listed once") {
     const std::string text = run("explain rtg-fig-7-3-4100-oblique --pixel 128,40 -i sphere.schoolbook+fma -f f32").out;
     INFO(text);
     const auto line = text.substr(0, text.find("Better on"));

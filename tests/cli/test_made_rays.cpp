@@ -63,7 +63,7 @@ TEST_CASE("a ray generator in the form's name and the same one in the scene give
     }
 }
 
-TEST_CASE("explain uses the ray that the ray generator makes") {
+TEST_CASE("explain uses the ray of the ray generator") {
     const auto x = nlohmann::json::parse(
         run("explain camera-far.endless --pixel 90,100 -i sphere.unified@ray-bevy -f f32 --json").out);
     const auto y = nlohmann::json::parse(

@@ -202,7 +202,7 @@ rays = [{ origin = [0, 0, -9], direction = [0, 0.3, 1] },
     }
 }
 
-TEST_CASE("paste: the rays in worst.csv of a search, and of the cases that hard.toml makes of them") {
+TEST_CASE("paste: the rays in worst.csv of a search, and the cases of its hard.toml") {
     const Scratch folder;
     for (const auto& [name, primitive] : std::vector<std::pair<std::string, std::string>>{
              {"s", "centre = [-1, 1]\nradius = [0.5, 2]\n"}, {"b", "lo = [-2, -1]\nhi = [1, 2]\n"}})

@@ -167,7 +167,7 @@ TEST_CASE("plugin: an interrupt during an endless batch ends the program", "[ext
     CHECK(folder.files().empty());
 }
 
-TEST_CASE("plugin: isolated or named libraries are asked for a better form for a ray", "[external]") {
+TEST_CASE("plugin: explain tries the forms of isolated or named libraries as a better form for a ray", "[external]") {
     const std::string what =
         "explain rtg-fig-7-3-4100-oblique --pixel 128,40 -i sphere.schoolbook -f f32 --json" + plugin("odd_plugin");
     const Scratch folder;

@@ -195,7 +195,7 @@ TEST_CASE("lines, points and normals of a shape are consistent") {
     CHECK(surfaces > 3);
 }
 
-TEST_CASE("the words and flags of the shape table are true of each shape") {
+TEST_CASE("the words and flags of the shape table are right for each shape") {
     for (const ShapeRow& row : shape_rows) {
         CAPTURE(row.name);
         for (const std::string_view words :

@@ -206,7 +206,7 @@ TEST_CASE("the paddings of Ize and of bvh each lose a triangle on one ray", "[hu
     }
 }
 
-TEST_CASE("rays parallel to an axis lose nothing only where reciprocals are not replaced", "[hull]") {
+TEST_CASE("rays parallel to an axis keep all hits only if reciprocals are not replaced", "[hull]") {
     const std::vector<const char*> boxes{"box.signs",   "box.inclusive",     "box.pbrt_padded", "box.bvh_robust",
                                          "box.tinybvh", "box.embree_padded", "box.embree_fma",  "box.embree_robust"};
     const Culls found = culls_in({"axis parallel", "along face"}, boxes, test::draws(20000), is_any);
@@ -224,7 +224,7 @@ TEST_CASE("rays parallel to an axis lose nothing only where reciprocals are not 
     for (const char* unpadded : {"box.signs", "box.inclusive"}) CHECK(along.lost.at(unpadded) == 0);
 }
 
-TEST_CASE("each level that can lose a hit is reported apart", "[hull]") {
+TEST_CASE("each level that can lose a hit is reported separately", "[hull]") {
     const auto& plain = test::transform_method_named("plain");
     const auto row = [&](std::string_view inner, const char* object_box, const char* world_box,
                          const char* box_method) {

@@ -185,7 +185,7 @@ TEST_CASE("forms of boxes give the answers worked out by hand", "[intersect][box
     }
 }
 
-TEST_CASE("the order of operands of min and max decides what becomes of a NaN", "[intersect][box][known]") {
+TEST_CASE("the order of operands of min and max decides if a NaN is kept or dropped", "[intersect][box][known]") {
     check_nan_order<float>();
     check_nan_order<double>();
     check_nan_order<Half>();
@@ -245,7 +245,7 @@ TEST_CASE("the reciprocals of tinybvh match its source", "[intersect][box][known
     for (const float none : {1e-12f, -1e-12f, 0.0f, -0.0f}) CHECK(leaves(none) == 1e30f);
 }
 
-TEST_CASE("embree_fma loses what cancels to rounding", "[intersect][box][known]") {
+TEST_CASE("embree_fma loses bits because it rounds a product that then cancels", "[intersect][box][known]") {
     // o·inv = (1 + 2^-12)·(1 + 2^-12), rounded by 2^-24 before lo·inv = (1 + 2^-11)(1 + 2^-12) is added: the others
     // subtract lo − o exactly.
     const float o = -(1 + 0x1p-12f), lo = -(1 + 0x1p-13f), d = 1;

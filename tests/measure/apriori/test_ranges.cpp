@@ -210,7 +210,7 @@ TEST_CASE("splitting ranges into more boxes bounds more rays, and the number of 
           output::attribution::ranges_json(request, few));
 }
 
-TEST_CASE("a form that takes the sign of a value that is zero but for rounding has no bound", "[apriori]") {
+TEST_CASE("a form that uses the sign of a value that is zero without rounding has no bound", "[apriori]") {
     const RangesBound r = bound_of("sphere.closest_approach", scene_named("near-benign"), 64);
     CHECK(r.missed + r.unknown == 1);
     CHECK(r.given.bounded_hits == 0);

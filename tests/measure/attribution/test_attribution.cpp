@@ -265,7 +265,7 @@ TEST_CASE("operations of the branch not taken contribute nothing", "[attribution
     CHECK(found.culprit == live.node());
 }
 
-TEST_CASE("an answer that is NaN is attributed to the operation that made it so", "[attribution]") {
+TEST_CASE("an answer that is NaN is attributed to the operation that produced the NaN", "[attribution]") {
     Tape tape;
     const number::recorders::TapeRecorder recorder(tape, binary32);
     using T = Recorded;

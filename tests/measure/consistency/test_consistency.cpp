@@ -170,7 +170,7 @@ TEST_CASE("consistency: forms that contradict themselves are detected", "[measur
     CHECK(of_kernel(nowhere, "beyond").asked() > 50);
 }
 
-TEST_CASE("consistency: a check that cannot be asked is not run", "[measure][consistency]") {
+TEST_CASE("consistency: a check that does not apply is not run", "[measure][consistency]") {
     const auto names = [](const std::string& scene, std::string_view form) {
         std::vector<std::string> all;
         for (const Check* c : checks_for(load(scene), {row(form, "f32")})) all.emplace_back(c->name);

@@ -98,7 +98,7 @@ TEST_CASE("an index of many spheres changes no answer: near", "[measure][culling
     CHECK(c.few > c.rays / 3);
 }
 
-TEST_CASE("an index of many spheres changes no answer: far, where rounding makes hits of misses",
+TEST_CASE("an index of many spheres changes no answer: far, where rounding turns misses into hits",
           "[measure][culling]") {
     CHECK(compare(flake_scene(test::is_long() ? 3 : 2, "[210, 130, 170]", pinhole + "0.66"), {"p30"}).hits > 1000);
     const Counts c = compare(flake_scene(3, "[210, 130, 170]", pinhole + "0.66"), {"f32", "f64"});

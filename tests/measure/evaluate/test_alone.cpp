@@ -108,7 +108,7 @@ void require_sum(const FormSummary& together, const std::vector<FormSummary>& al
 
 }  // namespace
 
-TEST_CASE("a ray with a primitive of its own is measured as it is alone, in files and in distributions", "[alone]") {
+TEST_CASE("a ray with its own primitive has the same metrics alone, in a file and in a distribution", "[alone]") {
     std::uint64_t misses = 0, values = 0;
     for (const scene::sweep::DistributionRow& distribution : scene::sweep::distributions()) {
         const std::vector<RayGroup> rays = rays_at(distribution);

@@ -161,7 +161,7 @@ scene::file::Scene smaller(const char* name, std::initializer_list<std::pair<std
 
 }  // namespace
 
-TEST_CASE("outcomes of meshes agree with triangles asked one by one", "[outcome][mesh]") {
+TEST_CASE("outcomes of meshes agree with triangles tested one by one", "[outcome][mesh]") {
     std::map<Outcome, std::uint64_t> counts;
     for (const auto& scene :
          {smaller("mesh-icosphere-edges", {{"mesh[0].levels", "2"}}), smaller("mesh-grid-vertices", {}),
@@ -220,7 +220,7 @@ TEST_CASE("a leak exactly on an inner edge is a crack, also of triangles at the 
     CHECK(summary.count(Outcome::false_miss) == 0);
 }
 
-TEST_CASE("a miss exactly at the border of a mesh is no crack, also at a vertex of it", "[outcome][mesh]") {
+TEST_CASE("a miss exactly at the border of a mesh is not a crack, also at a vertex of the border", "[outcome][mesh]") {
     // Every ray of the last column of pixels passes the border, and two of them a corner of the grid.
     const test::TextFile file(
         "schema = \"lostbits-scene/1\"\ntitle = \"t\"\nsource = \"-\"\nsize = [5, 5]\n[camera]\n"

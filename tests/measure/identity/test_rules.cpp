@@ -163,7 +163,7 @@ TEST_CASE("products of sums are expanded, however the brackets are written", "[m
 }
 
 // For x < 0 both are not the same: the root is not a number, and its condition says so.
-TEST_CASE("the square of a root is what stands under it, where that is not negative", "[mend]") {
+TEST_CASE("the square of a root is its radicand, where the radicand is not negative", "[mend]") {
     Tape before;
     const NodeId x = before.add_input(binary32, 2);
     const NodeId root = before.add(TapeOp::sqrt, binary32, 0, {x});

@@ -131,7 +131,7 @@ TEST_CASE("the answers of a form in a file measure as the form does in a map") {
     hold_map_and_judge("mesh-sheets-far", {"triangle.moller_trumbore"}, "f32");
 }
 
-TEST_CASE("primitives of any kinds that are hit at one t own the hit together") {
+TEST_CASE("primitives of any kinds that are hit at the same t share the hit") {
     // The ray goes down along z from 9. All but the last are met at z = 2, which is t = 7.
     const std::vector<Primitive<double>> primitives{Sphere<double>{{0, 0, 0}, 2},
                                                     Box<double>{{-1, -1, -1}, {1, 1, 2}},
@@ -178,7 +178,7 @@ TEST_CASE("primitives of any kinds that are hit at one t own the hit together") 
                                                                       "from 0 to 9"));
 }
 
-TEST_CASE("a ray with a primitive of its own has the truth of those two, and every form answers about them") {
+TEST_CASE("a ray with its own primitive has the truth and the answers of that ray and primitive alone") {
     for (const Shape shape : {Shape::sphere, Shape::box}) {
         const auto count = static_cast<int>(lostbits::test::draws(50000));
         const scene::rays::RayGroup group = random_pairs(shape, count, 3);

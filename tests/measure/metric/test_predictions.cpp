@@ -108,7 +108,7 @@ TEST_CASE("an error is at most the root of n times what n independent errors wou
     CHECK(seen > 200);
 }
 
-TEST_CASE("three runs of a sum promise the bits of Student's factor, and their mean has the bits it has", "[metric]") {
+TEST_CASE("three runs of a sum promise the bits of Student's factor, compared with those of their mean", "[metric]") {
     int seen[4] = {};
     for (int k = 1; k < 64; ++k) {
         // 1 + k/128 ulp: 1, or 1 + ulp where the coin falls so.

@@ -80,7 +80,7 @@ TEST_CASE("a byte of an image is 255 times the channel, rounded half up and clam
     CHECK(byte_of(std::nan("")) == 0);
 }
 
-TEST_CASE("a primitive blocks the light between point and light only, the own sphere where it counts") {
+TEST_CASE("a primitive blocks light only between point and light, the point's own sphere if it counts") {
     const std::vector<Primitive<double>> primitives{Sphere<double>{{0, 0, 0}, 1}, Sphere<double>{{5, 0, 0}, 1}};
     ShadowRays rays;
     const auto ray = [&rays](Vec<double> from, Vec<double> to, std::int32_t own) { rays.add(from, to - from, 1, own); };

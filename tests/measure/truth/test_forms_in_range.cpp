@@ -180,7 +180,7 @@ TEST_CASE("answers in a range agree in packs and ray by ray", "[measure][range]"
     });
 }
 
-TEST_CASE("a root beyond the format's largest number is not an entry where a ray ends", "[range]") {
+TEST_CASE("a root beyond the format's largest number is not an entry at the end of a ray", "[range]") {
     for (const Roots roots : {Roots::both, Roots::near_only}) {
         intersect::Info info = *test::form_named("sphere.unified").info;
         info.roots = roots;

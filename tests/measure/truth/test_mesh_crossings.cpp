@@ -222,7 +222,7 @@ TEST_CASE("the side from which a line crosses a triangle and its nearest edges a
     CHECK(nearest(0, 0) == 0b110);
 }
 
-TEST_CASE("winding numbers of points agree with the boxes that a mesh is made of") {
+TEST_CASE("winding numbers of points agree with the boxes of which a mesh consists") {
     Draw draw(23);
     std::size_t on_surface = 0, deep = 0;
     for (int scene = 0; scene < 40; ++scene) {

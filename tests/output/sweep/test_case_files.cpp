@@ -60,7 +60,7 @@ std::string cell(const output::file::CsvTable& table, const char* column, std::s
 
 }  // namespace
 
-TEST_CASE("cases.csv and matrix.png show what each form makes of each case") {
+TEST_CASE("cases.csv and matrix.png show the result of each form for each case") {
     const Scratch folder;
     const TextFile text(cases_text);
     const scene::sweep::CaseFile file(text.path());

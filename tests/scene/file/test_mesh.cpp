@@ -243,7 +243,7 @@ TEST_CASE("a mesh that cannot be made is refused with the reason", "[mesh]") {
     CHECK(has(error_of_mesh("make = \"fan\"\nfile = \"a.obj\"\n"), "mesh[0].make is given together with file"));
 }
 
-TEST_CASE("a sphereflake has nine times as many spheres a level") {
+TEST_CASE("each level of a sphereflake has nine times as many spheres as the level before") {
     CHECK(Sphereflake{.levels = 0}.size() == 1);
     CHECK(Sphereflake{.levels = 2}.size() == 91);
     CHECK(Sphereflake{.levels = 5}.size() == 66430);
