@@ -54,7 +54,7 @@ TEST_CASE("the page of a mended form has its sentences, its changed lines and th
     bool catalogue = false;
     for (const auto& row : rows) {
         if (row.at("kind") == "catalogue") {
-            // The most accurate comes first; where it is the form itself, it stands there already.
+            // The most accurate form comes first; if it is the form itself, it is already listed.
             if (std::exchange(catalogue, true) || row.at("form") == "box.baseline") continue;
         } else {
             expected.insert(expected.end(), {row.at("operations"), row.at("wider_operations")});
