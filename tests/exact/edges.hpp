@@ -9,7 +9,7 @@
 
 namespace lostbits::exact {
 
-/// The sides on which a line passes the edges.
+/// Signs that say how a line passes the plane and the edges of a triangle.
 struct Passing {
     int across = 0;                                             ///< 0: beside the plane or in it
     int edges[3] = {};                                          ///< of each edge: inside of it, on it, or outside

@@ -1,5 +1,5 @@
-// Bounds over ranges of a form's inputs, compared with rays in them: hostile ones over all exponents, and those of
-// scenes.
+// Bounds over ranges of a form's inputs, compared with rays in these ranges: hostile rays over all exponents, and the
+// rays of scenes.
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -54,7 +54,7 @@ InputBox around(const std::vector<double>& inputs, Random& random, const FloatFo
     return box;
 }
 
-/// One box around a hostile ray, in up to eight parts.
+/// A box around a hostile ray, in up to eight parts.
 void check_box(const Intersector& form, const Format& format, const test::HostileRay& x, Random& random,
                SeenErrors& all) {
     static const intersect::process::StopToken never;

@@ -1,5 +1,5 @@
-// Cracks, double hits, wrong neighbours and triangles out of order, counted again from every triangle's own answer and
-// own truth.
+// Cracks, double hits, wrong neighbours and triangles out of order, counted again from each triangle's own answer and
+// truth.
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -56,7 +56,7 @@ int facing_of(const Ray<double>& ray, const Primitive<double>& triangle) {
     return m < 0 ? 1 : m > 0 ? -1 : 0;
 }
 
-/// Recounts the outcomes of a band from every triangle asked alone.
+/// Recounts the outcomes of a band from every triangle tested alone.
 class Recount {
 public:
     Recount(const measure::evaluate::TestedForm& row, const Meetings& meetings) : row_(row), meetings_(meetings) {}
@@ -67,7 +67,8 @@ public:
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const Ray<double> ray = in.rays[i];
             std::vector<std::size_t> claimed;
-            // A form is not asked about a triangle whose box the ray passes at a distance, which it may claim.
+            // A form is not run on a triangle whose box the ray passes at a distance, although it might claim the
+            // triangle.
             for (std::size_t pair = in.candidates->first(i); pair < in.candidates->first(i + 1); ++pair) {
                 const std::size_t s = in.candidates->primitive(pair);
                 if (test::asked_alone(row_, ray, in.primitives[s])) claimed.push_back(s);
@@ -87,7 +88,7 @@ public:
                 return s != first && beside(s, first) && facing(s) * facing(first) >= 0 &&
                        !(met.contains(s) && met.contains(first) && compare(met.at(s).t, met.at(first).t) != 0);
             };
-            // Steps through the surface, where it is known how many the claims are.
+            // Steps through the surface, where the number of claims is known.
             const auto steps = [&](const std::vector<std::size_t>& faces) {
                 std::size_t count = 0;
                 for (auto s = faces.begin(); s != faces.end(); ++s)

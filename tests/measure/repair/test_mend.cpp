@@ -34,7 +34,7 @@ MendRequest request_of(const Scene& scene, const char* form, double bits) {
     return request;
 }
 
-/// The operations that must be wider alone, without the rewriting that `mend` tries too.
+/// The operations that must be wider, without the rewriting that `mend` tries too.
 struct Search {
     explicit Search(const MendRequest& asked) : request(asked), judge(asked), tape(recorded(asked)) {}
     RowQuality with(const std::vector<NodeId>& wider) {
@@ -98,8 +98,8 @@ TEST_CASE("measured again, the set meets the requirement, and fails it without a
     }
 }
 
-// Why no rule closes the cracks of a mesh that is far: what both triangles share of an edge are cross products of
-// vectors from the ray's origin, and little is left of those where the vectors are long and nearly alike.
+// No rule closes the cracks of a far mesh: both triangles of an edge share cross products of vectors from the ray's
+// origin, and if these vectors are long and nearly equal, little is left of the products.
 TEST_CASE("edges seen from the ray's origin decide better near a triangle, and far from a mesh much worse", "[mend]") {
     for (const auto& [name, size, is_far] :
          {std::tuple("triangle-edge", 64, false), std::tuple("mesh-icosphere-edges", 24, true)}) {
@@ -267,7 +267,7 @@ TEST_CASE("under matrices the operations that lead into the space of the primiti
     for (const bool inverse : {false, true}) {
         CAPTURE(inverse);
         if (inverse) {
-            // The turned sphere as the way back to it: what stands in the file is transposed, and -A^T T.
+            // The rotated sphere as the matrix back to it: the file holds the transpose, and -A^T T.
             auto& placed = *scene.listed.front().placed;
             const auto there = placed.map();
             const Affine<Real> back{{Vec<Real>(there.rows[0].x, there.rows[1].x, there.rows[2].x),

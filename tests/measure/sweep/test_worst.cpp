@@ -48,7 +48,7 @@ bool equal(const std::optional<WorstResult>& a, const std::optional<WorstResult>
 
 bool is_of(double x, const FloatFormat& f) { return rounding::to_format(x, 0, f) == x; }
 
-/// One ray through one form alone, and the truth found anew.
+/// One ray with one form alone, and its truth computed again.
 struct Alone {
     Alone(const TestedForm& row, const Ray<double>& ray, const Primitive<double>& primitive)
         : truth(measure::truth::find_truth(ray, primitive, {}, row.form->info->touching)) {
