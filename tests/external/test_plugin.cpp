@@ -245,7 +245,7 @@ TEST_CASE("plugin: an impossible contract is refused by name", "[external]") {
              {"line", "line needs roots = both or near"},
              {"title", "title must be one line"},
              {"run", "run is NULL"},
-             {"twice", "comes twice in binary32"},
+             {"twice", "is defined twice in binary32"},
              {"none", "states 0 forms"},
              {"version", "has no forms for version 1"}}) {
         const Outcome o = run("list intersectors" + plugin("wrong_contracts"), folder.path(), "ODD_CONTRACT=" + word);

@@ -149,8 +149,8 @@ TEST_CASE("state: a library that changes the processor state is reported once", 
         const auto called = told("call", map + option);
         INFO(called.err);
         CHECK(called.code == 0);
-        CHECK(count_in(called.err, "changes in a call how the processor computes") >= 1);
-        CHECK(count_in(called.err, "changes in a call how the processor computes") <= 2);  // a form in two formats
+        CHECK(count_in(called.err, "changes how the processor computes during a call") >= 1);
+        CHECK(count_in(called.err, "changes how the processor computes during a call") <= 2);  // a form in two formats
         CHECK_FALSE(has(told("never", map + option).err, "how the processor computes"));
         CHECK_FALSE(has(told("load", "-q " + map + option).err, "how the processor computes"));
     }

@@ -172,7 +172,8 @@ TEST_CASE("shader: errors are reported with their place", "[shader]") {
               "hit_eps is \"-1\"; it must be a number"));
     CHECK(has(refused(f, ":roots=none,flags=clipped"), "clipped describes an interval, so it needs roots = both"));
     const std::string range = ":roots=first,flags=range", told = "mine.glsl:1:7: flags=range is given, but `float ";
-    CHECK(has(refused(f, range), told + "f(vec3 ro, vec3 rd, vec4 s)` does not take where rays begin and end; add"));
+    CHECK(has(refused(f, range),
+              told + "f(vec3 ro, vec3 rd, vec4 s)` has no parameters for where rays begin and end; add"));
     CHECK(has(refused("float f(vec3 ro, vec3 rd, vec4 s, float tmax) { return 1.0; }", range),
               "does not take where rays"));
     CHECK(has(refused("float f(vec3 ro, vec3 rd, vec4 s, float tmin) { return 1.0; }", range),
