@@ -1,4 +1,4 @@
-// The table of conventions: the truth holds it in every combination of properties, and docs/truth.md shows it.
+// The table of conventions: the truth follows it for every combination of properties, and docs/truth.md shows it.
 #include <algorithm>
 #include <fstream>
 #include <sstream>
