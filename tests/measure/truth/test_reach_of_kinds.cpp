@@ -138,8 +138,7 @@ public:
         for (int k = 0; k < draws; ++k) {
             std::vector<double> way(x_.size());
             for (std::size_t i = 0; i < way.size(); ++i) way[i] = k % 2 ? rng.sign() : rng.uniform(-1, 1);
-            if (k < 4 &&
-                !slopes.empty()) {  // the largest changes of t in both directions, with and without changes of d
+            if (k < 4 && !slopes.empty()) {  // the largest changes of t, both ways, with changes of d and without
                 for (std::size_t i = 0; i < way.size(); ++i) {
                     const double slope = slopes[i] + (length_ == Length::distance && i >= 3 && i < 6 ? turn(i) : 0);
                     way[i] = normwise_ ? slope : slope < 0 ? -1 : 1;
