@@ -19,7 +19,7 @@ using namespace lostbits::intersect::shader;
 
 namespace {
 
-/// A file that goes away with the test.
+/// A file that is removed after the test.
 class File {
 public:
     explicit File(const std::string& text, const std::string& name = "mine.glsl") : file_(name, text) {}
@@ -190,7 +190,7 @@ TEST_CASE("shader: numbers mean a miss by the chosen convention", "[shader]") {
     CHECK_FALSE(Sentinel{Kind::negative}.says_miss(-1, 1));  // from inside
     CHECK_FALSE(Sentinel{Kind::negative}.says_miss(0, 0));
     CHECK_FALSE(Sentinel{Kind::negative}.says_miss(nan, nan));  // an answer, if a bad one
-    // A slab test that returns its two numbers as they are says miss by their order.
+    // A slab test that returns its two numbers unchanged reports a miss by their order.
     const File slabs("vec2 f(vec3 ro, vec3 rd, vec3 lo, vec3 hi) { return vec2(2, 1); }");
     CHECK(read_shader(slabs.path()).sentinel.kind == Kind::crossed);
     CHECK(Sentinel{Kind::crossed}.says_miss(2, 1));
