@@ -125,7 +125,7 @@ TEST_CASE("edges seen from the ray's origin decide better near a triangle, and f
     }
 }
 
-TEST_CASE("a form that meets the requirement has an empty set; a form that double does not help has none", "[mend]") {
+TEST_CASE("a form that meets the requirement has an empty set, one that double does not help has no set", "[mend]") {
     const Scene scene = scene_named("near-benign", 32);
     const MendRequest easy = request_of(scene, "sphere.half_b", 5);
     const Mended enough = mend(easy);
