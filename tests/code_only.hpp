@@ -15,8 +15,7 @@ struct Language {
 };
 inline constexpr Language c_code{"//", true}, fpcore_code{";"}, toml_code{"#"};
 
-/// Lines of C as its compilers join them: behind a backslash, also one that is written as a trigraph, and also where
-/// blanks stand behind it.
+/// Lines of C as compilers join them: after a backslash, even if it is written as a trigraph or followed by blanks.
 inline std::string with_joined_lines(std::string text) {
     for (std::size_t at = 0; (at = text.find("?\?/", at)) != std::string::npos; ++at) text.replace(at, 3, "\\");
     for (std::size_t at = 0; (at = text.find('\\', at)) != std::string::npos;) {
@@ -40,7 +39,7 @@ inline std::string code_only(std::string text, const Language& language) {
             end = std::min(all.find("*/", at + 2), all.size() - 2) + 2;
         } else if (c == '"' || (language.is_c && c == '\'')) {
             while (end < all.size() && all[end] != c && all[end] != '\n') end += all[end] == '\\' ? 2 : 1;
-            code += c;  // a string that does not end on its line is still seen to begin
+            code += c;  // a string that does not end on its line still begins there
             if (end < all.size() && all[end] == c) code += c, ++end;
         } else {
             code += c;

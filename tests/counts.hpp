@@ -5,7 +5,7 @@
 
 namespace lostbits::test {
 
-/// True if all is tried that there is: `./run test --long`.
+/// True if every case is tried: `./run test --long`.
 inline bool is_long() {
     static const bool asked = std::getenv("LOSTBITS_LONG") != nullptr;
     return asked;

@@ -25,7 +25,7 @@ inline std::set<std::string> words_of_main(const std::string& source) {
     return words;
 }
 
-/// Counts the words of a program: whether it has one that fewer than two before it had.
+/// Counts the words of a program: returns true if the program has a word that fewer than two programs before it had.
 inline bool adds_words(const std::string& source, std::map<std::string, int>& seen) {
     bool adds = false;
     for (const std::string& word : words_of_main(source)) adds |= seen[word]++ < 2;

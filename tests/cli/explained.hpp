@@ -1,4 +1,4 @@
-// Output of a command, named in a table, about its ray.
+// Output of a command about the ray that a table names.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -15,7 +15,7 @@ inline nlohmann::json explained(const std::string& command, const fs::path& fold
     return nlohmann::json::parse(must(command.substr(9) + " --json -q", folder).out);
 }
 
-/// A number of it as a cell of a table has it: `inf` and `nan` are words.
+/// A number of the JSON as a cell of a table shows it: `inf` and `nan` are words.
 inline double number_in(const nlohmann::json& j) {
     return j.is_string() ? std::strtod(j.get<std::string>().c_str(), nullptr) : j.get<double>();
 }

@@ -17,7 +17,7 @@ struct SExpression {
     std::vector<SExpression> list;
 };
 
-/// One expression from `at` on; throws where brackets do not balance.
+/// Reads one expression from `at` on; throws if its brackets do not balance.
 inline SExpression read_expression(const std::string& text, std::size_t& at) {
     const auto skip = [&] {
         while (at < text.size() && std::isspace(static_cast<unsigned char>(text[at]))) ++at;
@@ -104,7 +104,7 @@ private:
         context_ = before;
         return value;
     }
-    /// Operands of a narrower context are its numbers already.
+    /// Operands of a narrower context are already numbers of this context.
     template <class F>
     double rounded(const std::string& f, const std::array<double, 3>& of) const {
         volatile F x = static_cast<F>(of[0]), y = static_cast<F>(of[1]), z = static_cast<F>(of[2]), result;

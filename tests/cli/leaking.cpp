@@ -1,4 +1,4 @@
-// Loses ten blocks of memory: what the test of leaks has to find.
+// Leaks ten blocks of memory, which the test of leaks must find.
 #include <cstdlib>
 
 int main() {

@@ -1,4 +1,4 @@
-// Pictures that tests write, and those of the program, read back.
+// Readers of pictures: those that tests write and those of the program.
 #pragma once
 
 #include <algorithm>
@@ -28,7 +28,7 @@ inline std::size_t count_of(const output::image::PngImage& png, output::image::R
     return static_cast<std::size_t>(std::ranges::count(png.pixels, colour));
 }
 
-/// The part of that name.
+/// The part with that name.
 inline output::image::ExrImage read_part(const fs::path& path, const std::string& name) {
     const auto names = backend().exr_parts(path);
     return backend().read_exr(path, static_cast<std::size_t>(std::ranges::find(names, name) - names.begin()));

@@ -16,8 +16,8 @@ namespace lostbits::test {
 Outcome run(const std::string& arguments, const fs::path& folder, const std::string& before) {
     const Scratch streams;
     const std::string out = (streams.path() / "out").string(), err = (streams.path() / "err").string();
-    // CI changes where libraries run: what a test expects of it, it says.
-    // Pictures are not looked at unless a test says so.
+    // CI sets variables that change where libraries run; a test that needs one of them sets it itself. Pictures are not
+    // looked at unless a test asks for it.
     const std::string pictures =
         std::getenv("LOSTBITS_IMAGE_MODULE") ? "" : "export LOSTBITS_IMAGE_MODULE='" LOSTBITS_PLAIN_IMAGES "' && ";
     const std::string command =
@@ -51,14 +51,14 @@ void check_refused(const Scratch& folder, const std::string& command, const std:
         CHECK(r.code == row.code);
         CHECK(has(r.err, row.says));
         CHECK(r.err.starts_with("lostbits: "));
-        // Words of the parser, which are not sentences.
+        // Words of the parser that are not sentences.
         for (const char* raw :
              {"were not expected", "was not expected", " is required\n", "not in {", "TEXT", "Could not"})
             CHECK_FALSE(has(r.err, raw));
         CHECK(r.out.empty());
         CHECK(folder.files() == before);
         CHECK_FALSE(fs::exists(folder / "out"));
-        fs::remove_all(folder / "out");  // one that is not refused says nothing of those behind it
+        fs::remove_all(folder / "out");  // an argument that is not refused hides the arguments behind it
     }
 }
 
@@ -78,7 +78,7 @@ void draw_pictures() { setenv("LOSTBITS_IMAGE_MODULE", LOSTBITS_SHIPPED_IMAGES, 
 
 std::vector<std::string> files_below(const fs::path& folder) {
     std::vector<std::string> names;
-    std::error_code gone;  // what a living run removes meanwhile
+    std::error_code gone;  // files that a living run removes meanwhile
     for (auto at = fs::recursive_directory_iterator(folder, gone); at != fs::end(at); at.increment(gone)) {
         if (at->is_regular_file(gone)) names.push_back(at->path().lexically_relative(folder).string());
     }
@@ -90,7 +90,7 @@ std::vector<std::map<std::string, std::string>> read_csv(const fs::path& file) {
     std::istringstream in(contents(file));
     const auto split = [](const std::string& line) {
         std::vector<std::string> cells(1);
-        bool quoted = false;  // a doubled quote leaves and enters: its one quote is lost, which no test asks for
+        bool quoted = false;  // a doubled quote closes and opens again, so its one quote is lost, which no test needs
         for (const char c : line) {
             if (c == '"') quoted = !quoted;
             else if (c == ',' && !quoted) cells.emplace_back();

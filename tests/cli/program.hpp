@@ -35,7 +35,7 @@ Outcome run(const std::string& arguments, const std::filesystem::path& folder = 
 /// The same, which succeeds.
 Outcome must(const std::string& arguments, const std::filesystem::path& folder = ".", const std::string& before = "");
 
-/// Words that are refused, a part of what is said, and the exit code.
+/// Arguments that are refused, a part of the message, and the exit code.
 struct Refused {
     std::string words, says;
     int code = 2;
@@ -43,16 +43,17 @@ struct Refused {
 /// Runs `lostbits COMMAND WORDS` of each row in the folder: it prints nothing, and leaves nothing there.
 void check_refused(const Scratch& folder, const std::string& command, const std::vector<Refused>& rows);
 
-/// Shell words behind a command: it is ended by a signal once it has computed so many seconds, of a processor and not
-/// of a clock, which would end it on a machine with other work before it begins.
+/// Shell words behind a command: a signal ends it after this many seconds of processor time. Wall time would end it
+/// before it begins on a machine with other work.
 std::string ended_after(double seconds, const std::string& signal);
 
-/// The option that takes results into a folder of the scratch folder, or into itself (`""`).
+/// The option that puts results into a folder below the scratch folder, or into the scratch folder itself (`""`).
 inline std::string into(const Scratch& scratch, const std::string& folder = "out") {
     return " -o '" + (folder.empty() ? scratch.path() : scratch.path() / folder).string() + "'";
 }
 
-/// From now on `run` has the image module that ships, for a test that looks at pictures; else tests/plain_images.cpp.
+/// From now on `run` uses the image module that ships, for a test that looks at pictures; otherwise it uses
+/// tests/plain_images.cpp.
 void draw_pictures();
 
 /// True if a text contains another; a check that fails shows both.
@@ -85,25 +86,25 @@ inline double number_in(const std::string& cell) {
     return cell.empty() ? std::nan("") : std::strtod(cell.c_str(), nullptr);
 }
 
-/// An axis of a file of sweeps, in that order.
+/// An axis of a sweep file, with its keys in that order.
 struct AxisText {
     std::string name, set, from, to;
     int steps = 3;
     std::string spacing = "log2";
 };
 std::string axis_of(const AxisText& axis);
-/// A file of sweeps, of these tables.
+/// A sweep file with these tables.
 std::string sweep_of(const std::string& tables);
 
-/// A sweep of a ray distribution along one axis, to be spoilt or changed.
+/// A valid sweep of a ray distribution along one axis, for tests that change it or make it wrong.
 extern const std::string small_sweep;
-/// One over a constant of a march.
+/// A valid sweep over a constant of a march.
 extern const std::string march_sweep;
-/// A claim of a file: what stands in `[claim.given]` and in `[claim.expect]`, and keys of its own.
+/// A claim of a file: the contents of `[claim.given]` and of `[claim.expect]`, and keys of its own.
 struct ClaimText {
     std::string id, given, expect, more = {}, verdict = "\"holds\"", source = "-";
 };
-/// A file of them; `head` has keys of the file.
+/// A file of such claims; `head` has the keys of the file.
 std::string claims_of(const std::vector<ClaimText>& claims, const std::string& head = "");
 /// Test and expected value of such a claim.
 inline std::string tested(const std::string& form, const std::string& format = "f32") {
@@ -113,22 +114,22 @@ inline std::string metric_in(const std::string& metric, const std::string& in = 
     return "metric = \"" + metric + "\"\nin = " + in + "\n";
 }
 
-/// A claim that is refused at its place, and a part of what is said.
+/// A claim that is refused, its position, and a part of the message.
 struct RefusedClaim {
     std::string given, expect, says, more = {}, verdict = "\"holds\"";
 };
-/// Runs `lostbits check` of each in the folder, as c.toml.
+/// Runs `lostbits check` in the folder on each claim, as c.toml.
 void check_refused_claims(const Scratch& folder, const std::vector<RefusedClaim>& rows, const std::string& head = "",
                           const std::string& options = "");
 
 /// A file of one claim, about a scene `mine.toml` beside it.
 extern const std::string one_claim;
-/// The text of a scene of the tables `primitives`, seen by `camera`, which looks at the origin unless it says where to.
-/// `head` is what the scene says before its tables, like its size.
+/// The text of a scene with the tables `primitives`, seen by `camera`, which looks at the origin if it has no other
+/// target. `head` is the text before the tables, such as the size.
 std::string scene_text(const std::string& primitives, const std::string& head = "",
                        const std::string& camera = "kind = \"pinhole\"\nfov_deg = 30\neye = [0, 0, 5]\n");
 
-/// A scene that is right, to be spoilt: a sphere of radius 1 five units in front of a 24x16 camera.
+/// A valid scene, for tests that make it wrong: a sphere of radius 1 five units in front of a 24x16 camera.
 extern const std::string good_scene;
 /// The same with the first occurrence of `what` replaced.
 std::string spoilt(const std::string& what, const std::string& by);

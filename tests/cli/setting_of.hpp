@@ -1,4 +1,4 @@
-// For each shape a pixel of a scene that it is in, which is hit.
+// For each shape, a scene with a primitive of this shape and a pixel that hits it.
 #pragma once
 
 #include <array>
@@ -24,8 +24,8 @@ inline std::string setting_of(Shape shape) {
     return "sdf-sphere --pixel 100,100";
 }
 
-/// Rays that `FORM.filtered` settles by its exact step: from a point of the sphere and of the cylinder; through an edge
-/// of the box and of the triangle.
+/// Rays that `FORM.filtered` decides in its exact step: from a point of the sphere and of the cylinder, and through an
+/// edge of the box and of the triangle.
 inline constexpr std::array settled_exactly{"--sphere=0,0,0,5 --ray=3,4,0,-1,0,0 -i sphere.filtered",
                                             "--box=-1,-1,-1,1,1,1 --ray=-2,0,0,1,1,0 -i box.filtered",
                                             "--triangle=0,0,0,1,0,0,0,1,0 --ray=0.5,0.5,3,0,0,-1 -i triangle.filtered",

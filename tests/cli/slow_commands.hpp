@@ -6,7 +6,7 @@
 
 namespace lostbits::test {
 
-/// Commands that are run on less than the page says. Everything else runs as it stands there.
+/// Commands that are run with less work than the page states. All others run as they are written there.
 struct Cheaper {
     std::string_view start, adds, why;
 };
@@ -36,8 +36,9 @@ inline constexpr std::array cheaper{
             "a minute; test_trade.cpp measures every form"},
 };
 
-/// Commands that the long tests alone run, seconds of a processor each, and what tries the like in the short ones,
-/// which ask whether their options exist. Of several pages with such a command, that page stands in front.
+/// Commands that take seconds of processor time and run in the long tests only, each with what tries the like in the
+/// short tests. The short tests check that the options of the slow commands exist. If several pages have such a
+/// command, `start` begins with the page.
 struct SlowCommand {
     std::string_view start, instead;
 };

@@ -1,4 +1,4 @@
-// The program as somebody who ends it sees it.
+// A running program, for tests that end it.
 #pragma once
 
 #include <signal.h>
@@ -11,8 +11,8 @@
 
 namespace lostbits::test {
 
-/// A run of the program that goes on while the test looks. Signals are let through to it as to a program that somebody
-/// types at a terminal; its words go to `out` and `err`.
+/// A run of the program that goes on while the test looks. It receives signals like a program that was started at a
+/// terminal; its output goes to `out` and `err`.
 class Started {
 public:
     /// Starts `lostbits WORDS` in `folder`; `ignored` are signals that are ignored from its start on.
@@ -23,7 +23,7 @@ public:
     Started& operator=(const Started&) = delete;
 
     void send(int signal) const { ::kill(pid_, signal); }
-    /// Waits until `is` holds, looking every half millisecond; false where the run ended before.
+    /// Waits until `is` holds, checking every half millisecond; false if the run ended before.
     bool wait_until(const std::function<bool()>& is);
     /// Its exit code, or 128 + the signal that ended it.
     int wait();

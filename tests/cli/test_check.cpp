@@ -1,4 +1,4 @@
-// Claims from the outside: what agrees, what does not, and what a machine reads of it.
+// Claims from the outside: which claims agree, which do not, and the files for other programs.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -46,7 +46,7 @@ TEST_CASE("check: a claim about random rays must hold for every draw, and --seed
     CHECK((rows[1].at("draws").empty() && rows[1].at("draw_low").empty()));
     CHECK(has(all.out, "claims about random rays"));
 
-    // The file's own draw alone would agree.
+    // The draw of the file alone would agree.
     const double own = draws.front();
     scratch.write("narrow.toml", text(fmt::format("[{0}, {0}]", own)));
     must("check narrow.toml", scratch.path());
@@ -113,7 +113,7 @@ TEST_CASE("check: claims can be about a sweep, a step, an onset, a case, a cell 
              {"case", "sweep = \"extremes/contact\"\ncase = \"one ulp outside the tangent\"\n" + form,
               metric_in("false_hit_fraction", "[1, 1]")},
              {"plane", "sweep = \"sphere-height\"\nat = [1e6, 1]\n" + form, metric_in("lost_bits_p50", "[15, 20]")},
-             // 1 + 2^-24 is a tie and goes to even, 1 - 2^-24 is a float.
+             // 1 + 2^-24 is a tie and rounds to even; 1 - 2^-24 is a float.
              {"sum", table + "\"sum_power_of_two\"\n", metric_in("fraction", "[1, 1]")},
              {"difference", table + "\"difference_power_of_two\"\n", metric_in("fraction", "[0, 0]")}}));
     must("check '" + file.path().string() + "'");
@@ -225,7 +225,7 @@ TEST_CASE("check: the command of a claim computes what the claim is about") {
         command[claim.at("id")] = claim.at("reproduce");
         must(command[claim.at("id")].substr(std::string("lostbits ").size()), scratch.path());
     }
-    // A step of a march is in no map; a metric that is not measured unasked is asked for.
+    // A step of a march is not in any map; a metric that is measured only on request is requested.
     CHECK(has(command.at("sdf3.miss.0.x"), " explain "));
     CHECK(has(command.at("shader.unit-half-b-direction"), " --metric model_error "));
     CHECK_FALSE(has(command.at("rtg7.fig3.schoolbook-f32-4100-axis-false-hits"), "--metric"));

@@ -1,4 +1,4 @@
-// `lostbits choose` from the outside, of a scene and of rays of files. Times are not asserted.
+// `lostbits choose` from the outside, for a scene and for files of rays. No time is compared.
 #include <algorithm>
 
 #include "catch.hpp"

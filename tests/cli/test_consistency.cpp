@@ -55,7 +55,7 @@ TEST_CASE("consistency writes a picture for each check, a sheet and a table") {
         for (const Row& pixel : pixels) {
             rays += pixel.at(check) != "not_asked";
             alike += pixel.at(check) == "agree";
-            if (numbers) most = std::fmax(most, number_in(pixel.at(check + "_excess")));  // of NaN nothing
+            if (numbers) most = std::fmax(most, number_in(pixel.at(check + "_excess")));  // nothing for NaN
         }
         INFO(check);
         CHECK(std::to_string(rays) == row.at("rays"));
@@ -78,13 +78,14 @@ TEST_CASE("consistency: the two rays of a disagreement disagree when pasted") {
         // The origin of one is where the other ends, and the directions are opposite.
         for (const char* axis : {"d.x", "d.y", "d.z"})
             CHECK(one["inputs"][axis]["decimal"].get<double>() == -other["inputs"][axis]["decimal"].get<double>());
-        // At least one of them is wrong: else the inputs would be to blame.
+        // At least one of the two is wrong; otherwise the inputs would be to blame.
         const auto wrong = [](const nlohmann::json& j) {
             return j["outcome"] != "agree_hit" && j["outcome"] != "agree_miss";
         };
         CHECK((wrong(one) || wrong(other)));
     }
-    // A box is told the end: the same ray is hit with one float less of it than its own t.
+    // The form of a box takes the end of the ray: the same ray misses if it ends one float before its t, but is hit
+    // here.
     const auto [closest, shadow] = pasted("--check before -i box.max_mult", "box-octree");
     CHECK(closest["hit"] == true);
     CHECK(shadow["hit"] == true);
@@ -155,7 +156,7 @@ TEST_CASE("offsets writes a picture for each side and strategy, a sheet and a ta
     CHECK(package.at("resources").size() == 4);
     CHECK(package.at("resources").at(0).at("schema").at("fields").size() == table.front().size());
     CHECK(package.at("resources").at(1).at("schema").at("fields").size() == pixels.front().size());
-    // A row a point, and the sums of the rows are the table's.
+    // There is one row per point, and the sums of the rows are the numbers of the table.
     const auto& none = *std::ranges::find_if(table, [](const auto& row) {
         return row.at("strategy") == "offset.none" && row.at("side") == "outside" && row.at("point") == "computed";
     });
@@ -175,7 +176,7 @@ TEST_CASE("offsets writes a picture for each side and strategy, a sheet and a ta
 
 TEST_CASE("offsets: a scene without hits is reported") {
     const Scratch scratch;
-    // `none` is the name of a strategy, so it cannot say that there is none.
+    // `none` is the name of a strategy, so it cannot mean that a strategy is missing.
     const auto bad =
         must("offsets near-benign --size 32x24 --points computed --strategy offset.none" + into(scratch, ""));
     CHECK(has(bad.out, "rays: no strategy\n"));

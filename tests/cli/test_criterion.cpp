@@ -17,7 +17,7 @@ const std::string given = "scene = \"camera-inside\"\n" + tested("sphere.unit_ha
 const std::string holds = "\"holds\"", refuted = "\"refuted\"",
                   qualified = "\"qualified\"\ncondition = \"where the eye is outside\"";
 
-/// 1 is measured: no ray from inside is hit.
+/// The measured value is 1: no ray from inside is hit.
 std::string expect(const std::string& in, const std::string& criterion) {
     return metric_in("false_miss_fraction", in) + (criterion.empty() ? "" : "criterion = " + criterion + "\n");
 }
@@ -180,7 +180,7 @@ const std::string head = "profile = \"timing\"\n", choice = "choose = \"far.toml
 
 }  // namespace
 
-TEST_CASE("a criterion may rest on who meets a requirement, and on ratios of times") {
+TEST_CASE("a criterion may be about the forms that meet a requirement, and about ratios of times") {
     const Scratch scratch;
     scratch.write("far.toml", scene);
     const std::vector<std::tuple<std::string, std::string, double>> rows{

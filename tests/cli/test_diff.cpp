@@ -1,4 +1,4 @@
-// `lostbits diff` from the outside: what counts, what is printed, how it exits.
+// `lostbits diff` from the outside: which differences count, the output, and the exit code.
 #include <cstdlib>
 
 #include "catch.hpp"
@@ -14,7 +14,7 @@ namespace output = lostbits::output;
 
 namespace {
 
-/// Two files of the given texts, compared in a folder of their own.
+/// Two files with the given texts, compared in their own folder.
 Outcome diff(const std::string& a, const std::string& b, const std::string& options = "") {
     const Scratch scratch;
     scratch.write("a.csv", a);
@@ -109,7 +109,7 @@ TEST_CASE("diff: only pictures need the image module, and without it diff exits 
 }
 
 TEST_CASE("diff: an unreadable file makes diff exit with 3") {
-    // A file whose first byte cannot be read, by root neither.
+    // A file whose first byte cannot be read, not even by root.
     const auto r = run("diff /proc/self/mem /proc/self/mem");
     CHECK(r.code == 3);
     CHECK(has(r.err, "/proc/self/mem: cannot read: "));
@@ -164,7 +164,7 @@ TEST_CASE("diff --strict: folders are compared file by file, each kind in its ow
     CHECK(compare("-v").out ==
           "one/d.json: same\none/sub/e.exr: same\none/sub/p.png: same\none/sub/u.csv: same\none/t.csv: same\nsame\n");
 
-    // A column counts as known where one file has it.
+    // A column is known if one of the two files has it.
     scratch.write("two/sub/u.csv", "y\n2\n");
     CHECK(compare().code == 1);
     CHECK(has(compare().out, "one/sub/u.csv:2: y: 1 != 2"));
@@ -190,7 +190,7 @@ TEST_CASE("diff --strict: folders are compared file by file, each kind in its ow
     fs::remove(scratch / "two/sub/extra.txt");
     CHECK(compare().code == 0);
 
-    // One bad file spoils the answer, and a pipe or a broken link is not skipped.
+    // One bad file makes the answer an error, and a pipe or a broken link is not skipped.
     scratch.write("two/t.csv", "x\n1,2\n");
     CHECK(compare().code == 2);
     CHECK(has(compare().err, "two/t.csv:2: "));

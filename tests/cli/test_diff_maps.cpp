@@ -47,7 +47,7 @@ TEST_CASE("diff: folders of maps show rows, outcomes and the largest changes, an
     const auto back = run("diff two one", scratch.path()).out;
     CHECK(
         has(back, "\none is better in 1 row, worse in 0, the same in 0: by wrong decisions, then by lost_bits_p99\n"));
-    // Two tables by themselves end alike, if nothing has to stay as it was.
+    // Two tables without a map give the same ending if nothing has to stay the same.
     CHECK(has(run("diff one/map/summary.csv two/map/summary.csv", scratch.path()).out,
               "two/map/summary.csv is better in 0 rows, worse in 1, the same in 0: by wrong decisions, then by "
               "lost_bits_p99\n"));
@@ -59,7 +59,7 @@ TEST_CASE("diff: folders of maps show rows, outcomes and the largest changes, an
     CHECK(has(run("diff one two --compare-pictures", scratch.path()).out, "one/map/contact.png: 1 difference\n"));
     CHECK(run("diff one two --ignore lost_eits", scratch.path()).code == 2);
 
-    // The pictures alone do not count, unless they are asked for.
+    // Pictures do not count, unless they are requested.
     fs::copy_file(scratch / "one/map/summary.csv", scratch / "two/map/summary.csv",
                   fs::copy_options::overwrite_existing);
     CHECK(run("diff one two", scratch.path()).out == "same\n");
@@ -83,10 +83,10 @@ TEST_CASE("diff: pictures of different sizes are compared by shares, and only fo
     CHECK(has(run("diff small large", scratch.path()).out,
               "\nlarge is better in 1 row, worse in 0, the same in 0: by the share of wrong decisions, then by "
               "lost_bits_p99\n"));
-    write("large", "mylib.mine,f32,3072,2036,936,88,12,14\n");  // the same share: then the bits
+    write("large", "mylib.mine,f32,3072,2036,936,88,12,14\n");  // the same share: then the bits decide
     CHECK(has(run("diff small large", scratch.path()).out, "\nlarge is better in 0 rows, worse in 1, the same in 0: "));
 
-    // From inside one form is asked for the exit, and the other one for the near root alone.
+    // From inside, one form is asked for the exit, and the other for the near root alone.
     const std::string forms = " -i a.exit -i b.near";
     write("small", "a.exit,f32,100,60,30,0,10,3\nb.near,f32,100,20,80,0,0,2\n");
     const std::string asked = run("diff small" + forms, scratch.path()).out;
@@ -96,7 +96,7 @@ TEST_CASE("diff: pictures of different sizes are compared by shares, and only fo
     const std::string right = run("diff small" + forms, scratch.path()).out;
     CHECK(has(right, "\nb.near is better in 1 row, "));
     CHECK_FALSE(has(right, "equally many rays wrongly"));
-    // As many wrong decisions: nothing says that they are of the same rays.
+    // The numbers of wrong decisions are equal, which does not show that they are on the same rays.
     write("small", "a.exit,f32,100,60,30,0,10,3\nb.near,f32,100,60,30,0,10,2\n");
     const std::string as_many = run("diff small" + forms, scratch.path()).out;
     CHECK(has(as_many, "\nin 1 row both forms decide equally many rays wrongly, perhaps not the same ones: "));

@@ -90,8 +90,8 @@ std::vector<Command> commands_of(const std::string& page) {
     return commands;
 }
 
-/// `check --filter 'GLOB'` with the first claim that the glob means: test_reports.cpp measures them all. One that
-/// means no claim stays, and ends with 4.
+/// `check --filter 'GLOB'` with the first claim that the glob selects: test_reports.cpp measures them all. A glob that
+/// selects no claim is unchanged, and ends with 4.
 std::string of_one_claim(const std::string& text) {
     static const std::regex glob(R"(check --filter '([^']*\*[^']*)')");
     std::smatch found;
@@ -103,12 +103,12 @@ std::string of_one_claim(const std::string& text) {
     return text;
 }
 
-/// A page that shows counts shows those of the whole picture.
+/// A page that shows counts shows the counts of the whole picture.
 bool shows_counts(const Command& command) {
     return std::ranges::any_of(command.shown, [](const std::string& line) { return line.ends_with(" rays"); });
 }
 
-/// The command without its comment, and with what makes it cheap.
+/// The command without its comment, with the options that make it fast.
 std::string affordable(const Command& command, std::set<std::string_view>& used) {
     std::string text = command.arguments;
     if (const auto comment = text.find(" #"); comment != std::string::npos) text.erase(comment);
@@ -123,10 +123,10 @@ std::string affordable(const Command& command, std::set<std::string_view>& used)
     return of_one_claim(text);
 }
 
-/// Lines whose values are times: which form is the cheapest differs from one run to the next on a busy machine.
+/// Lines whose values are times: the cheapest form differs from one run to the next on a busy machine.
 constexpr std::array timed{std::string_view("The cheapest is ")};
 
-/// The lines that a page shows, with `...` in place of those that are times.
+/// The lines that a page shows, with `...` in place of times.
 std::vector<std::string> without_times(std::vector<std::string> shown) {
     for (std::string& line : shown)
         if (std::ranges::any_of(timed, [&](std::string_view start) { return line.starts_with(start); })) line = "...";
@@ -145,7 +145,7 @@ bool shows(std::span<const std::string> shown, std::span<const std::string> prin
     return !printed.empty() && shown[0] == printed[0] && shows(shown.subspan(1), printed.subspan(1));
 }
 
-/// The files that a page tells to save: "Save this as `NAME`", and the block that follows.
+/// The files that a page asks the reader to save: "Save this as `NAME`", and the block that follows.
 void save_files(const Scratch& scratch, const std::string& page) {
     static const std::regex told(R"([Ss]ave\s+(this|it)\s+as\s+`([^`]+)`)");
     const auto lines = lines_of(contents(root / page));
@@ -178,7 +178,7 @@ bool is_slow(const Command& command) {
     return std::ranges::any_of(slow_commands, [&](const SlowCommand& d) { return is(d, command); });
 }
 
-/// Checks a command that is not run: each of its options is one of the command's, or of the program's.
+/// Checks a command that is not run: each of its options belongs to the command or to the program.
 void check_options(const Command& command) {
     static const std::regex option(R"(\s(--[a-z-]+))");
     const std::string& text = command.arguments;
@@ -190,7 +190,7 @@ void check_options(const Command& command) {
 void hold(const std::string& page) {
     const auto commands = commands_of(page);
     if (commands.empty()) return;
-    // `diff` reads pictures again.
+    // `diff` must read pictures again.
     if (std::ranges::any_of(commands, [](const Command& c) { return c.arguments.starts_with("diff "); }))
         draw_pictures();
     else unsetenv("LOSTBITS_IMAGE_MODULE");
@@ -215,7 +215,7 @@ void hold(const std::string& page) {
     }
 }
 
-/// Every fourth page, so that they run beside one another.
+/// Takes every fourth page, so that the four tests run side by side.
 void hold_quarter(std::size_t quarter) {
     const auto all = pages();
     for (std::size_t i = quarter; i < all.size(); i += 4) hold(all[i]);
@@ -300,7 +300,7 @@ TEST_CASE("docs: the README has at most 150 lines, and lines fit 120 columns") {
         const auto lines = lines_of(contents(root / page));
         for (std::size_t i = 0; i < lines.size(); ++i) {
             if (lines[i].starts_with("```")) block = !block;
-            // Rows of tables, links and what is typed or printed cannot be wrapped.
+            // Rows of tables, links, commands and output cannot be wrapped.
             if (block || lines[i].starts_with("|") || lines[i].find("](") != std::string::npos) continue;
             INFO(page << ":" << i + 1);
             CHECK(columns(lines[i]) <= 120);

@@ -99,9 +99,9 @@ TEST_CASE("a stopped sweep over every float resumes with --resume and leaves the
         if (fs::exists(ended)) break;
         ++stops;
         CHECK(has(r.err, "with --resume to continue"));
-        if (!fs::exists(state)) continue;  // stopped in the first one
+        if (!fs::exists(state)) continue;  // stopped in the first sweep
         CHECK(has(contents(scratch / "parts/s/UNFINISHED.txt"), "Run that command again with --resume"));
-        // The first one is finished, and its state says so to the run that goes on.
+        // The first sweep is finished, and its state tells this to the run that continues.
         CHECK(fs::exists(scratch / "parts/first/binades.csv"));
         CHECK(fs::exists(first_state));
         const auto joined = run("merge '" + state.string() + "' -o " + out("joined"));
@@ -109,7 +109,7 @@ TEST_CASE("a stopped sweep over every float resumes with --resume and leaves the
         CHECK(has(joined.err, " floats of s were tried: one of the shards was stopped"));
     }
     if (!fs::exists(ended)) must("-q " + rows + out("parts") + " --resume");
-    CHECK(stops > 0);  // none: the machine is faster than the test foresees
+    CHECK(stops > 0);  // none: the machine is faster than the test expects
     for (const char* name : {"binades.csv", "onsets.csv", "statements.csv", "lost_bits_max.png", "wrong.png"}) {
         const std::string whole = contents(scratch / "whole/s" / name);
         CHECK_FALSE(whole.empty());
@@ -124,7 +124,7 @@ TEST_CASE("a sweep resumed with another file, form or version or a damaged state
     const Scratch scratch;
     scratch.write("s.toml", small);
     const std::string sweep = "sweep s.toml -i sphere.press", resume = sweep + " --resume -o .";
-    // A state as a stopped run writes it, though all is tried: that of the only shard.
+    // A state as a stopped run writes it, but with all floats tried: the state of the only shard.
     const auto state_of = [&](const std::string& form) {
         must("-q sweep s.toml -i " + form + " --shard 1/1 -o parts", scratch.path());
         return contents(scratch / "parts/shard-1-of-1/shard.state");
@@ -144,7 +144,7 @@ TEST_CASE("a sweep resumed with another file, form or version or a damaged state
         CHECK(has(r.err, what));
         CHECK_FALSE(fs::exists(scratch / "s/binades.csv"));
     };
-    /// The good one with other bytes in a place, and its own hash at the end.
+    /// The valid state with other bytes in one place, and its own hash at the end.
     const auto forged = [&](std::size_t at, const std::string& by, std::size_t size) {
         std::string state = good.substr(0, good.size() - 8);
         state.replace(at, size, by);
@@ -178,7 +178,7 @@ TEST_CASE("a sweep resumed with another file, form or version or a damaged state
     must(both, scratch.path());
     CHECK(read_csv(scratch / "s/statements.csv").size() == 2);
     CHECK(read_csv(scratch / "t/statements.csv").size() == 2);
-    // Without --resume it begins anew, and says that a state is there.
+    // Without --resume it begins again, and reports that a state exists.
     write(good);
     const auto anew = must(sweep + " -o .", scratch.path());
     CHECK(has(anew.err, "this run starts from the beginning (to continue that one, use --resume)"));

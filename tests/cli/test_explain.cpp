@@ -101,7 +101,7 @@ TEST_CASE("explain: C programs compile alone, compute the recorded bits and prin
     int compiled = 0;
     std::map<std::string, std::map<std::string, int>> seen;  // words, by the format
     std::vector<std::pair<std::string, std::string>> asked;
-    std::vector<const char*> formats{"f32", "p52"};  // of 52 bits half of all results lie half way
+    std::vector<const char*> formats{"f32", "p52"};  // with 52 bits, half of all results are ties
     if (test::is_long()) formats.insert(formats.end(), {"f64", "bf16"});
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         for (const char* format : formats) {
@@ -109,7 +109,7 @@ TEST_CASE("explain: C programs compile alone, compute the recorded bits and prin
             asked.emplace_back(setting_of(form.shape) + " -i " + std::string(form.info->name), format);
         }
     }
-    // Misses, whose t may be any NaN; the widest formats that round; an answer that is no number.
+    // Misses, whose t may be any NaN; the widest formats that round; an answer that is not a number.
     for (const char* more :
          {"near-benign --pixel 0,0 -i sphere.schoolbook", "near-benign --pixel 0,0 -i sphere.pythagoras",
           "box-one --pixel 0,0 -i box.signs", "sdf-sphere --pixel 0,0 -i sdf.sphere_trace"}) {
@@ -141,7 +141,7 @@ TEST_CASE("explain: C programs compile alone, compute the recorded bits and prin
     }
     CHECK(compiled > (test::is_long() ? 155 : 30));
     for (const char* filtered : {"sphere.filtered", "triangle.filtered"})
-        refused.erase(filtered);        // where a ray took its wider arithmetic, for what it changes the format
+        refused.erase(filtered);        // where a ray used wider arithmetic and the program changes the format for it
     std::multiset<std::string> narrow;  // in p52, and in bf16
     for (std::size_t i = 0; i < formats.size() / 2; ++i)
         narrow.insert({"box.bvh_robust", "box.embree_fma", "ellipsoid.two_words", "plane.two_words",
@@ -246,10 +246,10 @@ TEST_CASE("explain: JSON writes null for missing values and words for numbers th
 }
 
 TEST_CASE("explain: a constant on the way to t has no operation on the tape") {
-    // Its value, 1 and more, was taken for one when the cancellation that a rounding goes through was looked for.
+    // This value, 1 and more, was once taken for 1 in the search for the cancellation that a rounding passes through.
     const auto r = must("explain box-octree --size 24x18 --pixel 17,11 -i box.max_mult -f bf16 --json");
     const auto told = nlohmann::json::parse(r.out);
-    CHECK(told["outcome"] == "wrong_primitive");  // what is explained is a hit of another box
+    CHECK(told["outcome"] == "wrong_primitive");  // the explained hit is one of another box
     CHECK(has(told["largest_sentence"], "is assigned"));
     CHECK(told["culprit"].is_null() == !has(told["sentence"], "The culprit is"));
 }

@@ -80,7 +80,7 @@ TEST_CASE("explain: normalising a direction is reported") {
 }
 
 TEST_CASE("explain: one ray is evaluated alone, however many spheres there are") {
-    // Its row of the picture in p2, where every sphere is a candidate, took minutes.
+    // The whole row of the picture in p2, where every sphere is a candidate, took minutes.
     const auto r = must("explain sphereflake-near --pixel 100,100 -i sphere.unified -f p2 --json");
     CHECK(nlohmann::json::parse(r.out)["primitives"] == 66431);
 }
@@ -106,7 +106,7 @@ TEST_CASE("explain --worst takes the ray of the tables: a wrong decision, or els
         CHECK(worst.out.substr(end + 1) == there.out);
         CHECK(has(worst.out.substr(0, end), "the worst of 3072 for this form: "));
     }
-    // The worst ray of a sweep is over all its steps, and that of cases over all cases.
+    // The worst ray of a sweep is the worst of all its steps, and that of cases the worst of all cases.
     for (const std::string sweep : {"sphere-tilt --set views=16", "extremes/contact"}) {
         CAPTURE(sweep);
         const bool cases = sweep.starts_with("extremes");
@@ -131,7 +131,7 @@ TEST_CASE("explain --worst takes the ray of the tables: a wrong decision, or els
         CAPTURE(largest, worst.err);
         REQUIRE(worst.code == 0);
         const auto there = run(largest.substr(largest.find(' ') + 1), folder.path());
-        // It begins with a line on which ray it is, as a named case does.
+        // The output begins with a line that names the ray, as for a named case.
         const auto after_a_line = [](const std::string& text) { return text.substr(text.find('\n') + 1); };
         CHECK(after_a_line(worst.out) == (cases ? after_a_line(there.out) : there.out));
     }
@@ -170,7 +170,8 @@ TEST_CASE("explain --worst of a sweep reports the ray, its step and the number o
                              std::to_string(wrong["false_miss"]) + ".\n"));
     const auto there = run(first->at("fault_explain").substr(9), folder.path());
     CHECK(worst.out.substr(worst.out.find('\n') + 1) == there.out);
-    // Not the first ray of its view, of the ray distribution: one ray a view, and the place is that of the view.
+    // This is not the first ray of its view in the distribution: there is one ray per view, and the index is that of
+    // the view.
     const auto single = run("explain sphere-distance --worst --set views=64 --steps 7" + with, folder.path());
     CHECK(single.out.starts_with("Ray "));
     CHECK_FALSE(single.out.starts_with("Ray 0 "));
@@ -214,7 +215,7 @@ TEST_CASE("explain: a form that decides exactly shows what ran, with the exact s
         CHECK(calls > 0);
         CHECK(has(run("explain " + asked + " -f f32 --c").out, "a call, which sums without rounding"));
         const auto core = run("explain " + asked + " -f f32 --fpcore");
-        CHECK(core.code == (has(asked, "box") ? 0 : 2));  // whose t no exact step computes
+        CHECK(core.code == (has(asked, "box") ? 0 : 2));  // its t is not computed by an exact step
         if (core.code == 2) CHECK(has(core.err, "by a call that sums without rounding"));
     }
     CHECK(has(run(std::string("explain ") + settled_exactly[0] + " -f f32").out, "t = 0"));

@@ -1,4 +1,4 @@
-// lostbits explain: what stands first, whom it blames, and what it leaves out.
+// lostbits explain: its first lines, the operation that it blames, and the lines that it leaves out.
 #include <nlohmann/json.hpp>
 
 #include <cctype>
@@ -100,7 +100,7 @@ TEST_CASE("explain: every operation that a row names has a row of its own") {
             const auto equals = line.find(" = ");
             if (equals == std::string::npos || line.size() < 3) continue;
             rows.insert(line.substr(2, line.find(' ', 2) - 2));
-            // Names that the tape gives: m12, s12, v1, v1.x. The formula stands before the numbers.
+            // Names from the tape: m12, s12, v1, v1.x. The formula stands before the numbers.
             for (std::size_t k = equals; k + 1 < line.size(); ++k) {
                 const bool starts = std::string("msv").find(line[k]) != std::string::npos &&
                                     std::isdigit(static_cast<unsigned char>(line[k + 1])) &&
@@ -129,7 +129,7 @@ TEST_CASE("explain names the last column after the sum of its contributions and 
     CHECK(has(hit, " share of t, ulp\n"));
     CHECK(has(turned, " share of disc, ulp\n"));
     CHECK_FALSE(has(turned, " share of t, ulp"));
-    // Rounding turned nothing: there is no ulp of anything.
+    // Rounding changed no decision, so there is no error in ulps.
     const std::string plain = run("explain --sphere 0x1.0b429p+8,0x1.0b429p+9,-0x1.90e3d8p+9,1 --ray "
                                   "-0x1.2bcp-2,0x1.adp-1,0x1.d8p-2,0x1.11cp-2,0x1.11cp-1,-0x1.9a8p-1 "
                                   "-i sphere.unified -f fp16")
@@ -170,7 +170,7 @@ TEST_CASE("explain: a range that decides is in the verdict, with the operands co
     CHECK(j["hit"] == true);
     CHECK(j["attribution"]["exact_hit"] == false);
     CHECK(j["inputs"]["ray.tmin"]["hex"] == "0x1.a36e2ep-14");
-    // Behind the near root it is the far one, as whoever asks the form takes it, and the C program does so too.
+    // Behind the near root the far root counts, for those who call the form and in the C program.
     const std::string behind =
         "explain --sphere 0,0,5,1 --ray 0,0,0,0,0,1 --tmin 4.5 --open-ends tmin -i sphere.press ";
     CHECK(has(run(behind + "--c").out, "t_in_range"));
@@ -193,7 +193,7 @@ TEST_CASE("explain: where the range alone makes a miss, the verdict says where t
     says("--tmin 7 --tmax 8", ". The exact hit at t = 4 lies before tmin = 7.");
     const std::string beside = run("explain --sphere 0,9,5,1 --ray 0,0,0,0,0,1 -i sphere.unified --tmax 3").out;
     CHECK(has(beside, "a correct miss.\n"));
-    // A form of unit directions tells a distance, and its range is one.
+    // A form of unit directions returns a distance, and so its range is a distance.
     const std::string unit = run("explain --sphere 0,0,5,1 --ray 0,0,0,0,0,2 -i sphere.unified_unit --tmax 1.5").out;
     CHECK(has(unit, "The exact hit at t = 4 lies beyond tmax = 3."));
 }
@@ -228,7 +228,7 @@ TEST_CASE("explain: a camera ray that is NaN is blamed on the camera's operation
     CHECK_FALSE(has(text, "The input d.x"));
 }
 
-TEST_CASE("explain: an operand that an operation takes twice is listed once") {
+TEST_CASE("explain: an operand that an operation uses twice is listed once") {
     const std::string text = run("explain rtg-fig-7-3-4100-oblique --pixel 128,40 -i sphere.schoolbook+fma -f f32").out;
     INFO(text);
     const auto line = text.substr(0, text.find("Better on"));

@@ -55,7 +55,7 @@ TEST_CASE("two containers with equal process ids keep their half-written files, 
     if (container.empty()) WARN("no containers here: tried without one");
     const fs::path other = scratch / ".claims.csv.partial-1";
     const Held held(other);
-    // The word `exec` that follows is for the shell outside; the program becomes process 1 of the container.
+    // The word `exec` that follows is for the outer shell; the program becomes process 1 of the container.
     const std::string before = container.empty() ? "" : "exec " + container + " sh -c 'shift; exec \"$@\"' sh";
     must("check " + claims + " --export-csv claims.csv", scratch.path(), before);
     CHECK(fs::exists(other));
@@ -188,8 +188,8 @@ TEST_CASE("a run killed while it replaces results leaves a note that they are no
 
 namespace {
 
-/// A shell that mounts something of its own and goes on as the program; empty where this machine forbids it. `mount` is
-/// what it does first.
+/// A shell that mounts something privately and then becomes the program; empty if this machine forbids it. `mount` is
+/// its first command.
 std::string with_mount(const std::string& mount, const Scratch& scratch) {
     for (const char* words : {"unshare -m", "unshare -U -r -m"}) {
         const std::string shell = std::string(words) + " sh -c '" + mount + " && shift && exec \"$@\"' sh ";
@@ -219,7 +219,7 @@ TEST_CASE("results are complete and marked so, even if nobody reads standard out
             must("map mine.toml -i sphere.press -f f32 --pixels csv --set 'sphere[0].radius=0.9' -o after",
                  scratch.path());
         }
-        // Descriptors whose other end is gone before the program begins.
+        // Descriptors whose other end was closed before the program begins.
         run(std::string(words) + (compares ? " out" : " -o out") + " | true", scratch.path(), "sleep 0.2;");
         int lists = 0;
         for (const std::string& file : files_below(scratch / "out")) {
@@ -260,7 +260,7 @@ TEST_CASE("choose answers without times where the temporary folder forbids runni
     fs::create_directories(scratch / "noexec");
     const std::string mount = with_mount("mount -t tmpfs -o noexec tmpfs noexec && export TMPDIR=$PWD/noexec", scratch);
     if (mount.empty()) return;
-    // It stands for a compiler: what it makes is some library.
+    // Stands for a compiler: it writes some library.
     const std::string compiler = scratch.write(
         "compiler", "#!/bin/sh\nwhile [ \"$1\" != -o ]; do shift; done\ncp '" LOSTBITS_PLAIN_IMAGES "' \"$2\"\n");
     fs::permissions(compiler, fs::perms::owner_all);

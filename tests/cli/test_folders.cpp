@@ -179,7 +179,7 @@ TEST_CASE("an HTML page names its command") {
     CHECK(page.at("files") == Json::array({"index.html"}));
 }
 
-TEST_CASE("a folder shared by a report and checked claims keeps both, and its list says which made what") {
+TEST_CASE("a folder shared by a report and checked claims keeps both, and its list names the command of each file") {
     const Scratch scratch;
     const fs::path folder = scratch / "page";
     const std::string check = "check --filter 'float.*' --report page",

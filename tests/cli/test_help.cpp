@@ -46,7 +46,7 @@ void lay_out(const Scratch& scratch) {
     REQUIRE(std::system((compiler + "/schoolbook.cpp' -o '" + (scratch / "mine.so").string() + "'").c_str()) == 0);
 }
 
-/// Through a shell, where `lostbits` is the program.
+/// Runs through a shell in which `lostbits` is the program.
 int status_of(const std::string& line, const Scratch& scratch) {
     const std::string script = scratch.write("script", "lostbits() { '" LOSTBITS_PROGRAM "' \"$@\"; }\n" + line + "\n");
     const int status =
@@ -166,10 +166,10 @@ TEST_CASE("old names of options are read, with one line that gives the new name"
         CHECK(has(old_run.err,
                   !is_option || now.front() == '-' ? "called " + now + " now\n" : "write SCENE without it\n"));
         CHECK_FALSE(has(new_run.err, "the option is"));
-        if (command != "trade" && command != "choose") CHECK(old_run.out == new_run.out);  // those print times
+        if (command != "trade" && command != "choose") CHECK(old_run.out == new_run.out);  // the others print times
         CHECK_FALSE(has(must("-q " + line + " " + names.first, scratch.path()).err, advice));
     }
-    // Not options, although they look like some: a value, and the words behind `--`.
+    // Words that look like options but are not: a value, and words behind `--`.
     CHECK_FALSE(has(run("diff a.csv -- --pictures", scratch.path()).err, "the option is"));
     CHECK(has(run("-j 1 --progress none judge rays.csv --format=f23", scratch.path()).err,
               "--answer-format f23: unknown"));
@@ -218,7 +218,7 @@ TEST_CASE("a file of another kind is refused with its kind and the command that 
         {"extremes/contact", {"is a file of cases", "lostbits sweep"}}};
     const std::string sweeps = "sweep.toml cases.toml search.toml sphere-distance extremes/contact ";
     const std::string scenes = "scene.toml near-benign ";
-    /// A command line in which `@` is the file, and the files that it takes.
+    /// A command line in which `@` is the file, and the files that the command reads.
     const std::map<std::string, std::string> commands_of{
         {"check @", "claims.toml old.toml "},
         {"choose @ --bits 8", scenes + "rays.csv "},
@@ -253,10 +253,10 @@ TEST_CASE("a file of another kind is refused with its kind and the command that 
         }
     }
     CHECK_FALSE(fs::exists(scratch / "out"));
-    // The option that makes `explain` take it is named.
+    // The message names the option that makes `explain` read the file.
     CHECK(
         has(run("explain cases.toml -i sphere.press", scratch.path()).err, "with --case or --worst; add one of them"));
-    // A name that two kinds have is what the command takes, and files that are none are left to it.
+    // A name of two kinds means the kind that the command reads; files of no known kind are left to the command.
     CHECK(has(run("map none.toml", scratch.path()).err, "no such file"));
     CHECK(has(run("map none", scratch.path()).err, "no scene \"none\""));
 }

@@ -40,7 +40,7 @@ TEST_CASE("a claim from an untrusted file is shown as plain text everywhere") {
     const auto r = run("check claims.toml --annotations github --junit j.xml --export-csv c.csv --export-json c.json",
                        scratch.path());
     REQUIRE(r.code == 1);
-    // One line more than there are, and it would be somebody else's command.
+    // One more line would be a command of the attacker.
     CHECK_FALSE(has_forged_command(r.out));
     CHECK(has(r.out, "\n::error file=claims.toml,line=2,title=="));
     CHECK(has(r.out, "%250A"));
@@ -71,7 +71,7 @@ TEST_CASE("titles and file names are plain text on a terminal") {
     const auto list = must("--data data list scenes", scratch.path());
     CHECK_FALSE(has_forged_command(list.out));
     CHECK(has(run("--data data list scenes --json", scratch.path()).out, "\\n::error::forged"));
-    // A column, and a file that is not there.
+    // A column, and a file that does not exist.
     scratch.write("a.csv", "\"x\n::error::forged\x1b[31m\"\n1\n");
     scratch.write("b.csv", "\"x\n::error::forged\x1b[31m\"\n2\n");
     for (const std::string words : {"diff a.csv b.csv", "map 'a\n::error::forged\x1b[31m.toml' -o out",

@@ -55,7 +55,7 @@ TEST_CASE("check never writes over one of its inputs") {
         for (const char* file : {"claims.toml", "mine.toml", "./claims.toml"})
             inputs.refused(std::string("check claims.toml ") + option + " " + file, taken);
     }
-    // The same file by other names.
+    // The same file under other names.
     fs::create_hard_link(inputs / "claims.toml", inputs / "hard.toml");
     fs::create_symlink("claims.toml", inputs / "soft.toml");
     inputs.refused("check claims.toml --junit hard.toml", taken);
@@ -68,7 +68,7 @@ TEST_CASE("a folder of results that holds an input is not replaced") {
     const Inputs inputs;
     must("map mine.toml -i sphere.press,sphere.unified -f f32 --pixels csv -o a", inputs / "");
     const std::string before = contents(inputs / "a/mine/summary.csv");
-    // Drawn into one of the two, the results of that one would go first.
+    // If results were written into one of the two, that one would be removed first.
     inputs.refused("diff a/mine a/mine --draw a/mine", taken);
     CHECK(contents(inputs / "a/mine/summary.csv") == before);
     // Results of an earlier run are removed before the next ones are written, unless the next run reads one of them.
@@ -107,7 +107,7 @@ TEST_CASE("files that the program did not write stay under --force, links and th
     write(folder / "mine.txt");
     must(words, inputs / "");
     CHECK(contents(folder / "mine.txt") == "precious");
-    // A result that was replaced by a link since is somebody's own as well.
+    // A result that was since replaced by a link belongs to somebody else, too.
     fs::remove(folder / "summary.csv");
     fs::create_symlink(inputs / "elsewhere", folder / "summary.csv");
     refused_for("summary.csv", "is a link, or is reached through one");
@@ -117,7 +117,7 @@ TEST_CASE("files that the program did not write stay under --force, links and th
     fs::create_directories(folder);
     write(folder / "datapackage.json");
     refused_for("datapackage.json", "is not in the manifest.json of its folder");
-    // Without --force any result that no list names stands in the way.
+    // Without --force, any result that is not in a list blocks the run.
     write(folder / "older.png");
     inputs.refused("map mine.toml -i sphere.press -f f32 -o out",
                    "holds results that are not in its manifest.json: older.png");

@@ -394,7 +394,7 @@ TEST_CASE("judge: numbers of crossings, their parity, and points in a mesh") {
     must("judge counts.csv --scene cube.toml --rows" + into(scratch), scratch.path());
     CHECK(outcomes_in(scratch / "out/counts/file.counts.f64.csv") ==
           std::vector<std::string>{"agree", "crack", "missing_hit", "false_hit", "agree", "false_hit", "false_hit"});
-    // At the edge x = z = 1 the ray touches the cube: it enters and leaves it at one t, or passes it.
+    // At the edge x = z = 1 the ray touches the cube: it enters and leaves it at one t, or passes by.
     scratch.write("parity.csv", "ox,oy,oz,dx,dy,dz,parity\n" + inner + "0\n" + inner +
                                     "1\n2,0.25,2,1,0,-1,true\n"
                                     "2,0.25,0,-1,0,1,false\n2,0.25,0,-1,0,1,1\n");

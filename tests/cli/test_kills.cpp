@@ -27,7 +27,7 @@ Files files_in(const fs::path& folder) {
     return files;
 }
 
-/// One of two commands that write the same folder, and what it leaves there when nobody disturbs it.
+/// One of two commands that write the same folder, and the files that it leaves there if nothing disturbs it.
 struct Command {
     std::vector<std::string> words;
     Files right = {};
@@ -46,8 +46,8 @@ struct Counts {
     int unfinished = 0, partial = 0;          ///< folders that said so, and ones with half-written files
 };
 
-/// True if every file is as one of the two commands writes it; of one that says that it is not finished, a list of
-/// names may be shorter, and half-written files may lie there.
+/// True if every file is as one of the two commands writes it. In a folder that is marked as unfinished, a list of
+/// names may be shorter, and half-written files may exist.
 bool is_sound(const Files& found, const Files& a, const Files& b) {
     if (!found.contains("UNFINISHED.txt")) {
         Files whole = found;
@@ -61,7 +61,7 @@ bool is_sound(const Files& found, const Files& a, const Files& b) {
     });
 }
 
-/// Kills a run after a time drawn from all of its own, and somewhat more.
+/// Kills a run after a time drawn from its whole duration and somewhat more.
 void kill_once(const Scratch& scratch, const Command& command, std::mt19937& random, Counts& counts) {
     const bool kills = std::bernoulli_distribution(0.5)(random);
     Started started(command.words, scratch.path());
@@ -70,7 +70,7 @@ void kill_once(const Scratch& scratch, const Command& command, std::mt19937& ran
     started.send(kills ? SIGKILL : SIGTERM);
     const int code = started.wait();
     INFO(contents(scratch / "err.txt"));
-    // SIGTERM may come before the program has said what it does then.
+    // SIGTERM may come before the program has installed its handler.
     REQUIRE((code == 0 || code == 130 || code == 128 + SIGKILL || code == 128 + SIGTERM));
     ++(code == 0 ? counts.unharmed : kills ? counts.killed : counts.asked);
 }

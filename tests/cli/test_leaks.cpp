@@ -35,10 +35,9 @@ TEST_CASE("no command leaks memory except for the listed reasons") {
           "map mine.toml -i example.schoolbook -f f32 -o plugin" + library,
           "map mine.toml -i example.schoolbook -f f32 -o alone --isolate" + library}) {
         const auto r = must(words, scratch.path(), watched(LOSTBITS_LEAK_EXCEPTIONS));
-        CHECK_FALSE(
-            has(r.err, "detected memory leaks"));  // with a library a process that looks is not the one that ends
+        CHECK_FALSE(has(r.err, "detected memory leaks"));  // with a library, the checking process is not the ending one
     }
-    // It looks, and the list is what keeps it quiet.
+    // The leaks are found, and only the list suppresses them.
     const std::string lost = watched("/dev/null") + " '" + LOSTBITS_LEAKING + "' 2>/dev/null";
     CHECK(WEXITSTATUS(std::system(lost.c_str())) == leaks);
     CHECK(has(

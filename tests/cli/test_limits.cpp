@@ -1,4 +1,5 @@
-// Input that claims more than it holds, costs more than it should, or leads elsewhere; and machines with little room.
+// Input that declares more than it contains, is expensive to read, or leads out of its folder; and machines with little
+// memory.
 #include <algorithm>
 #include <numeric>
 #include <random>
@@ -46,7 +47,7 @@ std::string exr_head(std::uint64_t side) {
     return bytes + std::string(20000, '\0');
 }
 
-/// Seconds of work after which a run is ended: far above what it takes, far below what it took.
+/// Seconds of work after which a run is ended: far above the time it needs, far below the time it needed before.
 std::string at_most(int seconds) { return "ulimit -t " + std::to_string(seconds) + ";"; }
 
 }  // namespace

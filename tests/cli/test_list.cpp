@@ -25,7 +25,7 @@ TEST_CASE("list forms says how each form handles rays from inside and from behin
     for (const auto& row : nlohmann::json::parse(run("list forms --json").out)) {
         const std::string name = row.at("name");
         CHECK(has(text, "\n" + name + " "));
-        // No form of the catalogue has a word of its own.
+        // No form of the catalogue has a property that is its own.
         const std::string shape = name.substr(0, name.find('.'));
         const bool is_flat = shape == "triangle" || shape == "disc" || shape == "plane";
         CHECK(row["inside"] == (shape == "box" ? "zero" : is_flat ? "none" : shape == "sdf" ? "by primitive" : "exit"));
@@ -150,13 +150,13 @@ TEST_CASE("every sentence of a claim can be read by itself") {
         CHECK(statement.size() > 10);
         CHECK_FALSE(statement.starts_with("..."));
         CHECK_FALSE(statement.ends_with("..."));
-        // Filtered, sorted or in a CI log it stands without the one before it.
+        // Filtered, sorted or in a CI log, a statement stands without the statement before it.
         for (const char* leaning : {"and ", "but ", "The same"}) CHECK_FALSE(statement.starts_with(leaning));
     }
 }
 
 TEST_CASE("list shows every form, metric, transform, bounding-box method, ray generator, strategy and check") {
-    // More of the list than of the table: what takes a label, a length or bits.
+    // The list has more rows than the table: those with a label, a length or bits.
     const auto check = [](const std::string& what, const auto& rows, std::size_t more = 0) {
         CAPTURE(what);
         const auto listed = nlohmann::json::parse(run("list " + what + " --json").out);

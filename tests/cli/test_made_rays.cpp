@@ -1,5 +1,5 @@
-// Rays made by ray generators in each format, from the command line: the generators, their measurements, and messages
-// on wrong input.
+// Rays of ray generators in each format, from the command line: the generators, their measurements, and messages on
+// wrong input.
 #include <set>
 #include <string>
 #include <string_view>
@@ -14,7 +14,7 @@ namespace test_cli_made_rays {
 
 namespace {
 
-/// Ways that take no difference of two points of the world.
+/// Generators that do not subtract two points of the world.
 const std::set<std::string_view> stay_apart{"bevy_view", "nvpro",         "godot",   "optix",
                                             "pbrt",      "differentials", "relative"};
 
@@ -39,7 +39,7 @@ TEST_CASE("12 km from the origin only generators that subtract world points lose
         const bool apart = stay_apart.contains(generator.info->name);
         CHECK((apart ? number_in(row.at("direction_lost_bits_max")) < 5
                      : number_in(row.at("direction_lost_bits_p50")) > 6));
-        // The eye is made of numbers of the format, and a point of the near plane is not.
+        // The eye consists of numbers of the format, but a point of the near plane does not.
         if (generator.info->name != "nvpro")
             CHECK((number_in(row.at("origin_error_max")) > 0) == generator.info->from_near);
     }
@@ -63,7 +63,7 @@ TEST_CASE("a ray generator in the form's name and the same one in the scene give
     }
 }
 
-TEST_CASE("explain uses the ray that the ray generator makes") {
+TEST_CASE("explain uses the ray of the ray generator") {
     const auto x = nlohmann::json::parse(
         run("explain camera-far.endless --pixel 90,100 -i sphere.unified@ray-bevy -f f32 --json").out);
     const auto y = nlohmann::json::parse(
@@ -73,7 +73,7 @@ TEST_CASE("explain uses the ray that the ray generator makes") {
     CHECK(x["t"] == y["t"]);
     CHECK(x["truth"] == y["truth"]);
     CHECK(x["inputs"] == y["inputs"]);
-    // The tape begins with the camera's numbers, those that the way takes, and not with the ray.
+    // The tape begins with the numbers of the camera that the generator uses, and not with the ray.
     CHECK(x["inputs"].contains("to_world.r0c3"));
     CHECK(x["inputs"].contains("pixel.x"));
     CHECK_FALSE(x["inputs"].contains("view.r0c0"));

@@ -99,7 +99,7 @@ TEST_CASE("picture, EXR, pixels and table of bits needed agree") {
         CHECK(std::ranges::count(described, name) == 1);
 }
 
-TEST_CASE("bits needed: the map made with them is the same as without") {
+TEST_CASE("bits needed: a map with them is the same as without") {
     draw_pictures();
     const Scratch scratch;
     // More pixels than a band has, so that rows come in two instalments.

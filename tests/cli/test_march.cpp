@@ -1,4 +1,4 @@
-// Marches from the outside: explain, the maps of iterations and stops, sweeps of the constants.
+// Marches from the outside: explain, the maps of iterations and of reasons for stopping, sweeps of the constants.
 
 #include "catch.hpp"
 #include "program.hpp"

@@ -16,7 +16,7 @@ const std::string far_rays =
 
 }  // namespace
 
-TEST_CASE("mend takes files of rays, and says what is kept on all of them", "[mend]") {
+TEST_CASE("mend reads files of rays, and says how many bits the form keeps on all of them", "[mend]") {
     const Scratch scratch;
     const auto r = must("mend " + far_rays + " -o out --emit far.hpp", scratch.path());
     CHECK(has(r.out, "far-sphere: 16 correct bits of every hit, no wrong decision"));
@@ -54,7 +54,7 @@ TEST_CASE("the page of a mended form has its sentences, its changed lines and th
     bool catalogue = false;
     for (const auto& row : rows) {
         if (row.at("kind") == "catalogue") {
-            // The most accurate comes first; where it is the form itself, it stands there already.
+            // The most accurate form comes first; if it is the form itself, it is already listed.
             if (std::exchange(catalogue, true) || row.at("form") == "box.baseline") continue;
         } else {
             expected.insert(expected.end(), {row.at("operations"), row.at("wider_operations")});
@@ -106,7 +106,7 @@ TEST_CASE("a mended form is written as a function of GLSL with the names of the 
     CHECK(has(text, "Made by lostbits mend rtg-fig-7-3-4100-oblique -i sphere.half_b"));
 }
 
-TEST_CASE("the name of a file that is a word of the language becomes one that is not", "[mend]") {
+TEST_CASE("a file name that is a keyword of the language is changed", "[mend]") {
     const Scratch scratch;
     const std::string words = "mend rtg-fig-7-3-4100-oblique --size 24x21 -i sphere.half_b --bits 16 --emit ";
     for (const auto& [file, name] :
@@ -123,7 +123,7 @@ TEST_CASE("the name of a file that is a word of the language becomes one that is
     }
 }
 
-TEST_CASE("under a matrix a mended form is a function that takes the matrix, and has a price", "[mend]") {
+TEST_CASE("under a matrix a mended form is a function that takes the matrix, and its cost is measured", "[mend]") {
     const Scratch scratch;
     const std::string words = "mend instance-far.sphere --size 24x24 -i sphere.unified@plain --bits 18 ";
     const auto r = must(words + "--emit placed.hpp -o out" + (is_long() ? " --price" : ""), scratch.path());
@@ -146,7 +146,7 @@ TEST_CASE("under a matrix a mended form is a function that takes the matrix, and
     CHECK(beside > 10);
 }
 
-TEST_CASE("choose offers what a form is mended to, compiled and timed with the others, or says why not", "[mend]") {
+TEST_CASE("choose offers the mended form, compiled and timed with the others, or says why not", "[mend]") {
     const Scratch scratch;
     const std::string scene = "rtg-fig-7-3-4100-oblique", rest = " -f f32 --bits 16 --at max --mend -o out",
                       none = "choose " + scene + " --size 24x21 --quick -i sphere.half_b" + rest;

@@ -1,4 +1,4 @@
-// Every file that names a ray names it by a command; the command, run, gives the numbers of its row again.
+// Every file that names a ray names it by a command, and this command gives the numbers of the row again.
 #include <cmath>
 #include <cstdlib>
 #include <tuple>
@@ -62,7 +62,7 @@ const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsou
 
 TEST_CASE("paste: the worst ray of each row of summary.csv and any row of a pixel CSV of a map") {
     const Scratch folder;
-    // A file of one's own: a space in its name, variants, and numbers that each format rounds itself.
+    // A file of the user: a space in its name, variants, and numbers that each format rounds itself.
     const std::string own =
         spoilt("shared", "own") +
         "[[variant]]\nname = \"a\"\nset = { \"sphere[0].radius\" = \"1.1\" }\n[[variant]]\nname = \"b\"\nset = {}\n";
@@ -86,7 +86,7 @@ TEST_CASE("paste: the worst ray of each row of summary.csv and any row of a pixe
         CHECK(some.worst > 0);
         all.worst += some.worst;
         all.faults += some.faults;
-        // A row of the pixels' table is explained by the same words with its own place.
+        // A row of the pixel table is explained by the same command with its own pixel.
         const std::string stem = table[0].at("form") + "." + table[0].at("format");
         const auto pixels = read_csv(folder / "out" / scene / (stem + ".csv"));
         const std::string words = table[0].at("worst_explain");
@@ -189,7 +189,7 @@ rays = [{ origin = [0, 0, -9], direction = [0, 0.3, 1] },
     }
     CHECK(all.worst > 30);
     CHECK(all.faults > 15);
-    // Without a number it is the ray that the table names, a wrong decision before a wrong value.
+    // Without an index it is the ray that the table names: a wrong decision before a wrong value.
     const auto boxes = read_csv(folder / "out/my cases/cases.csv");
     for (const std::size_t i : {std::size_t{0}, boxes.size() - 1}) {
         std::string command = boxes[i].at("fault_explain");
@@ -202,7 +202,7 @@ rays = [{ origin = [0, 0, -9], direction = [0, 0.3, 1] },
     }
 }
 
-TEST_CASE("paste: the rays in worst.csv of a search, and of the cases that hard.toml makes of them") {
+TEST_CASE("paste: the rays in worst.csv of a search, and the cases of its hard.toml") {
     const Scratch folder;
     for (const auto& [name, primitive] : std::vector<std::pair<std::string, std::string>>{
              {"s", "centre = [-1, 1]\nradius = [0.5, 2]\n"}, {"b", "lo = [-2, -1]\nhi = [1, 2]\n"}})

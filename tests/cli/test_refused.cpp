@@ -120,7 +120,7 @@ Files sweeps() {
         {"bare.toml", replaced(every, "[sphere]", "[sphere_of_nothing]")}};
 }
 
-/// A .npy of rays that lie as a picture of one row.
+/// A .npy file of rays that form a picture of one row.
 std::string rays_in_a_row(int count) {
     std::string head =
         "{'descr': [('ox','<f4'),('oy','<f4'),('oz','<f4'),('dx','<f4'),('dy','<f4'),('dz','<f4')], "
@@ -201,7 +201,7 @@ TEST_CASE("every command has a refused input in the tests or a reason why not") 
         for (const Refused& row : section.rows) {
             const std::string typed = section.command + " " + row.words;
             INFO(typed << "=> " << row.says);
-            CHECK_FALSE(has(typed, row.says));  // what is typed may be said again, whatever is wrong
+            CHECK_FALSE(has(typed, row.says));  // the arguments may be repeated in the message, whatever is wrong
             refusing.insert(command_of(section, row));
             ++rows;
         }

@@ -31,7 +31,7 @@ std::vector<std::string> all_of(const std::string& text, const std::string& patt
     return found;
 }
 
-/// The page without what is packed, which no pattern need be matched against. (A pattern that matches a hundred
+/// The page without its packed data, which patterns need not be matched against. (A pattern that matches a hundred
 /// thousand letters uses up the stack.)
 std::string without_blobs(const std::string& page) {
     const auto packed = [](unsigned char c) { return std::isalnum(c) || c == '+' || c == '/' || c == '='; };
@@ -119,7 +119,7 @@ TEST_CASE("a report counts and lists the requested claims") {
     const auto file = scratch / "claims.csv";
     must("check -q --filter 'rtg7.fig3.*-4100-axis*' --export-csv '" + file.string() + "'");
     const auto claims = read_csv(file);
-    // Claims about a form that the page does not show stay away.
+    // Claims about a form that the page does not show are left out.
     std::map<std::string, std::size_t> counts;
     std::size_t shown = 0;
     for (const auto& row : claims) {

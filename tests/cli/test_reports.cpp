@@ -1,4 +1,4 @@
-// The committed reports, and what the README and docs/sweep.md show, are what the program makes now.
+// The committed reports, and the output in the README and docs/sweep.md, are what the program writes now.
 #include <fnmatch.h>
 
 #include <algorithm>
@@ -21,7 +21,8 @@ using namespace lostbits::test;
 
 namespace {
 
-/// Claims that the long tests alone measure, 64 % of what all claims take, and what stands for them in the short ones.
+/// Claims that only the long tests measure, 64 % of the time of all claims, and the claims that the short tests measure
+/// in their place.
 struct Slow {
     const char *ids, *instead;
 };
@@ -44,7 +45,7 @@ constexpr std::array slow_claims{
     Slow{"stability.[!h]*-4100-backward", "stability.hearn_baker-4100-backward"},
 };
 
-/// The ids of the claims of results; in the short tests without the dear ones.
+/// The ids of the claims about results; in the short tests without the slow ones.
 std::set<std::string> measured_ids() {
     std::set<std::string> ids;
     std::set<const char*> used;
@@ -62,7 +63,7 @@ std::set<std::string> measured_ids() {
     return ids;
 }
 
-/// The committed table, its rows of these claims.
+/// The committed table, with the rows of these claims.
 std::string committed_table(const std::set<std::string>& ids) {
     std::istringstream lines(contents(LOSTBITS_REPORTS_DIR "/claims.csv"));
     std::string table, line;
@@ -73,15 +74,15 @@ std::string committed_table(const std::set<std::string>& ids) {
     return table;
 }
 
-/// The document without what several draws say: how far they are apart, and the option that made them.
+/// The document without the output for several draws: their spread, and the option that made them.
 std::string of_one_draw(const std::string& document) {
     static const std::regex spread(
         R"re( \((in each of|[-+.e0-9]+ to [-+.e0-9]+ over) [0-9]+ draws\)| --seeds [0-9]+)re");
     return std::regex_replace(document, spread, "");
 }
 
-/// A subject of each kind, small ones: numbers, a scene, a march, sweeps, cases, a search, every float, two questions,
-/// next rays, a picture.
+/// One small subject of each kind: numbers, a scene, a march, sweeps, cases, a search, every float, two questions, next
+/// rays, a picture.
 constexpr std::string_view kinds[] = {"arithmetic",           "box-one",
                                       "sdf-by-hand.miss",     "sphere-impact",
                                       "hard/padding",         "padding, searched",
@@ -135,19 +136,19 @@ TEST_CASE("every claim measures as stated, with the slow ones and more draws in 
     CHECK(measured.size() == ids.size());
     for (const auto& claim : measured) {
         INFO(claim["id"]);
-        // Whatever is random has an interval that comes from many draws.
+        // Every random claim has an interval that comes from many draws.
         const bool random = claim["samples"] > 0;
         CHECK(claim["further_draws"].size() == (random && is_long() ? 3 : 0));
         CHECK((random ? claim["interval_draws"] >= 32 : claim["interval_draws"] == 0));
         drawn += random;
     }
     CHECK(drawn > 50);
-    // By content: sentences, sources, numbers, worst rays.
+    // Compared by content: sentences, sources, numbers, worst rays.
     const std::string committed = scratch.write("committed.csv", committed_table(ids));
     must("diff '" + csv + "' '" + committed + "'" + (is_long() ? "" : " --ignore 'draw*'"));
 }
 
-// Its pictures measure their subjects once more: in the short tests there is one subject of each kind.
+// For its pictures the subjects are measured once more: the short tests have one subject of each kind.
 TEST_CASE("the committed report is current: all of it in long tests, else one section of each kind") {
     draw_pictures();
     const Scratch scratch;

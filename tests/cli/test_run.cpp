@@ -58,7 +58,7 @@ private:
     Scratch scratch_;
 };
 
-/// A ctest that writes down tests which ended so.
+/// A ctest that reports these tests with these results.
 std::string ctest_says(const std::string& ends) {
     return R"(echo some words; while [ $# -gt 1 ]; do [ "$1" = --output-junit ] && junit=$2; shift; done
 n=0; for end in )" +
@@ -100,7 +100,7 @@ TEST_CASE("./run builds the program only, maps one scene first, then all at smal
     INFO(said.calls);
     REQUIRE(said.code == 0);
     CHECK(has(said.calls, "-DLOSTBITS_BUILD_TESTS=OFF -DLOSTBITS_BUILD_BENCH=OFF -DLOSTBITS_BUILD_PLUGINS=OFF"));
-    // Node is a hundred packages, and what tests need is another hundred.
+    // Node is a hundred packages, and the tests need another hundred.
     for (const char* no : {"check", "render", "report", "raycast", "npm"}) CHECK_FALSE(has(said.calls, no));
     for (const char* no : {"catch2", "libbenchmark-dev", "nodejs"}) CHECK_FALSE(has(said.calls, no));
     const auto build = said.calls.find("cmake --build"), first = said.calls.find("lostbits map data/scenes/rtg-"),
@@ -156,7 +156,7 @@ TEST_CASE("./run shows the progress of the build and full errors, and exits as t
     CHECK(has(seen, "\r\x1b[Kx.cpp:1:2: error: no\r\n"));  // a warning, say
     CHECK_FALSE(has(seen, "left\r\n"));
     CHECK(has(seen, "made by the program"));
-    // Nothing is left to build, and nothing is said of it.
+    // Nothing is left to build, and the output does not mention a build.
     tree.write("build.ninja", "build x: phony\n");
     CHECK_FALSE(has(tree.run("").err, "ninja"));
 }
@@ -248,7 +248,8 @@ TEST_CASE("./run test reports how many tests passed, and with --sanitize for bot
     const auto bad = tree.run("test");
     CHECK(bad.code != 0);
     CHECK(bad.out.ends_with("\n6 passed, 1 failed\n"));
-    // One without its program failed, once; one that lacks a package failed where that could be installed.
+    // One test without its program failed, once; another that lacks a package failed where that package could be
+    // installed.
     tree.stand_in("bin/ctest", ctest_says("run missing skip") + "; exit 8");
     CHECK(tree.run("test").out.ends_with("\n1 passed, 2 failed\n"));
     CHECK(has(contents(tree.at("err.txt")), "\ntest 3\n"));
@@ -260,7 +261,7 @@ TEST_CASE("./run test reports how many tests passed, and with --sanitize for bot
     CHECK(has(left.err, "left-behind\n"));
     tree.stand_in("bin/ctest", "exit 8");
     CHECK(tree.run("test").out.ends_with("0 passed, 1 failed\n"));
-    // One that is ended in the middle leaves nothing, as said_by sees, and does not look like one that is done.
+    // A run that is ended in the middle leaves nothing, as said_by checks, and does not look like a finished one.
     tree.stand_in("bin/ctest", "echo x >\"$TMPDIR/half\"; kill -TERM $PPID");
     const auto ended = tree.run("test");
     CHECK(ended.code != 0);

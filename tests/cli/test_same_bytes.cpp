@@ -81,7 +81,7 @@ const Row rows[] = {
     {"offsets offset-touching --size 20x15 -f f32,f64 --pixels csv --pictures all -o out", 5},
     {"offsets spheres-on-floor --size 8x4 -o out", 4},
     {"mend rtg-fig-7-3-4100-oblique --size 24x21 -i sphere.half_b --bits 16 -o out --emit out/half.hpp", 5, true},
-    // With every claim of these it takes 11 s of a processor each time.
+    // With every one of these claims it takes 11 s of processor time for each run.
     {"report near-benign sdf-union distance.toml --size 40x30 -i sphere.schoolbook -i sphere.unit_half_b -i "
      "sdf.sphere_trace -f f32 -f p16 --offsets offset-shells.outside --claims 'tilt.*,box.baseline-inside*' -o out",
      2},
@@ -96,7 +96,7 @@ const std::map<std::string, std::string> others{
     {"merge", "see test_shards.cpp"}, {"plugin", "see tests/external"},   {"trade", "measures time"},
 };
 
-/// Every file that a command leaves, by name, what it prints, and its exit code.
+/// Every file that a command leaves, by name, its output, and its exit code.
 std::map<std::string, std::string> made_by(const std::string& words) {
     const Scratch scratch;
     const std::pair<const char*, std::string> files[] = {

@@ -32,7 +32,7 @@ const Row rows[] = {
      {3}},
     {"map near-benign two.toml -i sphere.press -f f32 --against sphere.unified --size 16x1800", {3}},
     {"sweep every.toml -i sphere.press -i sphere.schoolbook -i sphere.unified", {1, 2, 3, 7}},
-    // Two binades' parts, three blocks: some shards have nothing to do.
+    // Two binades, three blocks: some shards have nothing to do.
     {"sweep short.toml -i sphere.press", {11}},
     {"sweep small.toml -i sphere.schoolbook -i sphere.unified -i sphere.press", {2, 7}},
     {"sweep box-nearly-parallel extremes/scale -f f32", {3}},
@@ -125,7 +125,7 @@ void check_rows(const std::string& command) {
             std::ranges::shuffle(order, random);
             std::string folders;
             for (const int k : order) folders += " " + shard_folder("parts", k, n).string();
-            // The folder that holds them all says the same.
+            // The folder that holds all shards gives the same result.
             for (const std::string& parts : {folders, std::string(" parts")}) {
                 fs::remove_all(scratch / "joined");
                 must("merge" + parts + " -o joined", whole.code);
@@ -217,7 +217,7 @@ TEST_CASE("a file that is not a shard of the run is refused, and nothing is writ
     fs::create_directories(scratch / "copy");
     fs::copy(shard_folder(parts, 2, 4), scratch / "copy/again");
     refused("merge " + shell_word(parts) + " " + shell_word(scratch / "copy"), "is shard 2/4, and so is");
-    // Named twice it is the same file.
+    // A shard that is named twice is the same file.
     must("-q merge " + shell_word(parts) + folder(2) + " -o " + shell_word(scratch / "twice"));
 
     const fs::path other = scratch / "other";
@@ -227,7 +227,7 @@ TEST_CASE("a file that is not a shard of the run is refused, and nothing is writ
     must("-q " + command + " --shard 2/3 -o " + shell_word(thirds));
     refused("merge" + folder(1) + folder(3) + folder(4) + " " + shell_word(thirds), "the run was divided in two ways");
 
-    // A byte of a shard is another.
+    // One byte of a shard is changed.
     const fs::path state = shard_folder(parts, 3, 4) / "shard.state";
     const std::string good = contents(state);
     std::string bad = good;
@@ -254,7 +254,7 @@ TEST_CASE("a forged shard is refused before any result is written") {
     const auto bytes_of = [](std::uint64_t n) { return std::string(reinterpret_cast<const char*>(&n), sizeof n); };
     const auto refused = [&](const std::string& more) {
         std::string forged = good.substr(0, good.size() - 8) + more;
-        std::uint64_t hash = 14695981039346656037U;  // the file's own, so that it alone does not tell
+        std::uint64_t hash = 14695981039346656037U;  // the file's own, so it alone does not show the error
         for (const char c : forged) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211U;
         scratch.write("parts/shard-1-of-1/shard.state", forged + bytes_of(hash));
         const auto r = run("merge parts -o out", scratch.path());
@@ -264,7 +264,7 @@ TEST_CASE("a forged shard is refused before any result is written") {
     };
     refused("trailing");
     refused(bytes_of(3) + "map" + bytes_of(1U << 20U) + "x");
-    refused(bytes_of(5) + "map x" + bytes_of(1) + "x");  // a job that nobody asked for
+    refused(bytes_of(5) + "map x" + bytes_of(1) + "x");  // a job that does not exist
     scratch.write("parts/shard-1-of-1/shard.state", good);
     must("merge parts -o out", scratch.path());
 }
@@ -283,7 +283,7 @@ TEST_CASE("a killed shard leaves nothing half-written, and resumes with --resume
     CHECK_FALSE(fs::exists(folder / "shard.state"));
     end_by("TERM");  // SIGINT is ignored by what a shell starts in the background
     CHECK_FALSE(fs::exists(folder / "shard.state"));
-    CHECK(fs::exists(folder / "s/unfinished.state"));  // not there: the machine does all of it in so little time
+    CHECK(fs::exists(folder / "s/unfinished.state"));  // not there: the machine does all of the work in so little time
     const auto refused = run(command + " --shard 1/3 --resume -o " + shell_word(scratch / "thirds"));
     CHECK(refused.code == 2);
     must(first + " --resume");

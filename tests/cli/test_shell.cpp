@@ -142,7 +142,7 @@ TEST_CASE("choose, mend and check write their table to standard output with -o -
     const std::string before = "export TMPDIR='" + temporary.path().string() + "';";
     run("map mine.toml -i sphere.press -f f32 -o - | true", scratch.path(), before);
     CHECK(temporary.files().empty());
-    // Its times are of the run, so two tables of it differ.
+    // Its times are those of the run, so two tables differ.
     const auto choice = must("choose mine.toml --bits 4 -i sphere.press -f f32 --quick -o -", scratch.path(), before);
     CHECK(choice.out.starts_with("form,format,isa,time_ns,"));
     CHECK(has(choice.out, "\nsphere.press,f32,"));

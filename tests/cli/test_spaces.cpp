@@ -174,7 +174,8 @@ TEST_CASE("two levels of boxes are named from inside to outside, and can be expl
     CHECK(rows[0].at("form") == name);
     const auto explained = must("explain behind-boxes.instance --pixel 3,6 --size 12x12 -i '" + name + "'");
     CHECK(has(explained.out, name));
-    // Under a matrix a form behind a box alone is taken through the usual space, its box in the space of the primitive.
+    // Under a matrix, a form behind a box without a transform uses the default one, with its box in the space of the
+    // primitive.
     must("map behind-boxes.instance -i 'box.filtered^box.signs' -f f32 --size 8x8" + into(folder, "out/one"));
     CHECK(read_csv(folder / "out/one/behind-boxes.instance/summary.csv")[0].at("form") ==
           "box.filtered^box.signs@plain");

@@ -1,4 +1,4 @@
-// `lostbits sweep`: what a run changes of its file, where forms recover, and what an interrupt leaves.
+// `lostbits sweep`: how options change its file, where forms become good again, and the files after an interrupt.
 #include <cstdlib>
 
 #include "catch.hpp"

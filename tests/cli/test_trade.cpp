@@ -62,7 +62,7 @@ TEST_CASE("trade has a table of its own for boxes") {
                         scratch.path().string() + "'");
     CHECK(r.out.empty());
     const auto standings = read_csv(scratch / "box/pareto.csv");
-    // A padded box has no false miss at its edges; what that costs is false hits.
+    // A padded box has no false miss at its edges; the price is false hits.
     std::size_t padded = 0;
     for (const auto& row : standings) {
         CHECK(row.at("format") == "f32");

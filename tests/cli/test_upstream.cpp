@@ -34,7 +34,7 @@ fs::path npm() {
     return (told ? fs::path(told) : specimens / "../../plugins/npm") / "node_modules";
 }
 
-/// True if the library is there: what the program includes or imports can be found.
+/// True if the library is installed: the files that the program includes or imports are found.
 bool installed(const Scratch& scratch, const std::string& command, const std::string& program) {
     if (command.starts_with("g++")) {
         if (in_folder(scratch, std::regex_replace(command, std::regex("^g\\+\\+"), "g++ -E -o all.i") + " 2>why") == 0)
@@ -49,7 +49,7 @@ bool installed(const Scratch& scratch, const std::string& command, const std::st
     return fs::exists(npm() / package[1].str());
 }
 
-/// Runs every second program, in the short tests every eighth: of ours they ask nothing but the text.
+/// Runs every second program, in the short tests every eighth. Only the text of our own programs is checked.
 void hold(std::size_t half) {
     const auto all = letters();
     for (std::size_t i = half; i < all.size(); i += is_long() ? 2 : 8) {

@@ -15,7 +15,7 @@ namespace {
 
 namespace truth = measure::truth;
 
-/// A problem as lostbits has it.
+/// A problem in the types of lostbits.
 struct Given {
     Ray<double> ray;
     Primitive<double> primitive;
@@ -51,7 +51,7 @@ Answer answer_of(const truth::Truth& found, const Given& given,
             is_double ? rounded(found, given, binary64) : NAN};
 }
 
-/// A column a number, as the shape of S has it.
+/// One column for each number, as the shape of S has them.
 template <class S>
 struct Columns {
     std::array<std::vector<S>, 6> ray;
@@ -115,7 +115,7 @@ void ask_columns(Shape shape, truth::Tightness tightness, std::span<const Proble
     }
 }
 
-/// Rounded numbers are not among what the interface tells.
+/// The interface does not return rounded numbers.
 void ask_interface(std::string_view shape, std::span<const Problem> problems, std::vector<Answer>& answers) {
     const auto column = [&problems](const double* first, std::size_t items) {
         return lostbits_array{.data = first,

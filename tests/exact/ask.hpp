@@ -9,7 +9,7 @@
 
 namespace lostbits::exact {
 
-/// By what the truth is found.
+/// Route by which the truth is found.
 enum class TruthRoute {
     floats_for_ulps,  ///< columns of floats, each t to 2^-33 of itself
     floats,           ///< columns of floats
@@ -21,7 +21,7 @@ enum class TruthRoute {
 /// Relative error bound of t computed by that route.
 double tightness_of(TruthRoute route);
 
-/// All problems of a batch have their ends open alike, and matrices of one kind; through the interface, not inverses.
+/// All problems of a batch have the same open ends and matrices of one kind; through the interface, no inverses.
 void ask(std::string_view shape, TruthRoute route, std::span<const Problem> problems, std::vector<Answer>& answers);
 
 /// Decides each problem as 1 (hit) or 0, for rays without end, by columns and without any other result. If `with_rim`
@@ -29,7 +29,7 @@ void ask(std::string_view shape, TruthRoute route, std::span<const Problem> prob
 void decide(std::string_view shape, TruthRoute route, bool with_rim, std::span<const Problem> problems,
             std::vector<std::uint8_t>& hits);
 
-/// The shapes that lostbits has, and how many numbers a primitive of each.
+/// The shapes of lostbits, and the count of numbers of a primitive of each shape.
 std::vector<std::pair<std::string_view, std::size_t>> shapes_there_are();
 
 }  // namespace lostbits::exact

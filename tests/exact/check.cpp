@@ -9,7 +9,7 @@
 namespace lostbits::exact {
 namespace {
 
-/// x·2^e, of which an enclosed number says nothing beyond where its words are normal.
+/// x·2^e. If its words are not normal, an enclosed number has no bound.
 Enclosed scaled(double x, std::int64_t e, const Enclosed&) {
     if (x == 0) return Enclosed(0);
     if (e < -800 || e > 800) return {x, 0, INFINITY};
@@ -17,8 +17,8 @@ Enclosed scaled(double x, std::int64_t e, const Enclosed&) {
 }
 Whole scaled(double x, std::int64_t e, const Whole&) { return Whole(x).scaled(e); }
 
-/// Half way from a number of a format, `least` its least and `largest` its largest one, to the one before and after it.
-/// Nothing lies before 0, and beyond the largest the next would be as far away as the one before.
+/// Half way from a number of a format to its lower and upper neighbour; `least` and `largest` are the least and the
+/// largest number of the format. Nothing lies below 0, and above the largest number the gap is that below it.
 template <class E>
 struct Midpoints {
     E before, after;

@@ -1,4 +1,4 @@
-// Check of an answer: quick where bounds decide, and exact otherwise.
+// Check of an answer: quick if bounds decide, and exact otherwise.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +22,8 @@ struct Answer {
 enum class Fault : std::uint8_t { none, decision, length, tightness, rounded_to_float, rounded_to_double };
 const char* words_of(Fault fault);
 
-/// Findings about some answers. The quick check accepts a t that is within 2^-80 of itself, or within the answer's
-/// bound if that is wider.
+/// Findings about some answers. The quick check accepts a t whose error is at most 2^-80 of t, or at most the bound of
+/// the answer if that is wider.
 struct Findings {
     std::size_t asked = 0, hits = 0;
     std::size_t exactly = 0;    ///< that were decided without an error
@@ -32,8 +32,8 @@ struct Findings {
     Fault fault = Fault::none;  ///< and what is wrong with it
 };
 
-/// `each_exactly`: every so many answers are checked without an error, whether the quick check can tell or not.
-/// `tightness`: how close each t must be known, as a share of itself.
+/// `each_exactly`: one answer in so many is checked without an error, even if the quick check decides. `tightness`:
+/// largest allowed error of each t, as a share of t.
 Findings check(const Shaped& shape, std::span<const Problem> problems, std::span<const Answer> answers,
                double tightness, std::size_t each_exactly);
 

@@ -1,4 +1,4 @@
-// The part of a line that is inside of a convex primitive, and what of it counts.
+// The part of a line that is inside a convex primitive, and the part of it that counts.
 #pragma once
 
 #include <optional>
@@ -9,12 +9,12 @@
 
 namespace lostbits::exact {
 
-/// All t from `first` to `last`, each without an end where there is none.
+/// All t from `first` to `last`; a missing end is infinite.
 template <class E>
 struct Part {
     std::optional<Place<E>> first, last;
 };
-/// Nothing, or a part.
+/// Nothing, or a range.
 template <class E>
 using Chord = std::optional<Part<E>>;
 
@@ -28,7 +28,7 @@ Chord<E> common(const Chord<E>& a, const Chord<E>& b) {
     return both;
 }
 
-/// Everything that two parts of one convex primitive cover together. Each part has ends.
+/// Everything that two ranges of one convex primitive cover together. Both ranges have ends.
 template <class E>
 Chord<E> joined(const Chord<E>& a, const Chord<E>& b) {
     if (!a || !b) return a ? a : b;
@@ -95,7 +95,7 @@ public:
     First(const Place<E>& t) : at_(t) {}       // NOLINT(google-explicit-constructor)
     First(RootOf<E> t) : at_(std::move(t)) {}  // NOLINT(google-explicit-constructor)
     [[nodiscard]] bool is_hit() const { return at_.index() != 0; }
-    /// The sign of t − x, which a root and a fraction are asked alike; of a hit.
+    /// The sign of t − x, for a hit; the same for a root and for a fraction.
     [[nodiscard]] int side(const E& x) const {
         const Place<E> there = place(x);
         if (const auto* root = std::get_if<RootOf<E>>(&at_)) return order(*root, there);
@@ -106,7 +106,7 @@ private:
     std::variant<std::monostate, Place<E>, RootOf<E>> at_;
 };
 
-/// The first of the ends that counts: the surface of a primitive that the line goes through.
+/// The first end that counts, for the surface of a primitive that the line passes through.
 template <class E>
 First<E> first_end(const Chord<E>& chord, const Counted<E>& counted) {
     if (!chord) return std::nullopt;
@@ -114,8 +114,8 @@ First<E> first_end(const Chord<E>& chord, const Counted<E>& counted) {
     const Place<E>& end = near ? *chord->first : *chord->last;
     return counted.has(end) ? First<E>(end) : std::nullopt;
 }
-/// The first of all that counts: of a line that runs along the surface, and of a primitive that answers where the ray
-/// begins to one that begins inside.
+/// The first t that counts, for a line that runs along the surface, and for a ray that begins inside a primitive which
+/// answers at the origin.
 template <class E>
 First<E> first_of_all(const Chord<E>& chord, const Counted<E>& counted) {
     if (!chord || !counted.has_begun(*chord->last)) return std::nullopt;

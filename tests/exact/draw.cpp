@@ -60,7 +60,7 @@ bool are_on_one_line(const Problem& p) {
     return sign(n.x) == 0 && sign(n.y) == 0 && sign(n.z) == 0;
 }
 
-/// True if it is a ray and a primitive, in numbers of the format, and its range holds a t.
+/// True if the problem is a ray and a primitive in numbers of the format, and its range contains a t.
 template <class S>
 bool is_proper(std::string_view layout, const Problem& p) {
     const auto is_number = [](double x) {
@@ -125,7 +125,7 @@ Problem random_problem(std::string_view layout, Ends ends, Chance& chance) {
         const double x = size * chance.part();
         return stored<S>(c == 'p' || c == 'h' ? 4 * x : c == 'd' ? x : std::fabs(x));
     });
-    if (const int thin = 1 + chance.below(40); layout == "pdrm" && chance.below(2) == 0) {  // a wire, or hardly a hole
+    if (const int thin = 1 + chance.below(40); layout == "pdrm" && chance.below(2) == 0) {  // a wire, or a tiny hole
         const double of_major = chance.below(2) == 0 ? std::ldexp(1, -thin) : 1 - std::ldexp(1, -thin);
         p.primitive[7] = stored<S>(p.primitive[6] * of_major);
     }
@@ -133,7 +133,7 @@ Problem random_problem(std::string_view layout, Ends ends, Chance& chance) {
     aim_at(layout, p, chance, target);
     const double away = chance.below(4) == 0 ? 0.5 : std::ldexp(1, chance.below(15));
     const double step = std::ldexp(1, chance.below(7) - 3);
-    const int along = chance.below(16);  // of a few the direction has a component that is 0
+    const int along = chance.below(16);  // for a few, one component of the direction is 0
     for (std::size_t i = 0; i < 3; ++i) {
         const double d = along == static_cast<int>(i) ? 0 : chance.part();
         p.ray[i] = stored<S>(target[i] - 4 * size * away * d);
@@ -165,7 +165,7 @@ Problem wild_problem(std::string_view layout, Ends ends, Chance& chance) {
     return p;
 }
 
-/// The power of two that whole numbers are multiplied by.
+/// The power of two by which whole numbers are multiplied.
 template <class S>
 int power_of_unit(Chance& chance) {
     using Limits = std::numeric_limits<S>;

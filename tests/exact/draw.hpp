@@ -1,4 +1,4 @@
-// Problems to ask about: random ones, and ones that are made so that something is exactly equal; under matrices too.
+// Problems for comparisons: random ones, and ones in which something is exactly equal; both also under matrices.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ double stored(double x) {
     return static_cast<double>(static_cast<S>(x));
 }
 
-/// As many rays as LOSTBITS_EXACT_RAYS says, or as usual.
+/// Number of rays: LOSTBITS_EXACT_RAYS, or the default.
 inline std::size_t rays_or(std::size_t usual) {
     const char* const asked = std::getenv("LOSTBITS_EXACT_RAYS");
     return asked ? std::strtoull(asked, nullptr, 10) : usual;
@@ -47,8 +47,8 @@ struct Ends {
 void draw_random(const Shaped& shape, bool floats, Ends ends, Chance& chance, std::vector<Problem>& problems);
 
 /// Small whole numbers times a power of two, so that rays touch, pass through edges, corners and rims, begin on
-/// surfaces, run along them, and have components of zero; the power may make all of them subnormal, or take them to
-/// where numbers end; one may be moved by an ulp. And numbers of any bits.
+/// surfaces, run along them, and have components of zero. The power may make all numbers subnormal or bring them near
+/// overflow, and one number may be moved by an ulp. Also numbers with any bits.
 void draw_made(const Shaped& shape, bool floats, Ends ends, Chance& chance, std::vector<Problem>& problems);
 
 /// Common property of the matrices of a batch.
@@ -57,13 +57,13 @@ struct Matrices {
     int orientation = 1;      ///< the sign of their determinants
 };
 
-/// Puts each primitive under a matrix, and its ray to where it stands then, rounded to the format: matrices of random
-/// numbers, of rows that are dependent but for 10⁻¹² of them, that stretch the axes by up to 2^20 and 2^-20, and that
-/// lead 10⁶ away.
+/// Puts each primitive under a matrix, moves its ray accordingly, and rounds both to the format. The matrices have
+/// random numbers, or rows that are dependent except for 10⁻¹² of them, or they stretch the axes by up to 2^20 and
+/// 2^-20, or move 10⁶ away.
 void place_at_random(bool floats, const Matrices& all, Chance& chance, std::vector<Problem>& problems);
 
-/// Under matrices of small whole numbers and powers of two whose inverses are such too: what touches, runs along a
-/// surface or begins on one does so there.
+/// Uses matrices of small whole numbers and powers of two with inverses of the same kind: a ray that touches, runs
+/// along a surface or begins on it still does so under the matrix.
 void place_as_made(bool floats, const Matrices& all, Chance& chance, std::vector<Problem>& problems);
 
 }  // namespace lostbits::exact

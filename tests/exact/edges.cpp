@@ -32,7 +32,7 @@ struct Odd {
     }
 };
 
-/// Numbers as whole ones below 2^bits, all times one power of two.
+/// Numbers as integers below 2^bits, all times one power of two.
 template <std::size_t N>
 struct OnGrid {
     std::array<Odd, N> all;
@@ -104,7 +104,7 @@ void move(double& x, int ulps, double towards) {
 
 double power_of_two(Chance& chance, int low, int high) { return std::ldexp(1, low + chance.below(high - low + 1)); }
 
-/// Corner k of three, from whichever is the first.
+/// Corner k of three, counted from any of them.
 struct Corners {
     std::array<double, most_primitive>& numbers;
     std::size_t first;
@@ -134,7 +134,7 @@ void draw_exactly(Chance& chance, Problem& p, const Corners& corner) {
 template <class S>
 void draw_triangle(Chance& chance, double size, const Corners& corner) {
     const double away = chance.below(2) == 0 ? 0 : size * power_of_two(chance, 0, 6);
-    const int thin = chance.below(4);  // a sliver, a needle, or none
+    const int thin = chance.below(4);  // a sliver, a needle, or neither
     const double part = (chance.part() + 1) / 2, thickness = size * power_of_two(chance, -20, -1);
     for (std::size_t i = 0; i < 3; ++i) {
         const double middle = away * chance.part(), a = middle + size * chance.part();

@@ -1,4 +1,5 @@
-// Rays at edges and vertices of triangles, hundreds of millions of them: how each passes, by signs of whole numbers.
+// Rays at edges and vertices of triangles, hundreds of millions of them: the side on which each passes, by signs of
+// integers.
 #pragma once
 
 #include <vector>
@@ -8,7 +9,7 @@
 
 namespace lostbits::exact {
 
-/// On which side of what a line passes.
+/// Signs that say how a line passes the plane and the edges of a triangle.
 struct Passing {
     int across = 0;                                             ///< 0: beside the plane or in it
     int edges[3] = {};                                          ///< of each edge: inside of it, on it, or outside

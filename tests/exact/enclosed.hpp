@@ -5,9 +5,9 @@
 
 namespace lostbits::exact {
 
-/// True if a sign was asked that a bound leaves open: what is found with it says nothing.
+/// True if a sign was requested that a bound leaves open: the result is then unknown.
 inline constinit thread_local bool in_doubt = false;
-/// True if the points that count have no first: of a ray along a surface from where its range is open.
+/// True if the points that count have no first point: for a ray along a surface from the open end of its range.
 inline constinit thread_local bool has_no_first = false;
 
 /// |x − (high + low)| ≤ off, |low| ≤ u|high|, u = 2^-53. Where a number overflows `off` is infinite or NaN, and no sign
@@ -26,7 +26,7 @@ struct Enclosed {
         return {s, (a - (s - c)) + (b - c), off};
     }
     friend Enclosed operator-(const Enclosed& a) { return {-a.high, -a.low, a.off}; }
-    /// The words are off by u|v| + u|w|.
+    /// The errors of the words are u|v| + u|w|.
     friend Enclosed operator+(const Enclosed& a, const Enclosed& b) {
         const Enclosed s = sum(a.high, b.high, 0);
         const double v = a.low + b.low, w = s.low + v;
@@ -46,7 +46,7 @@ struct Enclosed {
     [[nodiscard]] double most() const { return (std::fabs(high) + std::fabs(low) + off) * (1 + 0x1p-50); }
     /// The least that |x| may be, or less than 0.
     [[nodiscard]] double least() const { return std::fabs(high) * (1 - 0x1p-50) - off * (1 + 0x1p-50); }
-    /// q is off by |a − q b|/|b|, and where that underflows by no more than what is added.
+    /// The error of q is |a − q b|/|b|, and if that underflows at most the added term.
     friend Enclosed operator/(const Enclosed& a, const Enclosed& b) {
         const double first = a.high / b.high;
         const Enclosed rest = a - Enclosed(first) * b;
@@ -55,7 +55,7 @@ struct Enclosed {
         q.off = b_least > 0 ? (a - q * b).most() / b_least * (1 + 0x1p-50) + 0x1p-1000 : INFINITY;
         return q;
     }
-    /// q is off by |a − q²|/(√a + q).
+    /// The error of q is |a − q²|/(√a + q).
     friend Enclosed root(const Enclosed& a) {
         const double first = std::sqrt(a.high);
         const Enclosed rest = a - Enclosed(first) * Enclosed(first);

@@ -1,4 +1,4 @@
-// Whole numbers of a fixed number of words, which are many times as fast as those of any length.
+// Integers with a fixed number of words, which are many times as fast as integers of any length.
 #pragma once
 
 #include <array>

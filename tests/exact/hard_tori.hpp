@@ -1,4 +1,4 @@
-// Rays at what one point is left of a torus, and tori of any size: what a filter finds hardest.
+// Rays that meet the rest of a torus in one point, and tori of any size: the hardest problems for a filter.
 #pragma once
 
 #include <cmath>
@@ -8,9 +8,9 @@
 
 namespace lostbits::exact {
 
-/// Tori of small whole numbers, and rays at what is left of them in one point: along the top, in the plane along either
-/// equator, along the axis beside the rim of the hole or through the middle, through both sides at once. `horn`: with
-/// a hole of one point. One number in six may be moved by an ulp.
+/// Tori of small whole numbers, and rays that meet them in one point: along the top, in the plane along either equator,
+/// along the axis beside the rim of the hole or through the middle, through both sides at once. `horn`: the hole is one
+/// point. One number in six may be moved by an ulp.
 template <class F>
 Problem beside_torus(Chance& chance, bool horn) {
     const auto whole = [&](int n) { return static_cast<double>(1 + chance.below(n)); };
@@ -40,7 +40,7 @@ Problem beside_torus(Chance& chance, bool horn) {
     return p;
 }
 
-/// Numbers of all sizes, of which a primitive is one.
+/// Numbers of all sizes, some of which form a primitive.
 template <class F>
 Problem torus_of_any_size(Chance& chance) {
     const int most = sizeof(F) == 4 ? 126 : 300;

@@ -20,7 +20,8 @@ Triple times(const Matrix& m, const Triple& v) {
     return sum;
 }
 
-/// A⁻¹ of what has no shift. Of small whole numbers with a determinant that is a power of two no operation rounds.
+/// A⁻¹ without its translation. If A has small whole numbers and a power of two as its determinant, no operation
+/// rounds.
 Matrix inverse_of(const Matrix& m) {
     Matrix inverse{};
     for (std::size_t i = 0; i < 3; ++i) {
@@ -76,7 +77,7 @@ Matrix made_matrix(Chance& chance) {
     return m;
 }
 
-/// Negates a row where the sign of the determinant is another.
+/// Negates a row if the determinant has the other sign.
 void turn(Matrix& m, int orientation) {
     if (orientation_of(m) == -orientation)
         for (std::size_t c = 0; c < 3; ++c) at(m, 0, c) = -at(m, 0, c);
@@ -90,7 +91,7 @@ bool is_placed(const Problem& p, int orientation) {
            !(p.ray[3] == 0 && p.ray[4] == 0 && p.ray[5] == 0) && orientation_of(p.matrix) == orientation;
 }
 
-/// The problem under the matrix, its ray taken to the world.
+/// The problem under the matrix, with its ray transformed to the world.
 template <class S>
 Problem placed(Problem p, Matrix m, bool is_inverse) {
     for (double& x : m) x = stored<S>(x);
@@ -109,8 +110,8 @@ Problem placed(Problem p, Matrix m, bool is_inverse) {
     return p;
 }
 
-/// Places each primitive by a drawn matrix whose result the format can store. If none of a few does, as for primitives
-/// at the end of the range, takes a matrix that at most mirrors.
+/// Places each primitive by a drawn matrix whose result the format can store. If none of a few matrices has one, as for
+/// primitives at the end of the exponent range, uses a matrix that at most mirrors.
 template <class S, class Draw>
 void place(const Matrices& all, std::vector<Problem>& problems, const Draw& draw) {
     for (Problem& p : problems) {

@@ -218,7 +218,7 @@ First<E> meet_plane(const Asked<E>& q) {
     return only(fraction(dot(q.point(0) - q.o, n), m), q.counted);
 }
 
-/// A number near the place where a line is nearest to the origin of f, as which it is computed with there.
+/// A number near the place where a line is nearest to the origin of f; computations are relative to it.
 inline Enclosed nearest(const Enclosed& fd, const Enclosed& d2) {
     const double t = -fd.high / d2.high;
     return Enclosed(std::isfinite(t) ? t : 0);
@@ -250,7 +250,7 @@ First<E> meet_torus(const Asked<E>& q) {
     return q.counted.has(first) ? First<E>(std::move(first)) : std::nullopt;
 }
 
-/// A shape as it is asked about here.
+/// A shape in these tests.
 struct Shaped {
     std::string_view name;
     First<Enclosed> (*quickly)(const Asked<Enclosed>&);

@@ -1,4 +1,4 @@
-// Places on a line, and how two of them stand: as enclosed numbers, or without an error.
+// Places on a line, and their order: as enclosed numbers, or without an error.
 #pragma once
 
 #include "exact/enclosed.hpp"
@@ -32,7 +32,7 @@ inline Place<Whole> fraction(const Whole& n, const Whole& m) {
 /// n itself.
 inline Place<Enclosed> place(const Enclosed& n) { return {n}; }
 inline Place<Whole> place(const Whole& n) { return {n, Whole(), Whole(1), 0}; }
-/// The number that is there, of a place made of one.
+/// The number in a place that consists of one number.
 inline const Enclosed& number_of(const Place<Enclosed>& a) { return a.value; }
 inline const Whole& number_of(const Place<Whole>& a) { return a.p; }
 
@@ -43,7 +43,7 @@ struct Quadratic {
     Quadratic(const E& a_, const E& h_, const E& c_) : a(a_), h(h_), c(c_), q(h_ * h_ - a_ * c_) {}
 };
 
-/// (−h + s √q)/a, or c/(−h − s √q), whichever adds numbers of like signs.
+/// (−h + s √q)/a, or c/(−h − s √q): the one that adds numbers of the same sign.
 inline Place<Enclosed> root_of(const Quadratic<Enclosed>& x, int s) {
     const Enclosed r = root(x.q);
     const bool falls = x.h.high < 0;
@@ -62,7 +62,8 @@ inline int sign_of_two(const Whole& x, const Whole& y, const Whole& q) {
 
 inline int order(const Place<Enclosed>& a, const Place<Enclosed>& b) { return sign(a.value - b.value); }
 
-/// The sign of x + y √q + z √k, of a place less another: that of (x + y √q)² − z² k where the parts differ in sign.
+/// The sign of x + y √q + z √k, the difference of two places: the sign of (x + y √q)² − z² k if the parts have
+/// different signs.
 inline int order(const Place<Whole>& a, const Place<Whole>& b) {
     const Whole x = a.p * b.m - b.p * a.m;
     if (a.s == 0 && b.s == 0) return sign(x);

@@ -26,12 +26,12 @@ struct Powers {
         for (std::size_t i = 0; i < degree; ++i) s.c[i] = E(static_cast<double>(i + 1)) * c[i + 1];
         return s;
     }
-    /// Its sign a little behind x: that of the first of it and its slopes that is not 0 at x.
+    /// Sign of f just behind x: the sign of the first of f and its derivatives that is not 0 at x.
     [[nodiscard]] int sign_behind(const E& x) const {
         const int here = sign(at(x));
         return here != 0 || degree == 0 ? here : slope().sign_behind(x);
     }
-    /// Without leading zeros; whether anything is left.
+    /// Removes leading zeros; returns true if a coefficient is left.
     [[nodiscard]] bool strip() {
         while (degree > 0 && sign(leading()) == 0) --degree;
         return sign(leading()) != 0;
@@ -53,12 +53,13 @@ Powers<E> rest(Powers<E> f, const Powers<E>& g) {
     return f;
 }
 
-/// Sturm's theorem: along f, its slope, and each the rest of the two before it with the other sign, the sign changes at
-/// x as often as there are different roots behind x, and those that are not real besides, if f(x) ≠ 0.
+/// Sturm's theorem: the chain is f, its derivative, and then each time the negated remainder of the two before. If f(x)
+/// ≠ 0, the number of sign changes at x is the number of different real roots behind x, plus a constant for the complex
+/// roots.
 template <class E>
 class Sturm {
 public:
-    /// f of degree four, of a variable that is t − origin.
+    /// f of degree four, in the variable t − origin.
     Sturm(const Powers<E>& f, const E& origin) : origin_(origin), chain_{f, f.slope()} {
         while (chain_[length_ - 1].degree > 0) {
             Powers<E> next = rest(chain_[length_ - 2], chain_[length_ - 1]);
@@ -96,7 +97,7 @@ private:
     int most_ = 0;
 };
 
-/// One of the roots, which are counted from 1.
+/// One of the roots, counted from 1.
 template <class E>
 struct RootOf {
     Sturm<E> sturm;

@@ -25,7 +25,7 @@ namespace {
 
 constexpr double little = 0x1p-46;
 
-/// Small whole numbers, for which 2^-44 is less than any two different places are apart.
+/// Small whole numbers, for which any two different places are farther apart than 2^-44.
 std::vector<Problem> whole_problems(const Shaped& shape, std::size_t count) {
     Chance chance(7);
     std::vector<Problem> some(500), whole;
@@ -41,8 +41,7 @@ std::vector<Problem> whole_problems(const Shaped& shape, std::size_t count) {
     return whole;
 }
 
-/// The primitive without its surface, or without its rim, but for points within some 2^-44 of that. False where nothing
-/// is left.
+/// The primitive without its surface, or without its rim, to within some 2^-44. False if nothing is left.
 bool shrink(std::string_view shape, Problem& p) {
     std::array<double, most_primitive>& n = p.primitive;
     const auto closer = [&n](std::size_t i, std::size_t j, double part = little) {
@@ -104,7 +103,7 @@ struct Tally {
 
 double number_of(const Truth& truth) { return std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent)); }
 
-/// True if t is the first there, but for what the open primitive is smaller by.
+/// True if t is the first t there, to within the size by which the open primitive is smaller.
 bool is_about(const First<Whole>& first, double t) {
     return first.side(Whole(t - 0x1p-16)) > 0 && first.side(Whole(t + 0x1p-16)) < 0;
 }
@@ -159,8 +158,8 @@ std::optional<Crossed> crossed(const Shaped& shape, Problem p) {
     const Truth last = Given(shape, p).truth(leave);
     const double exit = last.is_hit() && !last.touches ? number_of(last) : 2 * entry;
     if (!last.is_hit()) return Crossed{entry, exit};
-    // The range [exit, …) is met only at its beginning, and behind that nothing is met. Otherwise no double is where
-    // the line leaves.
+    // The range [exit, …) contains the exit only at its beginning, and behind that nothing is hit. Otherwise no double
+    // is the exit of the line.
     p.tmin = exit, p.open_tmin = false, has_no_first = false;
     if (!meets(shape, p) || meet(shape.exactly, p).side(Whole(exit)) != 0) return std::nullopt;
     p.open_tmin = inside_returns_zero(*shape_named(shape.name));
@@ -168,8 +167,8 @@ std::optional<Crossed> crossed(const Shaped& shape, Problem p) {
     return Crossed{entry, exit};
 }
 
-/// Problems whose ranges end and begin where the line enters and leaves, with open ends and without, and of each
-/// whether the closed and the open primitive are met.
+/// Problems whose ranges end and begin where the line enters and leaves, with open ends and without, each with whether
+/// the closed and the open primitive are hit.
 struct AtEnds {
     std::array<std::vector<Problem>, 4> problems;  ///< by which ends are open
     std::array<std::vector<std::uint8_t>, 4> closed, open;
@@ -208,7 +207,8 @@ struct AtEnds {
     }
 
 private:
-    /// Alone, from each side, and by the words on an inside in which a ray that comes from outside does not begin.
+    /// Tests each ray alone, from each side, and with the properties about an inside, which do not matter for a ray
+    /// that comes from outside.
     void hold(const Shaped& shape, const Problem& p, bool with_rim, bool right) {
         const Given given(shape, p);
         Convention asked(with_rim ? Touching::hit : Touching::miss);
@@ -235,7 +235,7 @@ TEST_CASE("exact: a ray that ends where it enters a primitive touches it", "[exa
     const auto before = intersect::simd::current_isa();
     for (const Shaped& shape : shapes) {
         AtEnds all;
-        // A torus is dear; of whole numbers few rays meet a triangle at one.
+        // A torus is slow, and few rays with whole numbers meet a triangle at a whole number.
         const std::size_t count = shape.name == "torus" ? 5000 : shape.name == "triangle" ? 100000 : 50000;
         for (const Problem& p : whole_problems(shape, test::draws(count)))
             if (const auto at = crossed(shape, p)) all.add(shape, p, *at);
@@ -284,7 +284,7 @@ TEST_CASE("exact: t in formats of few bits is the nearest number, or the even on
         std::size_t asked = 0, ties = 0;
         Chance chance(11);
         for (Problem p : whole_problems(shape, test::draws(std::size_t{6000}))) {
-            // From so far away that t has a few bits more than the formats.
+            // From so far away that t has a few bits more than the formats have.
             const int back = chance.below(5000);
             for (std::size_t i = 0; i < 3; ++i) p.ray[i] -= back * p.ray[3 + i];
             const Given given(shape, p);

@@ -1,6 +1,6 @@
-// Rays at edges and vertices of triangles: decisions of the truth in packs, compared with signs of integers of a fixed
-// number of words. LOSTBITS_EXACT_RAYS sets the number of rays in floats; a hundredth as many are in doubles. `./run
-// test --long` asks 10^9 (CMakeLists.txt).
+// Rays at edges and vertices of triangles: decisions of the truth in packs, compared with signs of integers with a
+// fixed number of words. LOSTBITS_EXACT_RAYS sets the number of rays in floats; a hundredth as many are in doubles.
+// `./run test --long` tries 10^9 (CMakeLists.txt).
 #include <sstream>
 
 #include "catch.hpp"
@@ -87,7 +87,7 @@ TEST_CASE("exact: rays at edges and vertices of triangles are decided exactly", 
     hold(ask_rays({TruthRoute::doubles}, are_rays_asked() ? rays_or(0) / 100 : 20'000, 22));
 }
 
-/// A rim that belongs to the triangle or not is all that the two questions differ in.
+/// The two questions differ only in whether the rim belongs to the triangle.
 TEST_CASE("exact: rays at edges distinguish a triangle from one without its rim", "[exact][edges]") {
     Chance chance(23);
     std::vector<Problem> problems(20 * batch);
@@ -104,7 +104,7 @@ TEST_CASE("exact: rays at edges distinguish a triangle from one without its rim"
     }
 }
 
-/// An edge that counts as outside where it is met, one after the other, and an origin that is passed over.
+/// An edge that counts as outside where it is met, for one edge after the other, and an origin that is passed over.
 TEST_CASE("exact: a sign that is wrong at zero is detected", "[exact][edges]") {
     Chance chance(24);
     std::vector<Problem> problems(20 * batch);

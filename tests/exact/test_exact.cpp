@@ -1,6 +1,6 @@
 // Truth of every shape, compared with an answer that shares nothing with it: its own polynomials, its own numbers, and
 // integers of GMP where those do not decide. LOSTBITS_EXACT_RAYS=1000000 sets the number of random rays; a tenth as
-// many are constructed. `./run test --long` asks 10^8 of each shape, and 10^7 under matrices (CMakeLists.txt).
+// many are constructed. `./run test --long` tries 10^8 for each shape, and 10^7 under matrices (CMakeLists.txt).
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t batch = 1000;
 
-/// Every so many are decided without an error, whether the quick check tells or not.
+/// One problem in so many is decided without an error, even if the quick check decides.
 constexpr std::size_t each_exactly = 1000;
 
 /// Counts for rays of one kind.
@@ -36,7 +36,7 @@ struct Tally {
     }
 };
 
-/// The ways by turns, and every combination of open ends.
+/// The routes by turns, and every combination of open ends.
 template <class Draw>
 Tally ask_all(const Shaped& shape, std::size_t rays, std::uint64_t seed, std::initializer_list<TruthRoute> ways,
               Draw draw) {
@@ -60,7 +60,7 @@ auto placed(const Draw& draw, const Place& place, bool inverses = true) {
     return [draw, place, inverses, drawn = 0](const Shaped& shape, bool floats, Ends ends, Chance& chance,
                                               std::vector<Problem>& problems) mutable {
         draw(shape, floats, ends, chance, problems);
-        const int kind = drawn++ % 4;  // and of three ways: every pair after twelve batches
+        const int kind = drawn++ % 4;  // and for three routes: every pair after twelve batches
         place(floats, {.is_inverse = inverses && kind % 2 == 1, .orientation = kind / 2 % 2 == 1 ? -1 : 1}, chance,
               problems);
     };
@@ -147,7 +147,7 @@ TEST_CASE("exact: nothing is hit under a singular matrix", "[exact]") {
 }
 
 TEST_CASE("exact: an open range end at infinity excludes no hit of a ray along the side of a cone", "[exact]") {
-    // Once answered with a miss: a t² + 2 h t + c has a = 0.
+    // This was once answered with a miss: a t² + 2 h t + c has a = 0.
     std::vector<Problem> problems{
         {.ray = {-3, -3, 1, 1, 1, 0}, .primitive = {1, 1, 1, 1, 0, 1, 1, 0}, .tmin = 1.5, .open_tmax = true},
         {.ray = {0, -2, -2, 0, 2, 1}, .primitive = {0, 2, 0, 0, 0, 0, 1, 0}, .tmin = 0.25, .open_tmax = true}};
@@ -161,7 +161,7 @@ TEST_CASE("exact: an open range end at infinity excludes no hit of a ray along t
 
 TEST_CASE("exact: a ray that nearly passes through the apex of a cone enters it after the apex, by 2^-1074 in t",
           "[exact]") {
-    // Once the root beside it, of the mirror image: a < 0, and 2 is between the roots.
+    // The answer was once the other root, that of the mirror image: a < 0, and 2 is between the roots.
     const std::vector<Problem> problems{
         {.ray = {-1, -1, 2, 0, 0x1p-1074, -1}, .primitive = {-1, -1, -1, -1, -1, 0, 1, 0}, .tmin = 1.5, .tmax = 3}};
     std::vector<Answer> answers;
@@ -174,8 +174,8 @@ TEST_CASE("exact: a ray that nearly passes through the apex of a cone enters it 
 }
 
 TEST_CASE("exact: entries of a box are distinguished where their products underflow", "[exact]") {
-    // Once the third entry was answered where the second is the largest: n m of the first two lay below 2^-1000, and
-    // neither was held against the third.
+    // The answer was once the third entry, although the second is the largest: n m of the first two lay below 2^-1000,
+    // and neither was compared with the third.
     std::vector<Problem> problems{
         {.ray = {0x1.d3f589a2ffaa4p-350, 0x1.b42c9d43deaa1p-467, -0x1.a8487834180eep-694, -0x1.e03c85ef1ab3bp-639,
                  -0x1.68f4b37afe469p-859, -0x1.3f63d3e79a6c3p-321},

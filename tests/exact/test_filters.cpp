@@ -45,7 +45,7 @@ Primitive<F> primitive_of(const Intersector& form, const Problem& p) {
     return primitive;
 }
 
-/// The rays of problems at one primitive, or each at its own.
+/// The rays of problems: all at one primitive, or each at its own.
 template <class F, class Run>
 std::vector<Hit<F>> ask(const Run& run, std::span<const Problem> problems, std::span<const Primitive<F>> primitives) {
     std::array<std::vector<F>, 7> columns;
@@ -63,8 +63,7 @@ std::vector<Hit<F>> ask(const Run& run, std::span<const Problem> problems, std::
     return found;
 }
 
-/// t to 32u or 64u of itself and the least number of the format; of a t of 0 what rounds to it. What is not a number is
-/// wrong.
+/// Compares t to 32u or 64u of itself plus the least number of the format; a t of 0 must round to 0. NaN is wrong.
 Answer answer_of(bool hit, double t, const FloatFormat& format, bool own_steps) {
     Answer a{.hit = hit, .as_float = NAN, .as_double = NAN};
     if (!hit) return a;
@@ -75,7 +74,7 @@ Answer answer_of(bool hit, double t, const FloatFormat& format, bool own_steps) 
     if (t == 0) a.high = a.bound = 1, a.exponent = lowest - 1;
     return a;
 }
-/// Answers and what they are to be: all but hits at infinity.
+/// Answers and the expected answers: all except hits at infinity.
 struct ToCheck {
     std::vector<Problem> problems;
     std::vector<Answer> answers;
@@ -126,8 +125,8 @@ void add_ways(const Intersector& form, std::span<const Problem> problems, Tally&
     tally.first_batch = problems.size();
 }
 
-/// Counts answers of a pack that differ in any bit from those of each ray alone. The pack is a ray, others of its line,
-/// and the same backwards: most of them are proved by fewer steps than the first ray takes.
+/// Counts answers of a pack that differ in any bit from those of each ray alone. The pack contains a ray, others on its
+/// line, and the same rays reversed: most of them are proved by fewer steps than the first ray needs.
 template <class F>
 std::size_t differing(const Intersector& form, const Problem& p) {
     std::vector<Problem> problems(16 / sizeof(F), p);
@@ -262,7 +261,7 @@ TEMPLATE_TEST_CASE("exact: the filter of tori decides right if touched in one po
     }
 }
 
-/// The same formula without a filter: this test sees what a filter is for.
+/// The same formula without a filter: the test shows why a filter is needed.
 TEST_CASE("exact: a filter's formula alone gives wrong answers", "[exact][filtered]") {
     for_each_filter([](const Intersector& form, const Shaped& shape) {
         if (has_own_steps(form.shape)) return;
@@ -286,7 +285,7 @@ TEST_CASE("exact: a filter's formula alone gives wrong answers", "[exact][filter
     });
 }
 
-/// Formats that no number of the processor has, of whole numbers that they hold.
+/// Formats that no register holds, with whole numbers that they represent.
 TEST_CASE("exact: filters decide right and keep their bits in p16 and fp16", "[exact][filtered]") {
     for (const char* const name : {"p16", "fp16"})
         for_each_filter([name](const Intersector& form, const Shaped& shape) {

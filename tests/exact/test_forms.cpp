@@ -35,8 +35,8 @@ Primitive<double> primitive_of(const Shaped& shape, const Problem& p) {
     return primitive;
 }
 
-/// True if no decision is near: rays to both sides of it, by up to 2^-14 of all lengths, meet the primitive or miss it
-/// as it does. A component of the direction that is 0 stays.
+/// True if no decision is near: rays on both sides of it, changed by up to 2^-14 of all lengths, hit or miss the
+/// primitive as it does. A component of the direction that is 0 stays 0.
 bool is_clear(const Shaped& shape, const Problem& p, Chance& chance) {
     double reach = 0;
     for (std::size_t i = 0; i < 3; ++i) reach = std::fmax(reach, std::fabs(p.ray[i]));
@@ -56,7 +56,7 @@ bool is_clear(const Shaped& shape, const Problem& p, Chance& chance) {
     return true;
 }
 
-/// Clear ones of a kind, at least half of them hits.
+/// Problems of a kind without a near decision, at least half of them hits.
 std::vector<Problem> clear_problems(const Shaped& shape, bool made, std::size_t count) {
     Chance chance(made ? 2 : 1);
     std::vector<Problem> some(200), clear;
@@ -80,7 +80,7 @@ std::vector<Problem> clear_problems(const Shaped& shape, bool made, std::size_t 
     return clear;
 }
 
-/// t to 2^-100 of itself.
+/// Compares t to 2^-100 of itself.
 Answer answer_of(bool hit, const Real& t) {
     Answer a{.hit = hit, .as_float = NAN, .as_double = NAN};
     if (!hit) return a;
@@ -104,14 +104,14 @@ std::optional<Real> number_of(const Interval& x) {
     return high - low <= ldexp(abs(high) + 1, -200) ? std::optional(high) : std::nullopt;
 }
 
-/// `size`: by what t is divided.
+/// `size`: the number by which t is divided.
 template <class T>
 Unrounded told(const Hit<T>& h, const T& size) {
     if (!is_certain(h.hit) && !is_certain(!h.hit)) return {};
     return {is_certain(h.hit), number_of(h.t / size), number_of(h.near / size), number_of(h.far / size)};
 }
 
-/// `made_unit`: of the direction made unit, in lengths of the direction as it is stored.
+/// `made_unit`: for the normalised direction, in lengths of the stored direction.
 template <class T, class Form>
 Unrounded unrounded_in(const Problem& p, bool made_unit, const Form& form) {
     Ray<T> ray = ray_of<T>(p);
@@ -121,7 +121,7 @@ Unrounded unrounded_in(const Problem& p, bool made_unit, const Form& form) {
     return told(form(ray), size);
 }
 
-/// Computes a form without rounding. No enclosure decides solvers of degree four, so forms of tori are computed in
+/// Computes a form without rounding. Enclosures do not decide solvers of degree four, so forms of tori are computed in
 /// numbers of 256 bits, and all others in intervals of 400 bits, which are compiled already.
 Unrounded unrounded(const Intersector& form, const Shaped& shape, const Problem& p, bool made_unit) {
     Unrounded found;
@@ -149,16 +149,16 @@ struct Tally {
     void add(const Problem& p, const Answer& a) { problems.push_back(p), answers.push_back(a); }
 };
 
-/// True if what a form promises to answer without rounding includes this problem.
+/// True if this problem is among those for which a form promises an answer without rounding.
 bool is_asked(const intersect::Info& form, const Shaped& shape, const Problem& p, bool made) {
-    // This form takes the root of a d1 with |d1| < 1e-4 to be 0: test_tori has the consequences.
+    // This form treats a root d1 with |d1| < 1e-4 as 0: test_tori has the consequences.
     if (form.name == "torus.quilez") return false;
-    // If two roots are equal, complex ones too, the last remainder is 0. Rounded in any precision, it has a sign.
+    // If two roots are equal, even complex ones, the last remainder is 0. Rounded in any precision, it has a sign.
     for (const char* const chain : {"sturm", "bracketed", "bracketed_double", "filtered"})
         if (made && shape.name == "torus" && form.name.substr(6) == chain) return false;
-    // Rays that are made pass corners as near as it pads.
+    // Constructed rays pass corners as closely as the form pads.
     if (made && form.name == "box.max_mult") return false;
-    // By forms of boxes 0·∞ goes where the order of operands sends it: test_box_known has what follows.
+    // In box forms the order of operands decides what 0·∞ becomes: test_box_known has the consequences.
     if (shape.name == "box" && p.ray[3] * p.ray[4] * p.ray[5] == 0) return false;
     const Primitive<double> primitive = primitive_of(shape, p);
     const Ray<double> ray = ray_of<double>(p);
@@ -187,7 +187,7 @@ void ask(const Intersector& form, const Shaped& shape, const Problem& p, Tally& 
     tally.add(back, answer_of(true, from - *h.far));
 }
 
-/// True if what an enclosure says of a number is true of 256 bits, of which a form may lose half.
+/// True if an enclosure agrees with the number in 256 bits, of which a form may lose half.
 template <class E>
 bool contains(const E& x, const Real& v) {
     const mpfr_srcptr p = v.backend().data();
@@ -220,9 +220,9 @@ struct Enclosures {
         contradictory += verdict && *verdict != got.hit.is_yes();
         verdict = got.hit.is_yes();
     }
-    /// Rounding to nearest lies between rounding down and up, so an interval of 53 bits holds the double of every step:
-    /// but for forms that bound or pad by the unit roundoff, which is none for intervals, and filters, which take other
-    /// steps. That of boxes takes none of these.
+    /// Rounding to nearest lies between rounding down and up, so an interval of 53 bits holds the double of every step.
+    /// Exceptions are forms that bound or pad by the unit roundoff, which intervals do not have, and filters, which
+    /// compute other steps. The filter of boxes computes none of these.
     void hold_double(const Intersector& row, const Problem& p, const Primitive<double>& primitive,
                      const Hit<Interval>& got) {
         const std::string_view form = row.info->name.substr(row.info->name.find('.') + 1);
@@ -315,7 +315,8 @@ TEST_CASE("exact: enclosures of every form contain its unrounded result", "[exac
     for (const Shaped& shape : shapes) {
         const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 500U : 1000U});
         std::vector<Problem> problems = clear_problems(shape, false, count);
-        // A ray along a plane divides by 0, and solvers of degree four by what their bounds may hold to be 0.
+        // A ray along a plane divides by 0, and solvers of degree four divide by numbers that may be 0 within their
+        // bounds.
         if (shape.name != "torus") std::ranges::copy(clear_problems(shape, true, count), std::back_inserter(problems));
         std::erase_if(problems, [](const Problem& p) { return p.ray[3] * p.ray[4] * p.ray[5] == 0; });
         for (const Intersector& form : intersect::table::intersectors(*shape_named(shape.name))) {

@@ -54,7 +54,7 @@ std::pair<int, int> roots_of(const Ray<double>& ray, const Primitive<double>& pr
 }  // namespace
 
 TEST_CASE("a Sturm chain hits a torus that is not there, however wide its numbers", "[intersect][torus]") {
-    // In the plane of its top, along which it touches it behind the origin: the quartic is a square.
+    // In the plane of its top, which the line touches behind the origin: the quartic is a square.
     const Ray<double> ray{{-1087, 9, -450}, {-3, -4, 0}};
     const Torus<double> torus{{0, 0, 0}, {0, 0, 1}, 875, 450};
     REQUIRE_FALSE(find_truth(ray, Primitive<double>(torus)).is_hit());
@@ -64,7 +64,7 @@ TEST_CASE("a Sturm chain hits a torus that is not there, however wide its number
 }
 
 TEST_CASE("an absolute threshold makes Quilez's torus wrong without rounding", "[intersect][torus][formula]") {
-    // Through the hole of a torus that has hardly one: where |d1| < 1e-4 its root is taken to be 0.
+    // Through the tiny hole of a torus: where |d1| < 1e-4 the root of d1 is treated as 0.
     test::Seeded rng(0x7051);
     int asked = 0, off = 0;
     double most = 0;

@@ -11,7 +11,7 @@
 
 namespace {
 
-/// Ends the program where the test's locale of a decimal comma does not come: nothing would be tried then.
+/// Ends the program if the test's locale with a decimal comma is missing: otherwise nothing would be tested.
 bool take_locale() {
     std::locale::global(std::locale(""));
     const char* const wanted = std::getenv("LC_ALL");

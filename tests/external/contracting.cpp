@@ -1,2 +1,2 @@
-// The same as someone may compile it who does not know of contraction.
+// The same code, compiled as by somebody who does not know about contraction.
 #include "only_march.cpp"

@@ -1,4 +1,4 @@
-// Triangles and discs that are met from one side or from both, each with a word that fits it or does not.
+// Triangles and discs that can be hit from one side or from both, each with a property that fits it or does not.
 
 #include <lostbits_plugin.hpp>
 
@@ -29,7 +29,7 @@ Answer<float> triangle(const Ray<float>& ray, const Triangle<float>& t) {
     if (s * sign < 0 || size == 0 || u < 0 || v < 0 || u + v > size || far < 0) return miss;
     return static_cast<float>(far / size);
 }
-/// The same, and what the ray begins on is passed over.
+/// The same, but the surface on which the ray begins is passed over.
 Answer<float> ahead(const Ray<float>& ray, const Triangle<float>& t) {
     const Answer<float> met = triangle<0>(ray, t);
     return met.hit && met.near == 0 ? Answer<float>(miss) : met;
@@ -47,7 +47,7 @@ Answer<float> disc(const Ray<float>& ray, const Disc<float>& disc) {
     return r2 <= outer * outer && r2 >= inner * inner ? Answer<float>(static_cast<float>(t)) : miss;
 }
 
-/// True if what runs in the plane hits is `within`.
+/// A ray that lies in the plane hits if `within` is true.
 template <bool within>
 Answer<float> plane(const Ray<float>& ray, const Plane<float>& plane) {
     const float none[3] = {};

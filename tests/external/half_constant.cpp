@@ -1,4 +1,4 @@
-// A constant that is not whole: its bits would be those of one format in all others.
+// A constant that is not a whole number: in every other format it would have the bits of one format.
 #include <lostbits_form.hpp>
 
 using namespace lostbits;

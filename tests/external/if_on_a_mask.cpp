@@ -1,4 +1,5 @@
-// A formula with `if` on a comparison of numbers: must not compile, and say in one sentence what to write.
+// A formula with `if` on a comparison of numbers: it must not compile, and the compiler's message must say in one
+// sentence what to write.
 #include <lostbits_form.hpp>
 
 using namespace lostbits;

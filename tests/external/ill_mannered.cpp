@@ -1,4 +1,4 @@
-// A library whose form is right, and which does to the program what ILL_MANNER says: a deed, and when.
+// A library whose form is right, but which does to the program what ILL_MANNER names: an action and a time.
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -30,7 +30,7 @@ void close_from(int first) {
     for (int descriptor = first; descriptor < 1024; ++descriptor) close(descriptor);
 }
 
-/// Nothing more can be written, or opened.
+/// No more bytes can be written, and no more files opened.
 void lower_limits() {
     for (const auto limit : {RLIMIT_FSIZE, RLIMIT_NOFILE}) {
         rlimit now{};
@@ -44,7 +44,7 @@ void make_copy(void (*then)()) {
     if (fork() == 0 && then != nullptr) then();
 }
 
-/// At most once a process: what it does is done then.
+/// At most once per process: the action of that time.
 void behave(const char* when) {
     static bool done = false;
     const char* const manner = std::getenv("ILL_MANNER");

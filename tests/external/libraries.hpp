@@ -1,4 +1,4 @@
-// The libraries that tests load, by name, and what a summary says of their forms.
+// The libraries that tests load, by name, and readers of a summary's rows about their forms.
 #pragma once
 
 #include <filesystem>
@@ -33,7 +33,7 @@ inline std::string finding_of(const Outcome& checked, const std::string& form) {
     return checked.out.substr(at, checked.out.find(" in binary", at + form.size() + 12) - at);
 }
 
-/// `lostbits list intersectors` with a pipe of a form a.x, whose header says this too.
+/// `lostbits list intersectors` with a pipe of a form a.x whose header has these lines too.
 inline Outcome listed_by_pipe(const std::string& words, const std::string& more = "") {
     return run("list intersectors" + more + " --pipe \"printf 'lostbits-pipe/1\\nname=a.x\\n" + words +
                "\\n\\n'; cat\"");

@@ -15,7 +15,7 @@ namespace {
 using Rays = const Ray<float>&;
 using Spheres = const Sphere<float>&;
 
-/// Right for every length of direction.
+/// Is right for every length of direction.
 Answer<float> right(Rays ray, Spheres sphere) {
     double f[3], a = 0, h = 0, c = -static_cast<double>(sphere.radius) * static_cast<double>(sphere.radius);
     for (int k = 0; k < 3; ++k) {
@@ -29,7 +29,7 @@ Answer<float> right(Rays ray, Spheres sphere) {
     return {static_cast<float>((-h - std::sqrt(disc)) / a), static_cast<float>((-h + std::sqrt(disc)) / a)};
 }
 
-/// The first ahead.
+/// Returns the first root ahead.
 Answer<float> first(Rays ray, Spheres sphere) {
     const Answer<float> both = right(ray, sphere);
     if (!both.hit || both.far < 0) return miss;
@@ -54,7 +54,7 @@ Answer<float> far_first(Rays ray, Spheres sphere) {
     return {both.far};
 }
 
-/// 0 for every hit.
+/// Returns 0 for every hit.
 Answer<float> nothing_ahead(Rays ray, Spheres sphere) {
     Answer<float> t = first(ray, sphere);
     t.near = 0;

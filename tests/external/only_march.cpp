@@ -1,4 +1,4 @@
-// A library that holds a form that marches and no other, as docs/your-own-form.md has it.
+// A library with one form, which marches, as in docs/your-own-form.md.
 #include <lostbits_form.hpp>
 
 #include "intersect/sdf/march_loop.hpp"

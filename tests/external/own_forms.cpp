@@ -35,7 +35,7 @@ struct SecantRefined : intersect::sdf::SecantRefined {
     static constexpr intersect::Info info = renamed<intersect::sdf::SecantRefined>("own.secant_refined");
 };
 
-/// Both roots, and a t that is |near| from inside: what near and far do not say.
+/// Returns both roots, and a t that is |near| from inside, which contradicts near and far.
 struct SizeOfNear {
     static constexpr intersect::Info info{.name = "own.size_of_near"};
     template <Number T>
@@ -45,7 +45,7 @@ struct SizeOfNear {
         return hit;
     }
 };
-/// Wrong by a factor, and by what cancels in the schoolbook's.
+/// Is wrong by a factor, and by the cancellation of the schoolbook form.
 struct Twice {
     static constexpr intersect::Info info{.name = "own.twice"};
     template <Number T>
@@ -54,7 +54,7 @@ struct Twice {
         return {hit.hit, hit.near * T(2), hit.far * T(2), hit.t * T(2)};
     }
 };
-/// Gives up early by a bound of its own.
+/// Stops early because of its own bound.
 struct GivesUp {
     static constexpr intersect::Info info{.name = "own.gives_up"};
     template <Number T>

@@ -40,7 +40,7 @@ private:
     }
     std::string math(const std::string& name) { return type_ == "float" && below(4) > 0 ? name + "f" : name; }
 
-    /// Something that can be assigned.
+    /// Writes something that can be assigned.
     std::string variable() {
         switch (below(5)) {
             case 0: return "v" + std::to_string(below(3)) + "." + one_of({"x", "y", "z"});

@@ -59,7 +59,7 @@ TEST_CASE("against: a form is compared with itself, a twin, another form and a p
     CHECK(count(self, "both_miss") + count(self, "same_t") == 64 * 48);
     CHECK(self["apart_max"] == "0");
     CHECK(count(rival, "other_t") > 100);
-    // Both hit, whether their t are alike, differ, or cannot be compared.
+    // Both forms hit: their t are alike, differ, or cannot be compared.
     CHECK(count(rival, "both_hit") == count(rival, "same_t") + count(rival, "other_t"));
     CHECK(count(self, "both_hit") == count(self, "same_t"));
     CHECK(std::stod(rival["apart_max"]) > 2);

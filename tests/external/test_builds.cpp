@@ -16,7 +16,7 @@ TEST_CASE("plugin: explain reports how good an answer is, and nothing more of a 
     const Outcome told = must(ray + " -i example.schoolbook" + plugin("schoolbook"), folder.path());
     CHECK(has(told.out, "Its operations are not known, because a compiled function is a black box"));
     CHECK(has(told.out, "radius"));
-    // Above the operations it has the words of the form that it copies.
+    // Above the operations, the output has the properties of the form that it copies.
     const Outcome own = run(ray + " -i sphere.schoolbook", folder.path());
     const auto first = [](const std::string& text) {
         const auto begin = text.find("\n\n") + 2;
@@ -78,7 +78,7 @@ TEST_CASE("plugin: two builds of one library run together, each under its own na
              fresh = row_of(folder.path() / "out/near-benign/summary.csv", "new.example.schoolbook", "f32");
         CHECK(std::stoi(old["agree_hit"]) > 50);
         CHECK(old["lost_bits_max"] == fresh["lost_bits_max"]);
-        // Its commands name the library so again, and can be pasted.
+        // Its commands name the library in the same way, and can be pasted.
         const std::string pasted = fresh["worst_explain"];
         CHECK(has(pasted, "-i new.example.schoolbook -f f32 --plugin "));
         CHECK(has(pasted, " --plugin new=next/schoolbook.so"));

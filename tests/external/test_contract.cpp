@@ -27,7 +27,7 @@ using measure::contract::try_contract;
 
 namespace {
 
-/// The kernels of a row behind the interface of external intersectors; `roots` are those that it tells.
+/// The kernels of a row behind the interface of external intersectors; `roots` are the roots that it returns.
 template <class S>
 void answer_by_row(const intersect::table::Intersector& row, intersect::Roots roots, const lb_batch& batch) {
     std::array<std::vector<S>, 6> columns;
@@ -55,7 +55,7 @@ void answer_by_row(const intersect::table::Intersector& row, intersect::Roots ro
     }
 }
 
-/// A row of the catalogue as somebody's own; `first`: t alone, of one that tells near and far.
+/// A row of the catalogue as a form of somebody else; `first`: only t, for a form that returns near and far.
 ForeignForm renamed(const intersect::table::Intersector& row, int bits, bool first = false) {
     const intersect::Info& info = *row.info;
     Contract contract{.name = "own." + std::string(info.name),
@@ -88,11 +88,11 @@ std::map<std::string, std::string> broken_of(const ForeignForm& form, const Fore
 }  // namespace
 
 TEST_CASE("contract: every form of the catalogue keeps its contract under another name", "[external]") {
-    // The promises that a form breaks by its own formula, as its source has it: what is asked here is what the words of
-    // the catalogue say.
+    // The promises that a form breaks by its own formula, as in its source: the checks use the properties of the
+    // catalogue.
     const std::set<std::string> epsilon{"scale"}, no_touch{"touching"}, at_origin{"at-origin"}, within{"within"};
     const std::map<std::string, std::set<std::string>> known{
-        {"sphere.pbrt_interval", no_touch},     // of an interval around 0 the lower end is below 0
+        {"sphere.pbrt_interval", no_touch},     // the lower end of an interval around 0 is below 0
         {"sphere.closest_approach", no_touch},  // 0/0 where the origin is moved to a tangent point
         {"box.ieee_minmax", no_touch},          // 0 times infinity in the plane of a face
         {"triangle.moller_trumbore", epsilon},  // of the determinant
@@ -101,15 +101,15 @@ TEST_CASE("contract: every form of the catalogue keeps its contract under anothe
         {"cylinder.quilez", {"hit"}},                   // 0/0 along its axis
         {"cylinder.framed", {"t", "behind"}},           // the same
         {"capsule.quilez", {"t"}},                      // the same
-        {"cone.quilez", {"touching", "at-origin"}},     // caps are met from below and above alone, without their rims
-        {"cone.embree", {"touching", "edges"}},         // without rims
-        {"plane.quotient", within},                     // a quotient by 0 is infinite, and not below 0
+        {"cone.quilez", {"touching", "at-origin"}},  // caps can be hit from below and above alone, without their rims
+        {"cone.embree", {"touching", "edges"}},      // without rims
+        {"plane.quotient", within},                  // a quotient by 0 is infinite, not below 0
         {"plane.stored_distance", within},
         {"plane.two_words", within},
         {"plane.epsilon", {"at-origin", "close", "scale"}},
         {"torus.quilez", {"close", "at-origin"}},
         {"torus.brl_cad", no_touch},
-        {"torus.sturm", at_origin},  // roots behind the place where it begins, without that place
+        {"torus.sturm", at_origin},  // roots behind the origin, without the origin itself
         {"torus.bracketed", at_origin},
         {"torus.bracketed_double", at_origin}};
     std::map<std::string, std::set<std::string>> found;
@@ -153,7 +153,7 @@ std::set<std::string> subjects_of(const std::map<std::string, std::string>& brok
     return subjects;
 }
 
-/// Makes another t of every hit.
+/// Changes the t of every hit.
 template <class Change>
 Solves with_t(const Change& change) {
     return [change](const Ray<double>& ray, const Primitive<double>& primitive) {
@@ -162,7 +162,7 @@ Solves with_t(const Change& change) {
     };
 }
 
-/// Answers for a sphere of another radius.
+/// Returns the answers for a sphere of another radius.
 template <class Change>
 Solves with_radius(const Change& change) {
     return [change](const Ray<double>& ray, const Primitive<double>& primitive) {
@@ -180,12 +180,13 @@ TEST_CASE("contract: one mistake in t has one explanation, and a halved t is not
     CHECK(subjects_of(broken_sphere(with_t([](double x, const auto&) { return 3 * x; }))) == t);
     CHECK(subjects_of(broken_sphere(with_t([](double x, const auto&) { return x + 1; }))) == t);
     CHECK(subjects_of(broken_sphere(with_t([](double, const auto&) { return 5.0; }))) == t);
-    // Wrong, and a distance beside it.
+    // The form is wrong, and returns a distance besides.
     const auto distance =
         broken_sphere(with_t([](double x, const auto& ray) { return x * length(ray.direction) + 1; }));
     CHECK(subjects_of(distance) == std::set<std::string>{"t", "direction"});
     CHECK(distance.at("direction").find("say LB_UNIT") != std::string::npos);
-    // Right for unit directions, and no distance for others: unit_direction would say what is not so.
+    // The form is right for unit directions but returns no distance for others, so unit_direction would be the wrong
+    // property.
     const auto odd =
         broken_sphere(with_t([](double x, const auto& ray) { return x * std::sqrt(length(ray.direction)); }));
     REQUIRE(odd.contains("direction"));
@@ -263,7 +264,7 @@ Observation edges_of(const ForeignForm& form) {
     return found.front();
 }
 
-/// Loses rays whose first point is nearer than a thousandth to a place.
+/// Loses rays whose first point is nearer than a thousandth to a given place.
 template <class Near>
 ForeignForm losing(Shape shape, const Near& near) {
     return solved_by(shape, [near](const Ray<double>& ray, const Primitive<double>& primitive) {

@@ -72,7 +72,8 @@ TEST_CASE("facing: map, mesh and judge compare each form with its own side", "[e
         CHECK(std::stoi(mute["false_miss"]) + std::stoi(mute["wrong_primitive"]) + std::stoi("0" + mute["crack"]) >
               300);
     }
-    // The outside of a ball shows its front: what culls backs meets it as what culls nothing does.
+    // The front of a ball's triangles is outside: a form that culls back faces hits it as a form that culls nothing
+    // does.
     CHECK(row("ball", "word.front")["agree_hit"] == row("ball", "triangle.filtered")["agree_hit"]);
 
     folder.write("rays.csv", "ox,oy,oz,dx,dy,dz,hit,t\n0,0,5,0,0,-1,0,0\n0,0,-5,0,0,1,1,5\n");

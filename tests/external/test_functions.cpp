@@ -1,5 +1,5 @@
-// Functions of C, C++ and Rust as they stand: the operations that were read give the bits of the compiled function, and
-// what cannot be followed is refused with its place.
+// Functions of C, C++ and Rust as they are: the operations that were read give the bits of the compiled function, and
+// code that cannot be followed is refused with its place.
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -41,7 +41,7 @@ std::string refusal(const std::string& named) {
     return "";
 }
 
-/// Answers of both rows on random rays at random primitives; the count of those that differ in a bit.
+/// Compares the answers of both rows on random rays at random primitives; returns how many differ in a bit.
 template <class S>
 std::size_t differences(const intersect::table::Kernel<S>& a, const intersect::table::Kernel<S>& b, Shape shape) {
     std::mt19937_64 random(7);

@@ -14,8 +14,8 @@ using namespace lostbits;
 
 namespace {
 
-/// Rays along z at distances of 0 to `reach` from the middle of a sphere of this radius, which `told` answers: a t, or
-/// NaN for a miss.
+/// Rays along z at distances of 0 to `reach` from the middle of a sphere of this radius. `told` gives the answers: a t,
+/// or NaN for a miss.
 template <class Told>
 std::vector<measure::contract::AnswerSample> beside(double radius, double reach, const Told& told) {
     std::vector<measure::contract::AnswerSample> all;
@@ -32,7 +32,7 @@ std::vector<measure::contract::AnswerSample> beside(double radius, double reach,
     return all;
 }
 
-/// The t of a sphere of another radius.
+/// Returns the t of a sphere of another radius.
 auto of_radius(double radius) {
     return [radius](double side, double from) { return from - std::sqrt(radius * radius - side * side); };
 }
@@ -60,23 +60,24 @@ TEST_CASE("suspicion: a guess must explain hits and misses, and more than all-mi
         INFO(shape.name);
         CHECK_FALSE(has(suspicion(all), "seem"));
     }
-    // One that hits a sphere of another radius is told by its hits and its misses.
+    // A form that hits a sphere of another radius is recognised by its hits and its misses.
     CHECK(has(suspicion(beside(9, 18, of_radius(3))), "the radius seems to be taken for its square"));
     CHECK(has(suspicion(beside(3, 18, of_radius(9))), "the radius seems to be squared once too often"));
     CHECK(has(suspicion(beside(2.5, 7.5, of_radius(5))), "a diameter seems to be handed over for the radius"));
-    // Hits as of one twice as large that stop at the sphere's own rim are not: rays between the two are missed.
+    // Hits that fit a sphere twice as large, but stop at the rim of the sphere itself, do not suggest the larger one:
+    // rays between the two are missed.
     CHECK_FALSE(
         has(suspicion(beside(
                 2, 6, [](double side, double from) { return side > 2 ? std::nan("") : of_radius(4)(side, from); })),
             "seem"));
-    // Nor are two hits in the middle of 400 misses.
+    // Two hits in the middle of 400 misses do not suggest it either.
     CHECK_FALSE(
         has(suspicion(beside(50, 49, [](double side, double) { return side < 0.2 ? 1e9 : std::nan(""); })), "seem"));
 }
 
 TEST_CASE("suspicion: a guess is tested on rays that did not suggest it", "[external]") {
     using measure::contract::suspicion;
-    // One wrong answer, of which a factor or a sign could always be made.
+    // One wrong answer, for which a factor or a sign could always be found.
     auto all = beside(3, 1, of_radius(3));
     all.resize(1);
     for (const double factor : {-1.0, 1000.0, 7.5}) {

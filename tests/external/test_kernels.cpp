@@ -14,12 +14,12 @@ namespace {
 
 const std::string kernel = std::string(LOSTBITS_SOURCE_DIR) + "/examples/pipes/sphere.cl";
 
-/// A pipe to the kernel under a name, with options of its compiler.
+/// A pipe to the kernel, with a name and options for its compiler.
 std::string opencl(const std::string& name, const std::string& options) {
     return " --pipe '" LOSTBITS_OPENCL_SPHERE " " + kernel + " " + name + " " + options + "'";
 }
 
-/// The first batch waits for the compiler of kernels: seconds, and many of a busy machine.
+/// The first batch waits for the compiler of kernels: seconds, or many more on a busy machine.
 const std::string patient = " --time-limit 300";
 
 /// Setting that keeps the compiled kernels in the folder of the test, not in that of the user.

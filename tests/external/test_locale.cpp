@@ -21,14 +21,14 @@ const std::string comma_library = std::string(LOSTBITS_LIBRARIES) + "/comma.so";
 const std::string claims = claims_of({{"comma", "scene = \"camera-inside\"\n" + tested("sphere.unit_half_b"),
                                        metric_in("false_miss_fraction", "[0.5, 1.5]")}});
 
-/// Numbers that are read digit by digit, in words and as hex floats; a comma inside would end a cell.
+/// Numbers that are read digit by digit, in plain text and as hex floats; a comma inside would end a cell.
 const std::string rays =
     "ox,oy,oz,dx,dy,dz,hit,t\n0.25,0,-1234.5,0,0,1,1,1233.53175\n0x1.8p-2,-.5e-1,-5,0,0,1.5,1,2.7\n";
 
-/// Every file that commands leave in the folder, and what they print; without the times of a run.
+/// All files that the commands leave in the folder, and their output, without the times of a run.
 using Left = std::map<std::string, std::string>;
 
-/// A small one of each, in a locale; every form in `more` comes from the library.
+/// A small run of each command, in a locale; every form in `more` comes from the library.
 Left work_in(const std::string& locale, const Scratch& locales, const std::string& more, const std::string& library) {
     const Scratch folder;
     static_cast<void>(folder.write("small.toml", small_sweep));
@@ -63,7 +63,7 @@ void require_same(const Left& a, const Left& b) {
         REQUIRE(b.contains(name));
         CHECK(b.at(name) == bytes);
     }
-    // Among them are what each command is for.
+    // The files include those that each command is for.
     for (const char* name : {"map/near-benign/summary.csv", "sweep/small/onsets.csv", "judge/rays/summary.csv",
                              "claims.csv", "claims.json", "claims.xml", "page/index.html"}) {
         INFO(name);
@@ -71,7 +71,7 @@ void require_same(const Left& a, const Left& b) {
     }
 }
 
-/// The locale that is asked for, made for this test.
+/// The requested locale, built for this test.
 void make_locale(const Scratch& locales) {
     INFO("localedef -i de_DE -f UTF-8: on Debian, the package `locales` has what it takes");
     const std::string made = (locales.path() / "de_DE.UTF-8").string();

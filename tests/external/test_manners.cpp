@@ -22,14 +22,14 @@ namespace {
 
 const std::string library = std::string(LOSTBITS_LIBRARIES) + "/ill_mannered.so";
 
-/// A claim about its form that holds, or one that does not.
+/// A claim about the library's form, which holds or does not.
 std::string claims(const Scratch& folder, bool holds) {
     return folder.write("claims.toml",
                         claims_of({{"a", "scene = \"near-benign\"\n" + tested("ill.right"),
                                     metric_in("false_miss_fraction", holds ? "[0.0, 0.01]" : "[0.5, 0.6]")}}));
 }
 
-/// The processes that have this in their environment, first the one that was first.
+/// The processes that have this text in their environment, in order of their start.
 std::vector<int> marked(const std::string& mark) {
     std::vector<int> found;
     std::error_code gone;
@@ -47,8 +47,8 @@ struct Ran {
     bool has_results = false;  ///< all of them, where they belong
 };
 
-/// Waits until none is left: a signal does not wait for the end that it brings. What stays is ended with this test, and
-/// named, by what watches it.
+/// Waits until no such process is left, since a signal does not wait for the end that it causes. A process that stays
+/// is ended with this test, and the watching program names it.
 void wait_for_all_ends(const std::string& mark) {
     while (!marked(mark).empty()) usleep(50'000);
 }
@@ -74,7 +74,7 @@ Ran run_with(const std::string& manner, const std::string& words, const std::str
     return ran;
 }
 
-/// Each of them alone in the program, and in processes of their own.
+/// Each action alone, in the program and in child processes.
 struct Way {
     const char *words, *before;
     bool isolated;
@@ -88,7 +88,7 @@ const std::vector<Way> ways{{"map", "", false},
                             {"plugin check", "", false},
                             {"plugin check", "export CI=true;", true}};
 
-/// Each of these manners in every way.
+/// Each of these manners, in every way to load the library.
 template <class See>
 void in_every_way(const std::vector<std::string>& manners, const See& see) {
     for (const std::string& manner : manners) {
@@ -170,7 +170,7 @@ TEST_CASE("manners: a library that closes the program's own file descriptors mak
           "[external]") {
     in_every_way({"load close all", "call close all", "load close files", "call close files"},
                  [](const std::string& manner, const Way& way, const Ran& ran) {
-                     // Behind a pipe a library has none of the program's but the pipe.
+                     // Behind a pipe, a library has no descriptor of the program except the pipe.
                      if (way.isolated && manner.ends_with("files")) return;
                      CHECK(ran.outcome.code == 3);
                      CHECK(has(ran.outcome.err, "ill_mannered.so"));
@@ -247,7 +247,7 @@ TEST_CASE("manners: plugin serve fails if it cannot send its answers", "[externa
     INFO(full.err);
     CHECK(full.code == 3);
     CHECK(has(full.err, "cannot write"));
-    // Who has closed both ends has ended, and asks for nothing.
+    // A process that has closed both ends has ended, and needs no answers.
     must("plugin serve " + library + " </dev/null >/dev/full", folder.path());
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 const std::string pipes = std::string(LOSTBITS_SOURCE_DIR) + "/examples/pipes/";
 
-/// A command for the shell that says so much of itself and then does something.
+/// A shell command that prints this much of a header and then does something.
 std::string speaking(const std::string& header, const std::string& then) {
     return " --pipe \"printf 'lostbits-pipe/1\\n" + header + "\\n\\n'; " + then + "\"";
 }
@@ -133,7 +133,7 @@ TEST_CASE("pipe: JavaScript copies data in proportion to the rays of a batch", "
     folder.write("ball.toml", scene_text("[[mesh]]\nmake = \"icosphere\"\nlevels = 2\nradius = 2\ncentre = [0, 0, 0]\n",
                                          "", "kind = \"pinhole\"\nfov_deg = 60\neye = [0, 0, 5]\n"));
     folder.write("counts.mjs", R"(
-// Counts the numbers that are read one by one out of typed arrays.
+// Counts the numbers that are read one by one from typed arrays.
 const array = Object.getPrototypeOf(Float64Array.prototype), iterate = array[Symbol.iterator];
 let copied = 0, rays = 0;
 array[Symbol.iterator] = array.values = function () { copied += this.length; return iterate.call(this); };

@@ -13,7 +13,7 @@ using namespace lostbits::test;
 
 namespace {
 
-/// A small map by one form of the library of odd ones.
+/// A small map with one form of the library of odd forms.
 Outcome map_by(const std::string& form, const Scratch& folder, const std::string& more = "") {
     return run("map near-benign --size 32x24 -i " + form + " -f f32 -o out" + plugin("odd_plugin") + more,
                folder.path());
@@ -98,7 +98,7 @@ TEST_CASE("plugin: a form whose shape is not in the scene is reported as left ou
     }
     for (const std::string words : {"map box-one --size 16x16 -f f32", "offsets offset-tiny --size 16x16 -f f64"})
         CHECK(has(run(words + with, folder.path()).err, "left out: odd.right, odd.first, odd.predicate, "));
-    // Named in full, a form of the catalogue is no different; named by a pattern, it is one of many.
+    // Named in full, a form of the catalogue is like any other; named by a pattern, it is one of many.
     const std::string box = "map box-one --size 16x16 -f f32 -o out -i box.baseline -i ";
     CHECK(
         has(run(box + "sphere.unified", folder.path()).err, "left out: sphere.unified is for spheres in every format"));
@@ -113,7 +113,7 @@ TEST_CASE("plugin: other commands accept its forms too", "[external]") {
     CHECK(read_csv(folder.path() / "out/sphere-distance/samples.csv").size() > 10);
     must("trade --quick --repetitions 1 -i odd.first -f f32 -o out" + with, folder.path());
     CHECK(has(contents(folder.path() / "out/sphere/pareto.csv"), "odd.first,f32,scalar,"));
-    // One's own forms come first on the page, and one without a title has a caption all the same.
+    // The user's forms come first on the page, and a form without a title still has a caption.
     const std::string report =
         "report near-benign --size 16x16 --no-claims -f f32 -i sphere.unified -i odd.first -o page";
     must(report + with, folder.path());
@@ -167,7 +167,7 @@ TEST_CASE("plugin: an interrupt during an endless batch ends the program", "[ext
     CHECK(folder.files().empty());
 }
 
-TEST_CASE("plugin: isolated or named libraries are asked for a better form for a ray", "[external]") {
+TEST_CASE("plugin: explain tries the forms of isolated or named libraries as a better form for a ray", "[external]") {
     const std::string what =
         "explain rtg-fig-7-3-4100-oblique --pixel 128,40 -i sphere.schoolbook -f f32 --json" + plugin("odd_plugin");
     const Scratch folder;
@@ -245,7 +245,7 @@ TEST_CASE("plugin: an impossible contract is refused by name", "[external]") {
              {"line", "line needs roots = both or near"},
              {"title", "title must be one line"},
              {"run", "run is NULL"},
-             {"twice", "comes twice in binary32"},
+             {"twice", "is defined twice in binary32"},
              {"none", "states 0 forms"},
              {"version", "has no forms for version 1"}}) {
         const Outcome o = run("list intersectors" + plugin("wrong_contracts"), folder.path(), "ODD_CONTRACT=" + word);
@@ -280,7 +280,7 @@ TEST_CASE("plugin check: it names the broken promise and says what to write", "[
     const Scratch folder;
     const Outcome o = must("plugin check " + library("schoolbook"), folder.path());
     CHECK(has(o.out, "example.schoolbook in binary32, a sphere: keeps its promises"));
-    // The forms that crash are left to the test above: the library's order is the order of the trials.
+    // The test above covers the forms that crash: forms are tried in the order of the library.
     const Outcome odd = run("plugin check " + library("odd_plugin") + " --time-limit 2", folder.path());
     CHECK(odd.code == 3);
     const auto finding = [&odd](const std::string& form) { return finding_of(odd, form); };

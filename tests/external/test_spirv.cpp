@@ -1,5 +1,5 @@
-// Functions in GLSL, HLSL and SPIR-V as they stand: what they become, where their operations stand, and what is said of
-// files that are damaged.
+// Functions in GLSL, HLSL and SPIR-V as they are: the forms they become, the places of their operations, and messages
+// about damaged files.
 #include <cstdlib>
 #include <fstream>
 #include <random>
@@ -100,7 +100,7 @@ TEST_CASE("spirv: the culprit is a line and a column of the user's file", "[exte
     }
     const std::string odd = explained(folder + "features.glsl:odd", "odd");
     CHECK(odd.find("features.glsl:36:87") != std::string::npos);
-    // A file of SPIR-V names lines of its source, and else those of its assembly.
+    // A SPIR-V file names lines of its source if it has them, and otherwise lines of its assembly.
     const Scratch made;
     const std::string with = explained(compiled(made, sphere, "-g") + ":ball", "ball");
     CHECK(with.find("own.frag:5:41\n 5 |     float b = dot(f, rd), c = dot(f, f) - s.w * s.w;") != std::string::npos);
@@ -173,7 +173,7 @@ TEST_CASE("spirv: damaged SPIR-V and GLSL give a sentence", "[external]") {
     };
     for (int k = 0; k < 3000; ++k) refused += read(changed(whole, "%_0123456789 \"\nOpv")) ? 0 : 1;
     CHECK(refused > 300);
-    // The whole way, in programs of their own.
+    // The whole way to a form, with real programs.
     const int count = is_long() ? 400 : 40;
     for (int k = 0; k < count; ++k) {
         std::string words = binary;

@@ -23,7 +23,7 @@ const std::string tiny =
     scene_text("[[sphere]]\ncentre = [0, 0, 0]\nradius = \"0x1p-70\"\n", "inputs = \"shared\"\nsize = [24, 16]\n",
                "kind = \"orthographic\"\neye = [0, 0, \"0x1p-68\"]\nwidth = \"0x1.4p-69\"\n");
 
-/// The same of a radius that is a subnormal number: no sphere at all where such numbers are zeros.
+/// The same for a radius that is a subnormal number: the sphere vanishes if such numbers become zeros.
 std::string subnormal_sphere() {
     return replaced(replaced(replaced(tiny, "0x1p-70", "0x1p-140"), "0x1p-68", "0x1p-138"), "0x1.4p-69", "0x1.4p-139");
 }
@@ -52,7 +52,7 @@ const std::string rays = "ox,oy,oz,dx,dy,dz,hit,t\n0.25,0,-1234.5,0,0,1,1,1233.5
 
 constexpr std::size_t commands = 3;
 
-/// All rows of the files that one of the commands leaves but those of the library, without the commands that name it.
+/// All rows of the files of one command except those of the library, without the commands that name it.
 std::vector<std::string> rows_left(std::size_t command, const std::string& more, const std::string& before) {
     const Scratch folder;
     static_cast<void>(folder.write("tiny.toml", subnormal_sphere()));
@@ -89,8 +89,8 @@ TEST_CASE("state: a library that changes the processor state at any time changes
     std::array<std::vector<std::string>, commands> right;
     for (std::size_t command = 0; command < commands; ++command) right[command] = rows_left(command, "", "");
     REQUIRE(right[0].size() + right[1].size() + right[2].size() == 8);
-    // In the short tests one way and one command for each pair: with four of each, every way and every command comes at
-    // least once with each `when` and each `what`.
+    // The short tests run one way and one command for each pair. With four of each, every way and every command occurs
+    // at least once with each `when` and each `what`.
     const std::string ways[] = {" -j 1", " -j 4", " --isolate -j 1", " --isolate -j 4"};
     const auto hold = [&right](std::size_t turn, const std::string& more, const std::string& before) {
         for (std::size_t command = 0; command < commands; ++command) {
@@ -149,8 +149,8 @@ TEST_CASE("state: a library that changes the processor state is reported once", 
         const auto called = told("call", map + option);
         INFO(called.err);
         CHECK(called.code == 0);
-        CHECK(count_in(called.err, "changes in a call how the processor computes") >= 1);
-        CHECK(count_in(called.err, "changes in a call how the processor computes") <= 2);  // a form in two formats
+        CHECK(count_in(called.err, "changes how the processor computes during a call") >= 1);
+        CHECK(count_in(called.err, "changes how the processor computes during a call") <= 2);  // a form in two formats
         CHECK_FALSE(has(told("never", map + option).err, "how the processor computes"));
         CHECK_FALSE(has(told("load", "-q " + map + option).err, "how the processor computes"));
     }

@@ -1,4 +1,4 @@
-// A wrong contract costs more than any rounding. It is reported, and a right one never is.
+// A wrong contract costs more than any rounding. It is reported, and a right contract never is.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -47,14 +47,14 @@ TEST_CASE("suspicion: each wrong contract is recognised from its answers", "[ext
     CHECK(suspicion(judged([](double t, double, double) { return t * (1 + 0x1p-9); })).empty());
     CHECK(has(suspicion(judged([](double t, double, double l) { return t * l; })), "directions of unit length"));
     CHECK(has(suspicion(judged([](double, double far, double) { return far; })), "the far root"));
-    auto by_distance = judged([](double t, double, double) { return t; });  // where a distance was promised
+    auto by_distance = judged([](double t, double, double) { return t; });  // although a distance was promised
     for (auto& j : by_distance) {
         j.unit = true;
         std::swap(j.true_t, j.other_measure);
     }
     CHECK(has(suspicion(by_distance), "the ray's parameter, not a distance"));
     CHECK(has(suspicion(judged([](double t, double, double) { return -t; })), "wrong sign"));
-    // Nothing known explains it: the number is said anyway.
+    // No known mistake explains it, so only the number is reported.
     const std::string unknown = suspicion(judged([](double, double, double) { return 17.0; }));
     CHECK(has(unknown, " have a t that is off by more than 0.4%"));
     CHECK(has(unknown, "no known mistake explains nine in ten"));
@@ -71,7 +71,7 @@ TEST_CASE("suspicion: t in other units is recognised and the factor reported", "
     CHECK(has(off_by(0.001), "0.001 times what is right: metres for millimetres?"));
     CHECK(has(off_by(0.0254), "metres for inches?"));
     CHECK(has(off_by(7.5), "t is in other units: it is 7.5 times what is right"));
-    // Decisions that are wrong beside it, as arithmetic makes them, hide neither a factor nor a sign.
+    // Wrong decisions beside it, as arithmetic causes them, hide neither a factor nor a sign.
     const auto with_wrong_decisions = [](double factor) {
         auto all = judged([factor](double t, double, double) { return factor * t; });
         for (std::size_t i = 0; i < all.size(); i += 6) (i % 4 == 0 ? all[i].hit : all[i].truly_hits) = false;
@@ -80,13 +80,13 @@ TEST_CASE("suspicion: t in other units is recognised and the factor reported", "
     CHECK(has(with_wrong_decisions(1000), "wrong on 416 of the 416 rays that hit and should hit: t is in other units"));
     CHECK(has(with_wrong_decisions(-1), "wrong on 416 of the 416 rays that hit and should hit: t has the wrong sign"));
     CHECK(with_wrong_decisions(1).empty());
-    // A factor that is another for each ray is none, and neither is one answer to rays that are all alike.
+    // A factor that differs from ray to ray is not a factor, and neither is one answer to rays that are all alike.
     int n = 0;
     CHECK_FALSE(has(suspicion(judged([&n](double t, double, double) { return t * (2 + n++ % 7); })), "units"));
     std::vector<measure::contract::AnswerSample> alike;
     for (int i = 0; i < 100; ++i) alike.push_back(judged([](double t, double, double) { return 3 * t; }).front());
     CHECK_FALSE(has(suspicion(alike), "units"));
-    // From far away all t are nearly alike: a factor that is written on purpose is known there too.
+    // From far away all t are nearly alike: a deliberate factor is recognised there too.
     const auto from_afar = [](double factor) {
         std::vector<measure::contract::AnswerSample> all;
         for (int i = 0; i < 100; ++i) {
@@ -103,7 +103,8 @@ TEST_CASE("suspicion: t in other units is recognised and the factor reported", "
 }
 
 TEST_CASE("suspicion: answers that fit the ray itself do not suggest another ray", "[external]") {
-    // They end where they enter, which is a miss where a touch is one. y = z, so that exchanged they are the same rays.
+    // They end where they enter, which is a miss if a touch is a miss. y = z, so that exchanging the two gives the same
+    // rays.
     std::vector<measure::contract::AnswerSample> all;
     for (int i = 0; i < 20; ++i) {
         const double y = 0.02 * i;
@@ -128,7 +129,7 @@ TEST_CASE("suspicion: changes to the rays or to the primitive are recognised fro
         return left < 0 || far < 0 ? std::nan("") : near >= 0 ? near : far;
     };
     // Rays from around (1, -2, 0) at a sphere around (4, 6, -20), some of which miss. They are answered as they are,
-    // and told as `change` leaves them.
+    // and reported as `change` leaves them.
     const auto asked = [&nearest](const auto& change, bool inverted = false) {
         std::vector<AnswerSample> all;
         for (int i = 0; i < 400; ++i) {
@@ -162,7 +163,7 @@ TEST_CASE("suspicion: changes to the rays or to the primitive are recognised fro
                                        std::pair(0.01, "0.01 times as large (metres for centimetres?)")})
         CHECK(has(asked([f = factor](R&, S& sphere) { sphere = {sphere.centre * f, sphere.radius * f}; }), says));
     CHECK(has(asked([](R&, S&) {}, true), "hit seems to be inverted, 1 where the ray misses; write 1 for a hit"));
-    // A sphere elsewhere: it is hit where it is not, and missed where it is, but most rays miss both.
+    // A sphere elsewhere: hits and misses are both wrong, but most rays miss both spheres.
     const std::string elsewhere = asked([](R&, S& sphere) { sphere.centre.x += 9; });
     CHECK(has(elsewhere, "no known mistake"));
 }
@@ -170,7 +171,7 @@ TEST_CASE("suspicion: changes to the rays or to the primitive are recognised fro
 TEST_CASE("suspicion: errors from inside are told apart", "[external]") {
     using measure::contract::AnswerSource;
     using measure::contract::suspicion;
-    // From inside of a sphere of radius 3, nearer to its back; `right` is the true t, `told` the answer.
+    // Rays from inside a sphere of radius 3, nearer to its back; `right` is the true t, `told` the answer.
     const auto asked = [](const auto& right, const auto& told, AnswerSource source = AnswerSource::intersector) {
         std::vector<measure::contract::AnswerSample> all;
         for (int i = 0; i < 200; ++i) {
@@ -254,7 +255,7 @@ TEST_CASE("suspicion: a radius is blamed only if it explains everything, not for
     };
     const auto of_half = [](double, double side) { return 10 - std::sqrt(std::max(0.0, 1.5 * 1.5 - side * side)); };
     CHECK(has(asked(of_half), "taken for a diameter"));
-    CHECK(has(asked([&](double, double) { return nan; }), "taken for a diameter"));  // of a form that tells no t
+    CHECK(has(asked([&](double, double) { return nan; }), "taken for a diameter"));  // for a form that returns no t
     // Too few steps: right in the middle, a miss near the rim.
     const std::string early = asked([](double t, double) { return t; });
     CHECK(has(early, "miss what they should hit"));

@@ -26,7 +26,7 @@ Convention from_inside(Inside inside, AtOrigin at_origin = AtOrigin::hit) {
     return asked;
 }
 
-/// The true t, to a 2^-20th; −1 for a miss.
+/// The true t, to 2^-20 of itself; −1 for a miss.
 double true_t(const Ray<double>& ray, const Primitive<double>& primitive, Convention asked, double tmax = HUGE_VAL) {
     const auto truth = find_truth(ray, primitive, {}, asked, {.tmax = tmax});
     REQUIRE(truth.decision != measure::truth::Truth::Decision::unresolved);
@@ -139,7 +139,7 @@ TEST_CASE("words: the truth is right from inside and from the surface of spheres
             CHECK(true_t(from(5, 1), primitive, from_inside(Inside::exit, at)) == -1);
         }
         CHECK(true_t(from(-1, 1), primitive, from_inside(Inside::zero)) == 0);
-        // On the surface, going in and going out.
+        // Rays on the surface that go in or out.
         CHECK(true_t(from(-2, 1), primitive, from_inside(Inside::exit, AtOrigin::hit)) == 0);
         CHECK(true_t(from(-2, 1), primitive, from_inside(Inside::exit, AtOrigin::miss)) == 4);
         CHECK(true_t(from(-2, 1), primitive, from_inside(Inside::exit, AtOrigin::exit)) == 4);
@@ -149,11 +149,11 @@ TEST_CASE("words: the truth is right from inside and from the surface of spheres
         CHECK(true_t(from(-2, 1), primitive, from_inside(Inside::miss, AtOrigin::hit)) == 0);
         CHECK(true_t(from(-2, 1), primitive, from_inside(Inside::miss, AtOrigin::miss)) == -1);
         CHECK(true_t(from(-2, -1), primitive, from_inside(Inside::miss, AtOrigin::hit)) == -1);
-        // κ of the exit: |z| + |t| + r over t, and no more where the answer is exact.
+        // κ of the exit: |z| + |t| + r over t, and no more if the answer is exact.
         CHECK(measure::truth::condition(from(1, 1), primitive, from_inside(Inside::exit)) == Approx(4).epsilon(1e-5));
         CHECK(std::isinf(measure::truth::condition(from(1, 1), primitive, from_inside(Inside::zero))));
     }
-    // The ends of rays: an exit beyond is none, and some have no ends.
+    // Ends of rays: an exit beyond the end does not count, and some rays have no ends.
     Convention endless = from_inside(Inside::usual);
     endless.endless = true;
     CHECK(true_t(from(-1, 1), box, from_inside(Inside::exit), 2) == -1);
@@ -250,7 +250,7 @@ TEST_CASE("words: a form that takes the range of a ray is tested on it, in this 
                 CHECK(std::stoi(row["agree_miss"]) > 20);
             }
             auto bad = row_of(summary, "bad.forgets_the_start");
-            CHECK(bad["false_hit"] != "0");  // its roots before the range are not taken away for it
+            CHECK(bad["false_hit"] != "0");  // its roots before the range are not removed for it
         }
     }
 }

@@ -15,7 +15,7 @@ struct Roots {
     double near, far;
 };
 
-/// By double: right for float.
+/// Computes in double, which is right for float.
 Roots roots(const Ray<float>& ray, const Sphere<float>& sphere) {
     const auto in = [](float x) { return static_cast<double>(x); };
     double a = 0, h = 0, f[3], c = -in(sphere.radius) * in(sphere.radius);
@@ -47,7 +47,7 @@ Roots roots(const Ray<float>& ray, const Box<float>& box) {
 template <class Primitive>
 using Form32 = Answer<float>(const Ray<float>&, const Primitive&);
 
-/// One root, or a miss where it is not ahead.
+/// Returns one root, or a miss if it is not ahead.
 Answer<float> ahead(double t) { return t >= 0 ? Answer<float>(static_cast<float>(t)) : miss; }
 
 Answer<float> unsigned_near(const Ray<float>& ray, const Sphere<float>& s) {
@@ -70,7 +70,7 @@ Answer<float> clipped(const Ray<float>& ray, const Primitive& s) {
     if (!r.hit || r.far < 0) return miss;
     return {static_cast<float>(std::max(r.near, 0.0)), static_cast<float>(r.far)};
 }
-/// The same, but nothing of a surface that it leaves from.
+/// The same, but ignores a surface that the ray leaves.
 Answer<float> clipped_ahead(const Ray<float>& ray, const Sphere<float>& s) {
     const Answer<float> interval = clipped(ray, s);
     return interval.hit && interval.far > 0 ? interval : miss;
@@ -85,7 +85,7 @@ Answer<float> exit_inside(const Ray<float>& ray, const Primitive& s) {
     const Roots r = roots(ray, s);
     return r.hit ? ahead(r.near < 0 ? r.far : r.near) : miss;
 }
-/// Never the surface that it starts on where it goes in, and always where it goes out.
+/// Never hits the surface on which the ray starts if the ray goes in, and always if it goes out.
 Answer<float> exit_at_origin(const Ray<float>& ray, const Sphere<float>& s) {
     const Roots r = roots(ray, s);
     return r.hit ? ahead(r.near > 0 ? r.near : r.far) : miss;
@@ -99,7 +99,7 @@ Answer<float> signed_near(const Ray<float>& ray, const Sphere<float>& s) {
     const Roots r = roots(ray, s);
     return r.hit ? Answer<float>(static_cast<float>(r.near)) : miss;
 }
-/// By the signs of three edges and t; of an open one an edge is outside, and so is t = 0.
+/// Decides by the signs of three edges and t; for the open triangle an edge is outside, and so is t = 0.
 template <bool open>
 Answer<float> triangle(const Ray<float>& r, const Triangle<float>& s) {
     double v[3][3];
@@ -119,7 +119,7 @@ Answer<float> triangle(const Ray<float>& r, const Triangle<float>& s) {
     }
     return t < 0 || (open && t == 0) ? miss : Answer<float>(static_cast<float>(t));
 }
-/// The first root in the ray's range; from inside of a box, where the range begins.
+/// Returns the first root in the range of the ray; from inside a box, the beginning of the range.
 Answer<float> in_range(const Ray<float>& ray, const Sphere<float>& s) {
     const Roots r = roots(ray, s);
     if (!r.hit) return miss;
@@ -140,7 +140,7 @@ Answer<float> forgets_the_start(const Ray<float>& ray, const Sphere<float>& s) {
     const Answer<float> a = exit_inside(ray, s);
     return a.hit && a.near <= ray.end ? a : Answer<float>(miss);
 }
-/// As much public code does in a debug build.
+/// Does what much public code does in a debug build.
 Answer<float> insists(const Ray<float>& ray, const Sphere<float>& s) {
     const float* const d = ray.direction;
     if (!(std::fabs(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1) < 1e-3F)) std::abort();
@@ -155,7 +155,7 @@ bool endless(const Ray<float>& ray, const Box<float>& b) {
     return r.hit && r.far >= 0;
 }
 
-// The same problems as public code has them.
+// The same problems in the types of public code.
 Answer<float> of_segment(const Segment<float>& s, const Sphere<float>& sphere) {
     Ray<float> ray{{s.from[0], s.from[1], s.from[2]}, {}, 1};
     for (int k = 0; k < 3; ++k) ray.direction[k] = s.to[k] - s.from[k];
@@ -202,7 +202,7 @@ Points<float> points(const Ray<float>& ray, const Sphere<float>& s) {
     return {near, far};
 }
 
-// Layout to which a library of the first version of the header was compiled. It stays readable for good.
+// Layout that a library had when compiled with the first version of the header. It must stay readable.
 static_assert(sizeof(lb_form) == 72 && offsetof(lb_form, shape) == 24 && offsetof(lb_form, at_origin) == 44);
 static_assert(offsetof(lb_form, flags) == 48 && offsetof(lb_form, own) == 56 && offsetof(lb_form, run) == 64);
 static_assert(sizeof(lb_batch) == 72 && offsetof(lb_batch, starts) == 64 && offsetof(lb_batch, near_far) == 40 &&

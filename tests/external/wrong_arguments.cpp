@@ -1,4 +1,4 @@
-// A sphere's form that asks for the end of the ray: none of the three ways to be called.
+// A sphere's form that takes the end of the ray, which is not one of the three signatures.
 #include <lostbits_form.hpp>
 
 using namespace lostbits;

@@ -1,4 +1,4 @@
-// A library that says what makes no sense; which of it, $ODD_CONTRACT chooses.
+// A library with a contract that makes no sense; $ODD_CONTRACT selects which.
 #include <cstdlib>
 #include <cstring>
 

@@ -1,4 +1,5 @@
-// Right and wrong forms of every shape, as an author may hand them over: what `plugin check` has to acquit and to find.
+// Right and wrong forms of every shape, as an author may submit them: `plugin check` must accept the right ones and
+// find the mistakes in the others.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +28,7 @@ inline Found right(const Ray<double>& ray, const Primitive<double>& primitive) {
     return std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent));
 }
 
-/// A function of one ray as a form of the first root.
+/// A function of one ray as a form that returns the first root.
 inline ForeignForm solved_by(Shape shape, const Solves& solve) {
     Contract contract{.name = "made." + std::string(row_of(shape).name), .title = {}, .source = {}, .shape = shape};
     contract.bits = 64;
@@ -46,7 +47,7 @@ inline ForeignForm solved_by(Shape shape, const Solves& solve) {
             }};
 }
 
-/// Its middle and half of its extent: of a plane the point it goes through, and 1.
+/// Its middle and half of its extent; for a plane, a point of it and 1.
 inline Vec<double> middle_of(const Primitive<double>& primitive) {
     return visit(primitive, [](const auto& s) { return s.middle(); });
 }
@@ -54,7 +55,7 @@ inline double extent_of(const Primitive<double>& primitive) {
     return primitive.shape == Shape::plane ? 1 : visit(primitive, [](const auto& s) { return s.half_extent(); });
 }
 
-/// The primitive with each of its points taken somewhere, and its lengths by a factor.
+/// The primitive with each of its points moved and its lengths multiplied by a factor.
 template <class Point>
 Primitive<double> changed(const Primitive<double>& primitive, const Point& point, double factor = 1) {
     Primitive<double> other = primitive;
@@ -152,7 +153,7 @@ inline std::vector<std::pair<Shape, Mistake>> error_case_of_one() {
     using R = const Ray<double>&;
     using S = const Primitive<double>&;
     const auto on = [](auto change) { return Solves([change](R ray, S s) { return right(ray, change(s)); }); };
-    /// A primitive of an axis from `from` to `to` of its length.
+    /// The part of a primitive with an axis between `from` and `to` of its length.
     const auto stretched = [](S s, double from, double to) {
         Primitive<double> other = s;
         const Vec<double> a = s.point(0), v = s.point(3) - a;

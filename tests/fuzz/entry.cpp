@@ -1,4 +1,4 @@
-// The fuzzer of libFuzzer: $LOSTBITS_FUZZ_TARGET names its target; without it the names of all are written.
+// The fuzzer of libFuzzer: $LOSTBITS_FUZZ_TARGET names its target; without it, the names of all targets are written.
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>

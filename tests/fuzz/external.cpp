@@ -19,7 +19,7 @@
 namespace lostbits::fuzz {
 namespace {
 
-/// The lines of a text one after another; of one that has no more, an end as that of a process.
+/// The lines of a text one after another; after the last line, the end of a process.
 intersect::external::LineSource speaker_of(std::string_view text) {
     const auto fail = [](const std::string& what) { throw EnvironmentError("a pipe: " + what); };
     const auto next = [text, fail]() mutable {
@@ -29,7 +29,7 @@ intersect::external::LineSource speaker_of(std::string_view text) {
     return {next, fail};
 }
 
-/// The job of the first record, whatever it is: a merge knows it from the command.
+/// The job of the first record, whatever it is: a merge knows the job from the command.
 std::string first_job(std::string_view file) {
     const std::size_t head = file.find("\n\n");
     std::uint64_t size = 0;
@@ -148,12 +148,12 @@ void fuzz_requests(std::string_view bytes) {
     close(input);
 }
 
-/// A file of GLSL: its first line is what stands behind the colon of `--shader`. Of one that is taken the programs are
-/// made, and its own lines are read as the log of a compiler.
+/// A file of GLSL: its first line is the text behind the colon of `--shader`. If the file is accepted, its programs are
+/// written, and its own lines are read as the log of a compiler.
 void fuzz_shader(std::string_view bytes) {
     using namespace intersect::shader;
     std::string words = take_line(bytes);
-    std::erase(words, '\0');  // no word of a command line has one
+    std::erase(words, '\0');  // no word of a command line contains one
     const std::filesystem::path path = file_of(bytes);
     answer_or_error([&] {
         const ShaderSource shader = read_shader(path.string() + ":" + words);
@@ -162,8 +162,8 @@ void fuzz_shader(std::string_view bytes) {
     });
 }
 
-/// The file of a shard, as `merge` reads it: its first byte says which command wrote it. The hash at its end is made
-/// here, so that what stands in front of it is looked at.
+/// The file of a shard, as `merge` reads it: its first byte selects the command that wrote it. The hash at its end is
+/// computed here, so that the bytes before it are read.
 void fuzz_shard(std::string_view bytes) {
     if (bytes.empty()) return;
     const unsigned kind = static_cast<unsigned char>(bytes.front());

@@ -25,7 +25,7 @@ namespace lostbits::fuzz {
 
 namespace {
 
-/// A folder of links to the file in memory, whose names end as a reader asks.
+/// A folder of links to the file in memory, with names that end as a reader requires.
 class Links {
 public:
     explicit Links(std::string file) : file_(std::move(file)) {
@@ -119,7 +119,7 @@ void fuzz_csv(std::string_view bytes) {
     });
 }
 
-/// A file of rays: its first byte says in which container, and with which columns, the rest is.
+/// A file of rays: its first byte selects the container and the columns of the rest.
 void fuzz_rays(std::string_view bytes) {
     if (bytes.empty()) return;
     const unsigned kind = static_cast<unsigned char>(bytes.front());
@@ -141,7 +141,7 @@ void fuzz_rays(std::string_view bytes) {
     });
 }
 
-/// A file of a mesh: the first line says how its name ends.
+/// A file of a mesh: the first line is the extension of its name.
 void fuzz_mesh(std::string_view bytes) {
     static constexpr std::array<std::string_view, 5> extensions{".obj", ".ply", ".stl", ".gltf", ".glb"};
     const std::string extension = take_line(bytes);

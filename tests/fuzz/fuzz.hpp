@@ -27,10 +27,10 @@ inline constexpr Target targets[] = {
     {"requests", fuzz_requests}, {"shader", fuzz_shader}, {"mesh", fuzz_mesh},
 };
 
-/// A file in memory that holds the bytes for as long as nobody asks for the next one; its path ends in `extension`.
+/// A file in memory that holds the bytes until the next one is requested; its path ends in `extension`.
 std::filesystem::path file_of(std::string_view bytes, std::string_view extension = "");
 
-/// Takes the first line away, and the break behind it.
+/// Removes the first line with its line break and returns it.
 inline std::string take_line(std::string_view& bytes) {
     const std::size_t end = std::min(bytes.find('\n'), bytes.size());
     std::string line(bytes.substr(0, end));
@@ -38,8 +38,8 @@ inline std::string take_line(std::string_view& bytes) {
     return line;
 }
 
-/// Bad input ends in an answer or in an error that says something, with the exit code of bad input. Anything else,
-/// std::bad_alloc and Exit::internal among it, is left to whoever calls.
+/// Bad input must end in an answer, or in an error with a message and the exit code of bad input. Anything else,
+/// including std::bad_alloc and Exit::internal, is left to the caller.
 template <class Ask>
 void answer_or_error(const Ask& ask) {
     try {

@@ -1,4 +1,4 @@
-// The targets of the fuzzers without libFuzzer: over what was found once, and over seeds with a few bytes changed.
+// The targets of the fuzzers without libFuzzer: on inputs that fuzzing found, and on seeds with a few changed bytes.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -35,7 +35,7 @@ std::vector<fs::path> files_in(const fs::path& folder) {
     return files;
 }
 
-/// Up to four changes: a byte, a piece left out, a piece twice.
+/// Up to four changes: a changed byte, a piece left out, a piece repeated.
 std::string changed(std::string bytes, scene::rays::Random& random) {
     for (int changes = 1 + random.below(4); changes > 0 && !bytes.empty(); --changes) {
         const auto at = static_cast<std::size_t>(random.below(static_cast<int>(bytes.size())));
@@ -68,7 +68,7 @@ TEST_CASE("inputs that fuzzing found are refused with a message, or read", "[fuz
 }
 
 TEST_CASE("every seed of the fuzzers is read or refused, also with some bytes changed", "[fuzz]") {
-    constexpr std::size_t changed_seeds = under_sanitizer ? 40 : 400;  // of a target, over all its seeds
+    constexpr std::size_t changed_seeds = under_sanitizer ? 40 : 400;  // for one target, over all its seeds
     scene::rays::Random random(19);
     for (const Target& target : fuzz::targets) {
         const auto seeds = files_in(fs::path(LOSTBITS_FUZZ_SEEDS) / target.name);

@@ -1,5 +1,5 @@
-// Every form obeys the rules of a formula. Compiled and never linked: the archetype's operations have no bodies, so
-// instantiating a form that needs more than they offer is an error here, by name.
+// Every form obeys the rules of a formula. Compiled and never linked: the operations of the archetype have no bodies,
+// so instantiating a form that needs more than these operations is an error here, by name.
 #include <array>
 
 #include "intersect/catalogue.hpp"

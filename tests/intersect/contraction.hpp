@@ -1,4 +1,4 @@
-// Computations in files of their own, so that the compiler of a caller cannot see what they consist of.
+// Computations in separate files, so that the compiler of a caller cannot see what they compute.
 #pragma once
 
 namespace lostbits::test {
@@ -11,7 +11,7 @@ double product_minus_contracted(double a, double b, double c);
 /// True if the instruction set that the two were compiled for has FMA at all.
 bool compiled_for_fma();
 
-/// Doubles that become floats and doubles again.
+/// Doubles that are converted to floats and back.
 struct PairOfDoubles {
     double first, second;
 };

@@ -33,7 +33,7 @@ T scaled(T x, int exponent) {
     return std::ldexp(x, exponent);
 }
 
-/// A seeded ray of one of eight kinds, cheap to make and with every rounding its own.
+/// A seeded ray of one of eight kinds, cheap to compute and with all roundings.
 template <class T>
 Sample<T> draw(Random& random, int kind, bool unit) {
     const auto in = [&] { return T(2 * random.unit() - 1); };

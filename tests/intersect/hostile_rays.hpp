@@ -1,4 +1,4 @@
-// Rays that break filters and bounds: every family in which a decision or t hangs on a last bit, seeded.
+// Rays that break filters and bounds: every distribution in which a decision or t depends on a last bit, seeded.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace lostbits::test {
 
-/// One ray and the primitive it is aimed at, numbers of a format.
+/// A ray and the primitive at which it is aimed, in numbers of a format.
 struct HostileRay {
     Ray<double> ray;
     Primitive<double> primitive;
@@ -87,7 +87,7 @@ public:
 private:
     static double stored(double x) { return static_cast<double>(static_cast<S>(x)); }
     static Vec<double> stored(const Vec<double>& v) { return {stored(v.x), stored(v.y), stored(v.z)}; }
-    /// The number of S next to x, which is not 0: beside that lie subnormal numbers.
+    /// The number of S next to x, which is not 0: next to 0 are subnormal numbers.
     double beside(double x) {
         if (x == 0) return x;
         return static_cast<double>(std::nextafter(static_cast<S>(x), static_cast<S>(random_.sign() * HUGE_VAL)));
@@ -117,7 +117,8 @@ private:
         return {{o, d}, Sphere<double>{c, static_cast<double>(random_.between(1, 20))}, HUGE_VAL};
     }
 
-    /// Along an axis at exactly a radius from the centre: the discriminant is zero, or by a last place is not.
+    /// Along an axis at exactly a radius from the centre: the discriminant is zero, or differs from zero by a last
+    /// place.
     HostileRay tangent(bool moved) {
         const auto axis = static_cast<int>(random_.between(0, 2)), side = (axis + 1) % 3;
         const double scale = std::ldexp(1, static_cast<int>(random_.between(-10, 10)));

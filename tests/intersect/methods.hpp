@@ -1,4 +1,4 @@
-// Spaces and ways of computing a box by their names.
+// Transforms and box methods by their names.
 #pragma once
 
 #include <algorithm>

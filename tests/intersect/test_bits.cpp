@@ -1,4 +1,4 @@
-// The rows of the table against each other, to the bit: the machine's own arithmetic and rounded numbers of the same
+// The rows of the table compared with each other, to the bit: the machine's arithmetic and rounded numbers of the same
 // format, on ordinary rays and on every kind of number that a format can hold.
 #include "intersect/form_shape.hpp"
 #include "intersect/simd/packed_scene.hpp"
@@ -81,7 +81,7 @@ TEMPLATE_TEST_CASE("a row and its emulation in the same format give the same bit
     }
 }
 
-/// Between them these use all that a form may.
+/// Together these use all that a form may use.
 using SomeForms = intersect::FormList<intersect::sphere::Schoolbook, intersect::sphere::KahanDiscriminant,
                                       intersect::sphere::PbrtInterval, intersect::sphere::TwoStep>;
 

@@ -24,7 +24,8 @@ struct Tally {
     std::atomic<std::uint64_t> other_bits = 0, below = 0, wrong = 0;
 };
 
-/// The form in exact arithmetic on the format's own inputs, from both sides: as narrow as so many bits make it.
+/// The form in exact arithmetic on the format's own inputs, enclosed from both sides, as narrowly as this many bits
+/// allow.
 Hit<Interval> without_rounding(const Intersector& form, const HostileRay& x) {
     const Interval::Precision precision(700);
     const auto lift = [](double v) { return Interval(v); };
@@ -113,12 +114,12 @@ void check_bounds(std::uint64_t rays, std::uint64_t seed, bool any_scale = false
             CHECK(tally.other_bits == 0);
             CHECK(tally.wrong == 0);
             CHECK(tally.below == 0);
-            if (any_scale) continue;  // where most over- or underflows, little is known
+            if (any_scale) continue;  // if most numbers over- or underflow, little is known
             // A bound that adds up what operations lose does not see that a second word holds what the first has lost.
             // A solver of tori divides by numbers that may be 0 within their bounds.
             if (form.shape != Shape::torus)
                 CHECK(tally.proved > tally.asked / (form.info->name == "ellipsoid.two_words" ? 64 : 8));
-            // Not every form knows anything: closest_approach takes the sign of what is zero but for rounding.
+            // Some forms have no bound: closest_approach uses the sign of a number that is zero without rounding.
             if (form.info->name == "sphere.schoolbook") CHECK(tally.finite > tally.hits / 3);
             if (form.info->name == "box.signs") CHECK(tally.finite > tally.hits * 9 / 10);
         }
@@ -157,7 +158,7 @@ TEST_CASE("a bound proves only what its error allows", "[number][bounded]") {
     const B chosen = select(third <= third * B(1), B(10), B(20));
     CHECK(chosen.value() == 10);
     CHECK(chosen.error() >= 10);
-    // The root of what may be negative has no bound; an exact infinity is exact.
+    // The root of a number that may be negative has no bound; an exact infinity is exact.
     CHECK(sqrt(third - third).error() == HUGE_VALF);
     CHECK((B(1) / B(0)).error() == 0);
     CHECK((B(1) / (third - third)).error() == HUGE_VALF);

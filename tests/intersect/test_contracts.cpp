@@ -21,7 +21,7 @@ TEST_CASE("every form has a name, a title and a source, and the table keeps the 
         INFO(info.name);
         const std::string shape = std::string(name_of(intersect::shape_of<Form>)) + '.';
         CHECK(names.emplace(info.name).second);
-        // Several forms of the other shapes do the same operations in another order. Their sources say so, not their
+        // Several forms of the other shapes do the same operations in another order. Their sources differ, not their
         // titles.
         if (intersect::shape_of<Form> <= Shape::triangle) CHECK(titles.insert(shape + std::string(info.title)).second);
         CHECK(info.name.starts_with(shape));

@@ -31,7 +31,7 @@ HostileRay at_triangle(const HostileRay& x) {
     return {x.ray, Triangle<double>{box.lo, box.hi, third}};
 }
 
-/// True if each of its arithmetics is on the tape. Of a form that filters by a span all that follows the first is a
+/// True if each of its arithmetics is on the tape. For a form that filters by a span, everything after the first is one
 /// call.
 bool asks_steps(const Intersector& form) {
     return form.shape == Shape::sphere || form.shape == Shape::box || form.shape == Shape::triangle;
@@ -43,7 +43,7 @@ HostileRay in_format(const HostileRay& x, const FloatFormat& format) {
     return {{vec(x.ray.origin), vec(x.ray.direction)}, transformed(x.primitive, rounded), rounded(x.tmax)};
 }
 
-/// Without rounding the exact step gives the decision that it gave, and a t that is 16u from its own at most.
+/// Without rounding, the exact step gives its own decision, and a t at most 16u from its own.
 void check_exact_step(const Tape& tape, const Format& format, bool hit, Tally& tally) {
     const measure::attribution::Attribution found = measure::attribution::attribute(tape, {.full = true});
     ++tally.shared_out;
@@ -87,7 +87,7 @@ void check_form(const Intersector& form, const Format& format, std::uint64_t ray
     tbb::parallel_for(std::uint64_t{0}, rays / block, [&](std::uint64_t b) {
         HostileRays<S> draw(2031 << 20 | b);
         Random scales(b);
-        // A call of a torus takes a second to share out.
+        // Attributing a call of a torus takes a second.
         Shares shares = form.shape != Shape::torus ? Shares{3, 1} : Shares{b % 4 == 0 ? 1 : 0, 0};
         for (std::uint64_t i = 0; i < block; ++i) {
             const bool as_box = form.shape == Shape::box || form.shape == Shape::triangle;

@@ -45,7 +45,8 @@ bool is_apex(const Cone<double>& s, const Vec<double>& on) {
     return s.top_radius == 0 && length(Vec<double>(on - s.top)) < 0x1p-30;
 }
 
-/// On the surface, no nearer than `distance` says, with a normal of length one, outside behind it.
+/// The point is on the surface, at most as far as `distance` says; its normal has length one and points away from the
+/// inside.
 template <template <class> class S>
 void check_nearest_point(const S<Real>& s, const Vec<double>& q) {
     const Vec<Real> p = lifted<Real>(q);
@@ -62,13 +63,13 @@ void check_nearest_point(const S<Real>& s, const Vec<double>& q) {
     REQUIRE(abs(s.distance(on)) <= tolerance);
 }
 
-/// A point put onto the surface in float lies within its bound; what is returned is how much of that it takes.
+/// A point put onto the surface in float lies within its bound; returns the fraction of the bound that it uses.
 template <template <class> class S>
 double share_of_bound(const Primitive<double>& primitive, const Vec<double>& at) {
     const Primitive<float> rounded = transformed(primitive, [](double x) { return static_cast<float>(x); });
     const S<float> s = rounded.template as<S>();
     const S<Real> same = transformed(rounded, [](float x) { return Real(x); }).template as<S>();
-    // Put back by what rounding moved it: a point near the surface, as hits are.
+    // A point near the surface, as hits are, is put back after rounding moved it.
     const Vec<Real> p = lifted<Real>(at), on = same.projected(Ray<Real>{p, p}, p);
     const Vec<float> near(static_cast<float>(on.x), static_cast<float>(on.y), static_cast<float>(on.z));
     const BoundedPoint<float> b = s.bounded_point(Ray<float>{near, {1, 0, 0}}, 0, near);
@@ -114,7 +115,7 @@ TEST_CASE("distance, normal, nearest point and bounded point of a shape agree wi
             const Vec<double> q = rng.vec(-1.5, 1.5);
             const Real d = s.distance(lifted<Real>(q));
             if (!is_apex(plain, plain.projected({}, q))) check_nearest_point(s, q);
-            // A distance is the least to a point of the surface: none of these is nearer.
+            // The distance is at most that to any point of the surface.
             for (int k = 0; k < 20; ++k) {
                 const Vec<Real> u = lifted<Real>(rng.vec(-2, 2)), share(abs(u.x) / 2, abs(u.y) / 2, abs(u.z) / 2);
                 const Vec<Real> other = row.name == "disc" ? s.point_at(share) : s.projected({}, u);
@@ -129,7 +130,7 @@ TEST_CASE("distance, normal, nearest point and bounded point of a shape agree wi
     });
 }
 
-/// Sampled on the surface: some point is hardly farther than `distance` says, so that the bound is one.
+/// Among sampled points of the surface, some are hardly farther than `distance` says, so it is a good bound.
 TEST_CASE("the distance field of an ellipsoid is close to the true distance", "[shapes]") {
     Seeded rng(0x7a4);
     double closest = HUGE_VAL;

@@ -33,7 +33,7 @@ Primitive<double> counted_up(const ShapeRow& row) {
 template <class Of>
 constexpr bool is_surface = SurfaceSpan<decltype(std::declval<Of>().span(Ray<double>())), double>;
 
-/// True if a line may come into it twice.
+/// True if a line may enter the primitive twice.
 template <class Of>
 constexpr bool is_holed = std::same_as<decltype(std::declval<Of>().span(Ray<double>())), QuarticSpan<double>>;
 
@@ -195,13 +195,13 @@ TEST_CASE("lines, points and normals of a shape are consistent") {
     CHECK(surfaces > 3);
 }
 
-TEST_CASE("the words and flags of the shape table are true of each shape") {
+TEST_CASE("the words and flags of the shape table are right for each shape") {
     for (const ShapeRow& row : shape_rows) {
         CAPTURE(row.name);
         for (const std::string_view words :
              {row.words.plainest, row.words.touching, row.words.point, row.words.places, row.plural})
             CHECK_FALSE(words.empty());
-        // The plainest, as the words call it, is met at 3 by a ray that comes from 5 away.
+        // The plainest primitive is hit at 3 by a ray that comes from 5 away, as the table says.
         const Primitive<double> plainest = primitive_around<double>(row.shape, {0, 0, 0}, 2);
         const Ray<double> ray{{0, 0, -5}, {0, 0, 1}};
         CHECK(visit(plainest, [&](const auto& shape) { return ends_of(shape.span(ray))->near; }) == 3);

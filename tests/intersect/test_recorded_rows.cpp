@@ -1,4 +1,4 @@
-// Rows that walk the recording of a form, against the form compiled for the same numbers.
+// Rows that run the recording of a form, compared with the form compiled for the same numbers.
 #include <cmath>
 
 #include "catch.hpp"

@@ -1,4 +1,4 @@
-// Right arguments of every function of lostbits.h, for tests that spoil them one by one.
+// Right arguments of every function of lostbits.h, for tests that make them wrong one by one.
 #pragma once
 
 #include <lostbits.h>
@@ -25,7 +25,7 @@ inline const char* answers_nothing(const lb_batch* batch) {
 
 inline void free_result(lostbits_result* result) { lostbits_result_free(result); }
 
-/// Right arguments of all functions, each of them to be spoiled.
+/// Right arguments of all functions, for tests that make each of them wrong.
 struct Arguments {
     Arguments() {
         lostbits_scene* made = nullptr;

@@ -1,5 +1,5 @@
-// Every function of lostbits.h with every one of its arguments as it should not be: NULL, a count that no memory has, a
-// text that is none. A wrong argument is an answer with a sentence, and leaves what is handed over alone.
+// Every function of lostbits.h with each of its arguments wrong in turn: NULL, a count that exceeds memory, a
+// meaningless text. A wrong argument must be answered with a sentence, and the caller's data must not change.
 #include <algorithm>
 #include <climits>
 #include <cmath>
@@ -85,7 +85,7 @@ lostbits_words& formats_of(Arguments& a) { return a.choice.formats; }
 lostbits_words& metrics_of(Arguments& a) { return a.choice.metrics; }
 lostbits_words& options_of(Arguments& a) { return a.options; }
 
-/// A list of texts that C is given, and who has it.
+/// A list of texts for C, and its owner.
 struct List {
     std::string name;
     std::vector<std::string> functions;
@@ -272,7 +272,7 @@ void check_rows(const std::vector<Row>& rows) {
             CHECK(error.code == code);
             CHECK(std::string_view(error.text) != "");
             if (row.what.find('\xff') == std::string::npos) CHECK(is_utf8(error.text));
-            // Who does not listen is answered the same.
+            // The answer is the same for a caller that passes no place for the error.
             CHECK(function_named(name).call(arguments, nullptr) == code);
         }
     }

@@ -1,4 +1,4 @@
-// liblostbits.so from a C translation unit (client.c), and what the library shows of itself.
+// liblostbits.so from a C translation unit (client.c), and the symbols that the library exports.
 #include <cstdio>
 #include <string>
 

@@ -1,4 +1,4 @@
-// Rows, metrics and files for tests of what runs over them.
+// Rows, metrics and files for tests that loop over them.
 #pragma once
 
 #include <tbb/global_control.h>
@@ -42,7 +42,7 @@ inline measure::evaluate::TestedForm row(std::string_view form, std::string_view
     return {&form_named(form), find_format(format).value()};
 }
 
-/// Every form of the shape in every of these formats that it exists in.
+/// Every form of the shape in each of these formats in which it exists.
 inline std::vector<measure::evaluate::TestedForm> all_rows(Shape shape,
                                                            std::initializer_list<std::string_view> formats) {
     std::vector<measure::evaluate::TestedForm> rows;
@@ -55,7 +55,7 @@ inline std::vector<measure::evaluate::TestedForm> all_rows(Shape shape,
     return rows;
 }
 
-/// The t that a form answers about one ray and one primitive alone; nothing where it misses.
+/// The t that a form returns for one ray and one primitive alone; empty for a miss.
 inline std::optional<double> asked_alone(const measure::evaluate::TestedForm& row, const Ray<double>& ray,
                                          const Primitive<double>& primitive, double tmax = HUGE_VAL) {
     return measure::answer::evaluate_one(*row.form, row.format, ray, primitive, tmax);
@@ -64,12 +64,12 @@ inline std::optional<double> asked_alone(const measure::evaluate::TestedForm& ro
 inline const std::vector<const measure::metric::Metric*> case_metrics{measure::metric::find_metric("lost_bits"),
                                                                       measure::metric::find_metric("excess_bits")};
 
-/// A file of TOML that goes away with the test.
+/// A TOML file that is removed after the test.
 struct TextFile : test::ScratchFile {
     explicit TextFile(const std::string& text) : ScratchFile("t.toml", text) {}
 };
 
-/// At most so many threads while it lives.
+/// Limits the number of threads while it lives.
 struct Threads {
     explicit Threads(std::size_t count) : control(tbb::global_control::max_allowed_parallelism, count) {}
     tbb::global_control control;

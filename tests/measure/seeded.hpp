@@ -59,7 +59,7 @@ inline Vec<double> stored(const Vec<double>& v, const FloatFormat& f) {
     return {stored(v.x, f), stored(v.y, f), stored(v.z, f)};
 }
 
-/// The stored number `ulps` places further from zero (nearer where negative); stays finite and on its side.
+/// The stored number `ulps` places further from zero (nearer if negative); stays finite and keeps its sign.
 inline double nudged(double x, std::int64_t ulps, const FloatFormat& f) {
     if (f == binary32) {
         const auto size =

@@ -1,5 +1,5 @@
-// Operands that hurt: sparse and dense significands, the ends of the exponent range, cancellation, and results on or
-// beside the midpoint of two neighbours.
+// Hard operands: sparse and dense significands, the ends of the exponent range, cancellation, and results on or beside
+// the midpoint of two neighbours.
 #pragma once
 
 #include <algorithm>

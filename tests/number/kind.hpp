@@ -1,5 +1,5 @@
-// Facts that the generic test needs about a number type: how operands are drawn, which exact reals they stand for, and
-// when a result keeps the promise of the type. One specialisation serves several similar types.
+// Properties of a number type that the generic test needs: how operands are drawn, which exact reals they stand for,
+// and when a result keeps the promise of the type. One specialisation serves several similar types.
 #pragma once
 
 #include <memory>
@@ -28,7 +28,7 @@ bool surely_not(const PackMask<F, Width>& mask) {
     return !any_of(mask);
 }
 
-/// A number, and one of the exact values that it may stand for (NaN: undefined).
+/// A number, and an exact value that it may stand for (NaN: undefined).
 template <class T>
 struct Operand {
     T value;
@@ -107,7 +107,7 @@ struct Kind<T> {
         return {operand(a), operand(b), operand(c)};
     }
     static bool keeps_promise(Op op, const T& result, const std::array<Operand<T>, 3>& x) {
-        if (op == Op::copy_sign && mpfr_nan_p(x[1].point)) return true;  // the sign of NaN is nobody's promise
+        if (op == Op::copy_sign && mpfr_nan_p(x[1].point)) return true;  // no type promises the sign of a NaN
         return same_number(value(result), correctly_rounded(op, x[0].point, x[1].point, x[2].point, format()));
     }
     static std::string text(const T& x) {
@@ -142,7 +142,7 @@ struct Kind<Ball> {
         mpfr_add_d(r, r, side * x.radius(), MPFR_RNDN);
         return r;
     }
-    /// Contains v, and is no wider than a hundred bits leave it.
+    /// Contains v, and is no wider than a hundred bits allow.
     static bool is(const Ball& x, int v) {
         return x.undefined() == Undefined::never && x.radius() <= 0x1p-95 && mpfr_cmp_si(end(x, -1), v) <= 0 &&
                mpfr_cmp_si(end(x, 1), v) >= 0;
@@ -164,7 +164,7 @@ struct Kind<Ball> {
         const double radius =
             random.one_in(4) ? 0 : std::fabs(hi) * std::ldexp(random.unit(), static_cast<int>(random.between(-110, 2)));
         Operand<Ball> x{Ball(hi, lo, radius), Mpfr(radius, 3000)};
-        mpfr_mul_si(x.point, x.point, random.between(-4, 4), MPFR_RNDN);  // the ends are the likeliest to fall out
+        mpfr_mul_si(x.point, x.point, random.between(-4, 4), MPFR_RNDN);  // the ends are most likely to be left out
         mpfr_div_ui(x.point, x.point, 4, MPFR_RNDN);
         mpfr_add_d(x.point, x.point, lo, MPFR_RNDN);
         mpfr_add_d(x.point, x.point, hi, MPFR_RNDN);

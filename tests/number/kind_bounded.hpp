@@ -1,5 +1,5 @@
-// `Bounded` for the generic test: the value is the format's, and the exact result of any points that the operands may
-// stand for lies within the error.
+// `Bounded` for the generic test: the value is that of the format, and the exact result for any points that the
+// operands may stand for lies within the error.
 #pragma once
 
 #include "number/kind.hpp"
@@ -23,8 +23,8 @@ struct Kind<Bounded<F>> {
         explicit Setting(Random&) {}
     };
     /// Half of the operands are exact; the points of the others are at their ends, in the middle and between. Errors
-    /// are a part of the number, or anything, of a zero too: what products of them lose to underflow is nobody's exact
-    /// zero.
+    /// are a fraction of the number, or anything. A zero may have an error too, because a product of errors that
+    /// underflows is not an exact zero.
     static std::array<Operand<T>, 3> draw(Random& random, Op op) {
         const auto drawn = draw_operands(random, Kind<F>::format(), op);
         const auto operand = [&random](double x) {

@@ -1,4 +1,4 @@
-// The loop over a question's numbers; compiled once for each register width.
+// The loop over the numbers of a request; compiled once for each register width.
 #include "number/pack_ops.hpp"
 #include "number/wide/wide_pack.hpp"
 #include "number/width.hpp"

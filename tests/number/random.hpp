@@ -1,5 +1,5 @@
-// The tests' own generator: the same numbers on every machine and library, which <random>'s distributions do not
-// promise.
+// The tests' own generator: the same numbers on every machine and with every library, which the distributions of
+// <random> do not guarantee.
 #pragma once
 
 #include <cstdint>

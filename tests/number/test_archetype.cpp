@@ -81,7 +81,7 @@ concept MaskCombines = requires(M a, M b) {
 
 }  // namespace
 
-// double is the control: each forbidden thing must be one that exists somewhere.
+// double is the control: each forbidden operation must exist for some type.
 static_assert(HasDoubleLiteral<double> && !HasDoubleLiteral<Archetype>);
 static_assert(HasFloatLiteral<double> && !HasFloatLiteral<Archetype>);
 static_assert(HasIntLiteral<double> && HasIntLiteral<Archetype>);

@@ -58,7 +58,7 @@ bool holds(const B& got, double exact) {
     return std::fabs(value - exact) <= error;
 }
 
-/// The same of a quotient, by the product: that is exact.
+/// The same for a quotient, through the product, which is exact.
 bool holds_quotient(const B& got, double a, double b) {
     const double value = got.value().value(), error = got.error().value();
     if (!(error < HUGE_VAL) || !std::isfinite(a) || !std::isfinite(b) || b == 0 || !std::isfinite(value))
@@ -152,13 +152,13 @@ TEST_CASE("four bits: every bound of a fused product holds", "[number][bounded]"
 TEST_CASE("a product of errors that underflows is not taken for an exact zero", "[number][bounded]") {
     using F = Bounded<float>;
     const float tiny = 0x1p-149F;
-    // 0 ± 2^-149 times 2^-1: at most 2^-150 off, of which nothing is left in float.
+    // 0 ± 2^-149 times 2^-1: at most 2^-150 off, which underflows to 0 in float.
     const F product = F(0.0F, tiny) * F(0.5F);
     CHECK(product.value() == 0);
     CHECK(product.error() >= tiny);
     CHECK_FALSE((product < F(0.0F, tiny)).is_proved());
     CHECK((F(0.0F) * F(1.0F, tiny)).error() == 0);
-    // A bound that is not a number counts as none: the sum below overflows on the way to what it loses.
+    // A bound that is NaN counts as no bound: the sum below overflows while it computes its error.
     const float most = 0x1.fffffep+127F;
     CHECK(F(1.0F, std::nanf("")).error() == HUGE_VALF);
     CHECK(min(F(2.0F, std::nanf("")), F(2.0F, 1.0F)).error() == HUGE_VALF);

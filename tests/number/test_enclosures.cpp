@@ -105,7 +105,7 @@ TEST_CASE("an interval's ends are the exact result rounded down and up", "[numbe
     CHECK(seen > 40000);
 }
 
-/// The ends that MPFI has, of all that an interval of two words may keep to itself.
+/// Compares the ends of point intervals, which are stored in two words, with those of MPFI.
 TEST_CASE("a point interval has the same ends as in MPFI", "[number][interval]") {
     Random random(9);
     int wrong = 0, zeros = 0, wide = 0;
@@ -137,7 +137,7 @@ TEST_CASE("a point interval has the same ends as in MPFI", "[number][interval]")
     CHECK(zeros > 10000);
     CHECK(wide > 10000);
 
-    // A product of the second word of which no double holds what is left.
+    // A product whose second word is so small that no double holds its rounding error.
     const Interval::Precision scope(192);
     const Interval first(std::ldexp(0x1p30 - 1, -470)), second(std::ldexp(0x1p53 - 1, -610));
     const Interval both = Interval(0x1p-440) + second;
@@ -153,7 +153,7 @@ TEST_CASE("more precision never widens an interval", "[number][interval]") {
             const long coarse_bits = random.between(2, 200);
             const auto at = [&](long bits) {
                 const Interval::Precision scope(bits);
-                // Three operations deep, so that rounded enclosures meet as well as the drawn ones.
+                // Three operations deep, so that rounded enclosures occur as operands too.
                 const Interval r = apply(op, x[0].value, x[1].value, x[2].value);
                 return (r + x[1].value) * x[2].value - r;
             };

@@ -1,4 +1,4 @@
-// Names of formats, the unit in the last place, and the unit roundoff that bounds and paddings are made of.
+// Names of formats, the unit in the last place, and the unit roundoff that bounds and paddings use.
 #include "catch.hpp"
 #include "geometry/rounding_bound.hpp"
 #include "number/format.hpp"

@@ -1,4 +1,4 @@
-// Multiple against intervals of thousands of bits: what it says it is, it is, and where the bits suffice it says so.
+// Multiple compared with intervals of thousands of bits: what it proves is true, and it proves it if the bits suffice.
 #include <array>
 #include <cmath>
 #include <functional>
@@ -43,7 +43,7 @@ struct Kind {
     [[nodiscard]] Interval exact(std::size_t k) const { return Interval(numbers[k]); }
 };
 
-/// (a − b)·((c − d) × (e − f)) in one plane and out of it: a polynomial as those of triangles. Where `zero`, p = 2q.
+/// (a − b)·((c − d) × (e − f)) in one plane and out of it: a polynomial like those of triangles. If `zero`, p = 2q.
 template <class T, class At>
 T volume(const At& of_points, const At& of_directions, bool zero) {
     const T px = of_points(0) - of_points(3), py = of_points(1) - of_points(4), pz = of_points(2) - of_points(5);
@@ -126,14 +126,14 @@ TEST_CASE("numbers that are not on a grid prove nothing", "[number][multiple]") 
     CHECK(silent(Number(1) / Number(3)));
     CHECK(silent(sqrt(Number(2))));
     CHECK(silent(select(sqrt(Number(2)) < Number(2), Number(1), Number(1))));
-    // Products that underflow, numbers of too many bits, and sums that one word does not hold.
+    // Products that underflow, numbers with too many bits, and sums that one word cannot hold.
     const G tiny = G::of(1, 0x1p-600), few = G::of(3, 5.0, 0.25), wide = G::of(50, 0x1p53, 16.0);
     CHECK(silent(Number(0x1p-600, tiny) * Number(0x1p-600, tiny)));
     CHECK(silent(Number(5.0, few)));
     CHECK((Number(5.0, G::of(5, 5.0, 0.25)) > Number(0)).yes());
     const Number sum = Number(0x1p53, wide) + Number(1);
     CHECK((silent(sum) || (sum - Number(0x1p53, wide) > Number(0)).yes()));
-    // The unit is the lowest of so many bits of the largest number.
+    // The unit is the lowest of this many bits of the largest number.
     for (const auto& [x, unit] : {std::pair{1.0, 0.25}, {-7.0, 1.0}, {0x1p-1000, 0x1p-1002}, {0x1.cp+900, 0x1p+898}}) {
         const G grid = G::of(3, x, x / 4, 0.0);
         CHECK(grid.unit == unit);

@@ -1,4 +1,5 @@
-// One test for every number: a new number is one line in kinds.hpp and, if no family fits, one `Kind` in kind.hpp.
+// One test for every number type: a new type is one line in kinds.hpp and, if no similar type exists, one `Kind` in
+// kind.hpp.
 #include "catch.hpp"
 #include "number/kind.hpp"
 #include "number/kind_bounded.hpp"
@@ -167,7 +168,7 @@ TEMPLATE_LIST_TEST_CASE("every number type finds the neighbours of a value", "[n
             if (std::isinf(up) || std::isinf(x)) continue;
             REQUIRE(Kind<T>::value(next_down(T(up))) == x);
             if (up == 0) REQUIRE(std::signbit(up));  // IEEE 754 nextUp of the largest negative number is −0
-            // Nothing lies between: the middle rounds to one of the two.
+            // There is no number between them: the middle rounds to one of the two.
             Mpfr middle(x, 60);
             mpfr_add_d(middle, middle, up, MPFR_RNDN);
             mpfr_div_ui(middle, middle, 2, MPFR_RNDN);
@@ -217,7 +218,7 @@ TEMPLATE_LIST_TEST_CASE("comparisons agree with the exact values", "[number][pro
         check(a >= b, mpfr_greaterequal_p(x[0].point, x[1].point) != 0);
     }
     CHECK(wrong == 0);
-    CHECK(decided > 2 * Kind<T>::rounds);  // an enclosure that never decides would be right, and useless
+    CHECK(decided > 2 * Kind<T>::rounds);  // an enclosure that never decides would be right but useless
 }
 
 }  // namespace lostbits::test

@@ -1,5 +1,5 @@
-// Pack against the scalar numbers: every operation, every register width that this machine has, lane by lane to the
-// bit. The lanes hold different numbers, so one that were swapped or shared would show.
+// Pack compared with the scalar numbers: every operation, every register width of this machine, lane by lane to the
+// bit. The lanes hold different numbers, so swapped or shared lanes are detected.
 #include <bit>
 #include <string>
 #include <vector>

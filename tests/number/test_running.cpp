@@ -25,7 +25,7 @@ using number::wide::TwoWords;
 
 namespace {
 
-/// Exact for sums of doubles, and for products of a few but where their exponents lie far apart.
+/// Exact for sums of doubles, and for products of a few doubles unless their exponents are far apart.
 constexpr long exact_bits = 2400;
 
 template <class N>
@@ -48,7 +48,7 @@ Interval exactly(float x) { return Interval(double{x}); }
 Interval exactly(double x) { return Interval(x); }
 Interval exactly(const TwoWords<double>& x) { return Interval(x.hi) + Interval(x.lo); }
 
-/// A number and one that it holds.
+/// A number and an exact value that it contains.
 template <class N>
 struct Held {
     N number;
@@ -87,7 +87,7 @@ Held<N> draw(Random& random, double first) {
     return {N(words, bound), exactly(words) + Interval(part) * exactly(bound), first};
 }
 
-/// Two of like size, or nearly the same, or any.
+/// Two numbers of similar size, or nearly equal, or any.
 template <class N>
 std::array<Held<N>, 2> draw_two(Random& random) {
     using F = Format<N>;
@@ -155,7 +155,7 @@ void operations_hold(double least) {
         INFO(op_names[static_cast<std::size_t>(op)] << " of " << tried.first_wrong);
         CHECK(tried.wrong == 0);
         CHECK(tried.finite > draws<std::size_t>(200'000) / 20);
-        // A bound that is much larger than it must be would settle nothing.
+        // A bound that is much larger than necessary would settle nothing.
         for (const Op rounded : {Op::add, Op::subtract, Op::multiply, Op::divide, Op::root})
             if (op == rounded) CHECK(tried.most > least);
     }
@@ -211,7 +211,7 @@ void comparisons_hold() {
         wrong += wrongly(less, a.exact < b.exact) + wrongly(a.number <= b.number, a.exact <= b.exact);
         wrong += wrongly(a.number > b.number, a.exact > b.exact) + wrongly(a.number >= b.number, a.exact >= b.exact);
         told += less.yes() || less.no();
-        // a d against b c: where c is nearly d that is nearly a against b.
+        // a d compared with b c: if c is nearly d, then a with b.
         const auto x = a.number * d.number, y = b.number * c.number;
         const Interval exact = a.exact * d.exact - b.exact * c.exact;
         wrong += wrongly(x < y, exact < Interval(0)) + wrongly(x <= y, exact <= Interval(0));
@@ -247,7 +247,7 @@ void nothing_is_said_without_a_bound() {
     says_nothing(one / Running<W>(W(1), 1.0));
     says_nothing(sqrt(Running<W>(W(1), 1.0)));
     says_nothing(sqrt(-one));
-    // Both ways of a decision that is open.
+    // Both sides of an open decision.
     const Running<W> unsure(W(1), 0.5);
     says_nothing(select(unsure < one, one, two));
     CHECK((select(one < two, one, two) < two).yes());
@@ -293,7 +293,8 @@ TEST_CASE("bounds add no operation to a tape, and a selection records both of it
         CHECK(std::ranges::count(operations, TapeOp::add) == 1);
         return operations;
     };
-    // The same operations whichever side is taken: what a metric names of a form is there for every ray.
+    // The operations are the same whichever side is chosen, so that an operation that a metric names exists for every
+    // ray.
     CHECK(recorded(3, 4) == recorded(4, 3));
 }
 

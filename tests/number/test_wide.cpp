@@ -1,4 +1,4 @@
-// Double-double and exact sums against MPFR.
+// Double-double and exact sums, compared with MPFR.
 #include "catch.hpp"
 #include "number/oracle.hpp"
 #include "number/random.hpp"
@@ -67,7 +67,7 @@ TEST_CASE("the sign of an exact sum is the sign of the sum", "[number][wide]") {
         const bool cancels = random.one_in(2);
         for (int k = 0; k < 3; ++k) {
             const double x = draw(random, 100), y = draw(random, 100);
-            // The same products again with the other sign, in another order: all that is left is what is added beside.
+            // The same products again with the opposite sign, in another order: only the added numbers are left.
             sum.add_product(x, y);
             sum.add_product(cancels ? -y : draw(random, 100), cancels ? x : draw(random, 100));
         }

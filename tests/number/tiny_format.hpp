@@ -36,7 +36,8 @@ public:
     friend Tiny next_up(Tiny a) {
         if (!(a.value_ < HUGE_VAL)) return a;
         if (a.value_ < -most) return Tiny(-most);
-        // Half a last place of the smallest numbers is more than nothing for all, and a whole one of none.
+        // Half a last place of the smallest numbers is more than nothing for all inputs, and a whole last place for
+        // none.
         for (double step = least;; step *= 2) {
             if (const Tiny next(a.value_ + step); next.value_ > a.value_) return next;
         }

@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 
 using lostbits::test::Scratch;
 
-/// The message of the InputError that `work` throws; "no error" and "another error: …" for anything else.
+/// The message of the InputError that `work` throws; "no error" if it throws nothing, and "another error: …" for other
+/// exceptions.
 template <class Work>
 std::string error_of(Work work) {
     try {

@@ -1,5 +1,5 @@
-// Preloaded into the program: a device that is lost when it is given work for the LOST_AT-th time. With SILENTLY set
-// its driver says nothing of it and computes nothing more, as drivers may where no notice was asked for.
+// Preloaded into the program: a device that is lost at the LOST_AT-th piece of work. With SILENTLY set, its driver does
+// not report the loss and computes nothing more, as drivers may if no notice was requested.
 #include <dlfcn.h>
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace {
 
-/// True if this piece of work, the next one, is lost; and so is all that comes after.
+/// True if the next piece of work is lost; all later pieces are lost, too.
 bool is_lost(bool next) {
     static const char* const at = std::getenv("LOST_AT");
     static long count = 0;

@@ -18,7 +18,7 @@ using device::DeviceLimits;
 
 namespace {
 
-/// Answers each ray with its origin's x plus its primitive's last number, and counts what it is asked.
+/// Answers each ray with its origin's x plus its primitive's last number, and counts the requests.
 class Echo : public Device {
 public:
     explicit Echo(DeviceLimits limits) : limits_(limits) {}

@@ -17,7 +17,7 @@ namespace {
 
 const std::string examples = std::string(LOSTBITS_SOURCE_DIR) + "/examples/shaders/";
 
-/// The drivers, with what each says of its dot product.
+/// The drivers, with the order of each one's dot product.
 std::vector<std::pair<std::string, std::string>> drivers() {
     std::vector<std::pair<std::string, std::string>> all;
     const Outcome o = must("devices --json");
@@ -35,14 +35,14 @@ std::filesystem::path map_of(const Scratch& folder, const std::string& scene, co
     return folder.path() / "out" / scene;
 }
 
-/// The column t_hex of a table of pixels, without what is right.
+/// The answers of a table of pixels, its column t_hex.
 std::vector<std::string> answers_of(const std::filesystem::path& table) {
     std::vector<std::string> all;
     for (const auto& row : read_csv(table)) all.push_back(row.at("t_hex"));
     return all;
 }
 
-/// The column t_hex of a table of pixels.
+/// The outcomes and answers of a table of pixels.
 std::vector<std::string> hex_of(const std::filesystem::path& table) {
     std::vector<std::string> all;
     for (const auto& row : read_csv(table)) all.push_back(row.at("outcome") + " " + row.at("t_hex"));
@@ -65,7 +65,8 @@ TEST_CASE("shader bits: the analytic sphere with explicit sums has the bits of s
             for (const auto& [device, dot] : all) {
                 INFO(scene << " on " << device << " in " << format);
                 const std::filesystem::path theirs = out / ("shader.sphere_in_order." + device + "." + format + ".csv");
-                // From inside a shader of the near root is right to miss; a row of the catalogue is judged by the exit.
+                // From inside, a shader of the near root is right to miss; a row of the catalogue is judged by the
+                // exit.
                 if (scene == "camera-inside") CHECK(answers_of(theirs) == answers_of(ours));
                 else CHECK(contents(theirs) == contents(ours));
             }
@@ -90,7 +91,7 @@ TEST_CASE("shader bits: dot differs only in the order of its sum", "[shader-devi
         INFO(device << " adds " << dot);
         if (dot == "(x+y)+z") CHECK(table("shader.sphere." + device) == table("sphere.unit_half_b"));
         if (dot == "x+(y+z)") CHECK(table("shader.sphere." + device) == table("shader.from_the_right." + device));
-        // Mesa's, which CI runs on, are these two.
+        // These two are Mesa's, on which CI runs.
         CHECK((dot == "(x+y)+z" || dot == "x+(y+z)"));
     }
 }
@@ -112,7 +113,7 @@ TEST_CASE("shader bits: every example keeps its contract, and boxes have the bit
     for (const auto& entry : std::filesystem::directory_iterator(examples)) files.insert(entry.path());
     std::size_t turn = 0;
     for (const auto& file : files) {
-        // In the short tests each on one driver, in turns; one driver takes HLSL.
+        // The short tests run each on one driver, in turns; one driver accepts HLSL.
         const std::string device = is_long() || file.extension() == ".hlsl" ? "all" : all.at(turn++ % all.size()).first;
         const Outcome o = run("plugin check --device " + device + " --shader " + file.string(), folder.path());
         // Down to a threshold of its own, 0.001 of a unit.

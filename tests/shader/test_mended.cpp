@@ -1,4 +1,4 @@
-// Tapes written as GLSL, with operations wider in double and in two floats, have on drivers the bits of the tapes.
+// Tapes written as GLSL, with wider operations in double and in pairs of floats, have the bits of the tapes on drivers.
 #include <bit>
 #include <cstdint>
 #include <cstdlib>
@@ -29,7 +29,7 @@ namespace {
 /// All of its bits.
 std::string hex_of(float x) { return std::to_string(std::bit_cast<std::uint32_t>(x)); }
 
-/// A tape that is to be compared with its text, and what the answers are.
+/// A tape that is to be compared with its text, and the expected answers.
 struct Case {
     std::string name;
     std::vector<std::string> answers;
@@ -47,7 +47,7 @@ std::vector<std::string> answers_of(const Tape& made, const intersect::table::In
     return all;
 }
 
-/// Every operation wider, every second one, none.
+/// Every operation wider, every second one, or none.
 std::vector<NodeId> some_of(const Tape& made, int every) {
     const auto all = tape::rounded_operations(made);
     std::vector<NodeId> some;

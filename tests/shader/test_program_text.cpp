@@ -1,4 +1,4 @@
-// The program around a function, and what compilers say of it.
+// The program around a function, and the messages of compilers about it.
 #include <algorithm>
 #include <string>
 

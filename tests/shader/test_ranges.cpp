@@ -23,7 +23,7 @@ std::string scene(const std::string& range, const std::string& primitive) {
 
 const std::string sphere = "[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n";
 
-/// A primitive in a scene, the parameters that a function takes it by, and whether these have the numbers of it.
+/// A primitive in a scene, the function parameters for it, and whether these have its numbers.
 struct Written {
     std::string toml, parameters, holds = "true";
 
@@ -54,7 +54,7 @@ TEST_CASE("shader ranges: ray ranges are respected on every driver and in HLSL",
     folder.write("open.toml", scene("tmin = 4.5\ntmax = 5.5\nopen_ends = \"both\"", sphere));
     folder.write("segment.toml", scene("tmax = 4.125", sphere));
     std::string text = contents(examples + "sphere_in_range.glsl");
-    // Forgets where rays begin.
+    // A function that ignores where rays begin.
     folder.write("ends_alone.glsl", replaced(replaced(text, "h < tmin", "h < 0.0"), "t < tmin || ", ""));
     for (std::size_t at = 0; (at = text.find("vec3", at)) != std::string::npos;) text.replace(at, 4, "float3");
     const std::string both = " format=both";
@@ -73,7 +73,7 @@ TEST_CASE("shader ranges: ray ranges are respected on every driver and in HLSL",
         for (auto& row : rows) {
             INFO(row["form"] << ' ' << row["format"]);
             const bool forgets = has(row["form"], "ends_alone") && name != "segment";
-            CHECK((row["false_hit"] != "0") == forgets);  // roots before the range are not taken away for it
+            CHECK((row["false_hit"] != "0") == forgets);  // roots before the range are not removed for it
             CHECK(row["false_miss"] == "0");
             CHECK(std::stoi(row["agree_hit"]) > 20);
             CHECK(std::stoi(row["agree_miss"]) > 20);
@@ -93,7 +93,7 @@ TEST_CASE("shader ranges: a primitive of every shape works with a range, in floa
         const Scratch folder;
         const Written primitive(primitive_around(row.shape, Vec<double>(0.25, -0.5, 0.125), 1.5));
         folder.write("one.toml", scene("tmin = 0.5\ntmax = 64", primitive.toml));
-        // 5/8 where all is as it should be.
+        // 5/8 if everything is right.
         folder.write("told.glsl", "// lostbits: roots=first flags=range direction=any format=both\nfloat told(" +
                                       primitive.parameters +
                                       "vec3 ro, vec3 rd, float tmin, float tmax) {\n"

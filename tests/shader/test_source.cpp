@@ -19,7 +19,7 @@ using namespace lostbits::intersect::shader;
 
 namespace {
 
-/// A file that goes away with the test.
+/// A file that is removed after the test.
 class File {
 public:
     explicit File(const std::string& text, const std::string& name = "mine.glsl") : file_(name, text) {}
@@ -172,7 +172,8 @@ TEST_CASE("shader: errors are reported with their place", "[shader]") {
               "hit_eps is \"-1\"; it must be a number"));
     CHECK(has(refused(f, ":roots=none,flags=clipped"), "clipped describes an interval, so it needs roots = both"));
     const std::string range = ":roots=first,flags=range", told = "mine.glsl:1:7: flags=range is given, but `float ";
-    CHECK(has(refused(f, range), told + "f(vec3 ro, vec3 rd, vec4 s)` does not take where rays begin and end; add"));
+    CHECK(has(refused(f, range),
+              told + "f(vec3 ro, vec3 rd, vec4 s)` has no parameters for where rays begin and end; add"));
     CHECK(has(refused("float f(vec3 ro, vec3 rd, vec4 s, float tmax) { return 1.0; }", range),
               "does not take where rays"));
     CHECK(has(refused("float f(vec3 ro, vec3 rd, vec4 s, float tmin) { return 1.0; }", range),
@@ -189,7 +190,7 @@ TEST_CASE("shader: numbers mean a miss by the chosen convention", "[shader]") {
     CHECK_FALSE(Sentinel{Kind::negative}.says_miss(-1, 1));  // from inside
     CHECK_FALSE(Sentinel{Kind::negative}.says_miss(0, 0));
     CHECK_FALSE(Sentinel{Kind::negative}.says_miss(nan, nan));  // an answer, if a bad one
-    // A slab test that returns its two numbers as they are says miss by their order.
+    // A slab test that returns its two numbers unchanged reports a miss by their order.
     const File slabs("vec2 f(vec3 ro, vec3 rd, vec3 lo, vec3 hi) { return vec2(2, 1); }");
     CHECK(read_shader(slabs.path()).sentinel.kind == Kind::crossed);
     CHECK(Sentinel{Kind::crossed}.says_miss(2, 1));

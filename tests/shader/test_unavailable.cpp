@@ -48,7 +48,7 @@ TEST_CASE("shader: a compile error is reported with the user's lines on each dri
 TEST_CASE("shader: a missing driver is reported in a sentence", "[shader-device]") {
     const std::string no_gl = "__EGL_VENDOR_LIBRARY_FILENAMES=/dev/null ", no_vulkan = "VK_ICD_FILENAMES=/dev/null ";
     const std::string no_mesa = "LIBGL_DRIVERS_PATH=/nonexistent GALLIUM_DRIVER=none ";
-    // Modules that do not load, as where the libraries that they were linked with are missing.
+    // Modules that do not load, as if the libraries that they were linked with were missing.
     const Scratch broken;
     for (const char* module : {"lostbits_opengl.so", "lostbits_vulkan.so"}) (void)broken.write(module, "no library");
     struct Closed {
@@ -77,9 +77,9 @@ TEST_CASE("shader: a missing driver is reported in a sentence", "[shader-device]
     CHECK(has(devices.out, "opengl\n  not available: no driver with OpenGL 4.3 works"));
     const Outcome list = must("list devices", folder.path(), no_gl + no_vulkan);
     CHECK(has(list.err, "no driver can run shaders here; `lostbits devices` says"));
-    // All but shaders works.
+    // Everything except shaders works.
     must("map near-benign --size 16x12 -i sphere.press -f f32 -o out", folder.path(), no_gl + no_vulkan);
-    // The other driver takes over, and says so.
+    // The other driver is used instead, and the output says so.
     const Outcome other = map_by(folder, examples + "sphere.glsl", "", no_gl);
     INFO(other.err);
     CHECK(other.code == 0);
@@ -118,7 +118,8 @@ TEST_CASE("shader: a compiler of shaders that is killed leaves no temporary fold
 TEST_CASE("shader: a lost device ends the run with a message, and nothing is half-written", "[shader-device]") {
     for (const std::string device : {"opengl", "vulkan"}) {
         for (const std::string silently : {"", "SILENTLY=1 "}) {
-            // Its first work is the driver's probe, later ones are batches of rays; at last more than there are.
+            // Its first work is the driver's probe, later ones are batches of rays; the last value is more than there
+            // are.
             int lost = 0, named = 0;
             for (int at = 1;; at *= 4) {
                 const Scratch folder;

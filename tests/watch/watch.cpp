@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A process as /proc/PID/stat has it.
+/// A process as in /proc/PID/stat.
 struct Process {
     pid_t pid = 0, parent = 0;
     char state = 'Z';
@@ -38,7 +38,7 @@ struct Process {
     std::string name;
 };
 
-/// False where it is gone.
+/// False if the process is gone.
 bool read_process(const std::string& path, Process& process) {
     std::string line;
     std::ifstream file(path);
@@ -59,7 +59,7 @@ bool read_process(const std::string& path, Process& process) {
     return true;
 }
 
-/// The numbers that are names in a folder of /proc.
+/// The names in a folder of /proc that are numbers.
 std::vector<pid_t> numbers_in(const std::string& folder) {
     std::vector<pid_t> numbers;
     DIR* const open = opendir(folder.c_str());
@@ -70,7 +70,7 @@ std::vector<pid_t> numbers_in(const std::string& folder) {
     return numbers;
 }
 
-/// All that this process started, and what that started.
+/// All processes that this process started, and their descendants.
 std::vector<Process> descendants() {
     std::map<pid_t, Process> all;
     for (const pid_t pid : numbers_in("/proc")) {
@@ -118,8 +118,8 @@ public:
             }
         }
         threads_ = std::move(threads);
-        // Who looks again and again whether something has come wants some hundredths of a processor, and makes no
-        // progress. Where work and waiting take turns, a tenth of work is enough.
+        // A process that polls for an event uses some hundredths of a processor and makes no progress. If work and
+        // waiting alternate, a tenth of work is enough.
         const bool worked = waits_for_disk || std::max(wanted, processor_seconds() - before) >= 0.3;
         still_ = worked ? std::max(0, still_ - 10) : still_ + 1;
     }
@@ -148,7 +148,7 @@ void reap(pid_t test, int& status, bool& over, long& ended_ticks) {
                                                     static_cast<double>(sysconf(_SC_CLK_TCK))));
 }
 
-/// Ends all that is left, and waits for it.
+/// Ends all processes that are left, and waits for them.
 void end_all() {
     for (int tries = 0; tries < 1000; ++tries) {
         const std::vector<Process> left = descendants();
@@ -184,7 +184,7 @@ public:
         chmod(path_.c_str(), 0755);  // for tests that give up the rights of root
         setenv("TMPDIR", path_.c_str(), 1);
     }
-    /// Removes it; the names of what was in it.
+    /// Removes the folder; returns the names of the files in it.
     [[nodiscard]] std::string remove() const {
         std::string names;
         std::error_code ignored;
@@ -203,7 +203,7 @@ struct Limits {
     double processor = 3600;
 };
 
-/// Why the test is to be ended; empty while it is not.
+/// Reason why the test must be ended; empty if there is none.
 std::string fault_of(const Progress& progress, const Limits& limits) {
     if (progress.still() >= limits.still)
         return "no progress at " + std::to_string(progress.still()) + " looks, a second apart";
@@ -219,7 +219,7 @@ sigset_t heard() {
     return set;
 }
 
-/// Waits for a signal until the second is over; 0 where none came.
+/// Waits for a signal until the second is over; 0 if none came.
 int wait_a_second(const sigset_t& set) {
     const timespec second{1, 0};
     const int signal = sigtimedwait(&set, nullptr, &second);
@@ -237,7 +237,7 @@ pid_t start(char** words, const sigset_t& before) {
     _exit(127);
 }
 
-/// Ends as the test did.
+/// Ends in the same way as the test.
 [[noreturn]] void end_by(int signal) {
     ::signal(signal, SIG_DFL);
     sigset_t one;

@@ -23,7 +23,7 @@ fs::path module_of(std::string_view kind) {
     for (const fs::path& folder : {fs::path(named != nullptr ? named : ""), here, here / "../lib/lostbits"}) {
         if (!folder.empty() && fs::exists(folder / name, error)) return folder / name;
     }
-    throw EnvironmentError(std::string(kind) + ": this program was built without it; install " +
+    throw EnvironmentError(std::string(kind) + ": this program was built without its module; install " +
                            (kind == "opengl" ? "libegl-dev libopengl-dev" : "libvulkan-dev") + " and build again");
 }
 

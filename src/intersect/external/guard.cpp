@@ -194,7 +194,7 @@ InForeignCode::~InForeignCode() {
     const auto left = process::FloatingPoint::current();
     before_.set();
     if (left != computes_)
-        note_change(who_, "changes in a call how the processor computes (" +
+        note_change(who_, "changes how the processor computes during a call (" +
                               (left.words().empty() ? "back to the standard state" : left.words()) +
                               "); lostbits undoes that after each call; let the code call fegetenv first and fesetenv "
                               "last");

@@ -173,7 +173,7 @@ void evaluate_in_memory(Partner& partner, const std::string& who, const PipeRequ
     if (exchange_heads(partner.child, std::as_bytes(std::span(&request, 1)), true))
         note_change(
             who,
-            "changes in a call how the processor computes; lostbits undoes that after each call; let the code call "
+            "changes how the processor computes during a call; lostbits undoes that after each call; let the code call "
             "fegetenv first and fesetenv last");
     std::memcpy(batch.near_far, data + at[BatchColumn::near_far], bytes[BatchColumn::near_far]);
     std::memcpy(batch.hit, data + at[BatchColumn::hit], bytes[BatchColumn::hit]);

@@ -36,8 +36,8 @@ void ForeignRow::put(ForeignForm form) {
     std::unique_ptr<ForeignBatch>& place = form.contract.bits == 32 ? of32 : of64;
     const std::unique_ptr<ForeignBatch>& other = form.contract.bits == 32 ? of64 : of32;
     if (place)
-        throw InputError(form.from + ": " + form.contract.name + " comes twice in binary" +
-                         std::to_string(form.contract.bits) + ", the first time from " + place->form().from +
+        throw InputError(form.from + ": " + form.contract.name + " is defined twice in binary" +
+                         std::to_string(form.contract.bits) + ", first in " + place->form().from +
                          "; give each form its own name, or add a prefix to the names of one library: --plugin new=" +
                          form.from + " calls this form new." + form.contract.name);
     if (other) {

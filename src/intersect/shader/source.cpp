@@ -229,13 +229,13 @@ void require_range(const std::string& path, const Signature& s) {
     const std::string says = place(path, s.function) + ": flags=range is given, but `" + s.function.words() + "` ";
     if (s.kind == Signature::Kind::field)
         throw InputError(says +
-                         "is a field: the loop around it begins at 0; write the march yourself, or leave range out, "
-                         "and lostbits takes the answers in the range afterwards");
+                         "is a field: the loop around it begins at 0; write the march yourself, or leave range out: "
+                         "lostbits then accepts only answers in the range");
     if (!s.knows_start || !s.knows_end)
         throw InputError(
             says +
-            "does not take where rays begin and end; add `float tmin, float tmax`, or leave range out, and "
-            "lostbits takes the first root in the range afterwards");
+            "has no parameters for where rays begin and end; add `float tmin, float tmax`, or leave range out: "
+            "lostbits then takes the first root in the range");
 }
 
 }  // namespace

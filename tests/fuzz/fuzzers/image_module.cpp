@@ -1,4 +1,4 @@
-// The image module as a part of the fuzzer, which loads none: so it is instrumented too.
+// The image module as a part of the fuzzer, which loads no modules: so the module is instrumented too.
 #include "output/image/image.hpp"
 
 extern "C" lostbits::output::image::ImageBackend* lostbits_image_backend();

@@ -1,4 +1,4 @@
-// The table as far as readers need it: the names of the forms, and nothing that answers a ray.
+// The part of the table that readers need: the names of the forms, without kernels.
 #include "intersect/catalogue.hpp"
 #include "intersect/table/table.hpp"
 

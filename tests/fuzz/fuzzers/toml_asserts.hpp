@@ -1,2 +1,3 @@
-// toml++ 3.3 asserts about input what it finds out, and reports, in its next lines; Debian's library is built without.
+// toml++ 3.3 asserts properties of the input that its next lines check and report; Debian's library is built without
+// assertions.
 #define TOML_ASSERT(condition) static_assert(true)

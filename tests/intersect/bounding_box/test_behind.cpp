@@ -1,4 +1,5 @@
-// Rows behind boxes against their parts, rays that are aimed to be lost, and the level that a hit is lost to.
+// Rows behind boxes compared with their parts, rays that are aimed so that a hit is lost, and the level that loses a
+// hit.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -79,7 +80,7 @@ TEST_CASE("a row behind a box is named after form, box and method, and shapes wi
 
 namespace {
 
-/// A triangle that reaches from an edge of a box to a corner opposite: the box is its own.
+/// A triangle that reaches from an edge of a box to the opposite corner: the box is its bounding box.
 Primitive<double> triangle_in(Seeded& r, const Box<double>& box) {
     const int along = r.index(3);
     const bool first = r.coin(), second = r.coin(), end = r.coin();
@@ -179,8 +180,8 @@ TEST_CASE("rays at box edges of triangles are lost without padding and with 4u, 
 }
 
 TEST_CASE("the paddings of Ize and of bvh each lose a triangle on one ray", "[hull]") {
-    // The first parts the slabs further than any other. The second leaves where 1/d has a significand near 2, and two
-    // last places of it are 2u.
+    // The first ray separates the slabs further than any other. The second leaves where 1/d has a significand near 2,
+    // and two last places of it are 2u.
     const Vec<double> origin(0x1.fffffep-25, -0x1.fffffep-25, 0);
     const Ray<double> most{origin, {0x1.ff6018p+0, 0x1.ffe004p+0, 0}};
     const Ray<double> other{origin, {0x1.ff95e8p-1, 0x1.000afp+0, 0}};
@@ -206,7 +207,7 @@ TEST_CASE("the paddings of Ize and of bvh each lose a triangle on one ray", "[hu
     }
 }
 
-TEST_CASE("rays parallel to an axis lose nothing only where reciprocals are not replaced", "[hull]") {
+TEST_CASE("rays parallel to an axis keep all hits only if reciprocals are not replaced", "[hull]") {
     const std::vector<const char*> boxes{"box.signs",   "box.inclusive",     "box.pbrt_padded", "box.bvh_robust",
                                          "box.tinybvh", "box.embree_padded", "box.embree_fma",  "box.embree_robust"};
     const Culls found = culls_in({"axis parallel", "along face"}, boxes, test::draws(20000), is_any);
@@ -217,14 +218,14 @@ TEST_CASE("rays parallel to an axis lose nothing only where reciprocals are not 
     }
     for (const char* made_up : {"box.tinybvh", "box.embree_padded", "box.embree_fma"})
         CHECK(found.lost.at(made_up) > 0);
-    // Without padding the two other slabs are rounded as ever (all draws have 8 rays at edges that are lost); of a ray
-    // along an axis there is one slab, and x - o and its product with 1/d are monotone in x.
+    // Without padding, the two other slabs are rounded as before (all draws have 8 rays at edges that are lost). A ray
+    // along an axis has one slab, and x - o and its product with 1/d are monotone in x.
     const Culls along = culls_in({"axis parallel"}, boxes, test::draws(20000), is_along_an_axis);
     CHECK(along.hits > test::draws(1000));
     for (const char* unpadded : {"box.signs", "box.inclusive"}) CHECK(along.lost.at(unpadded) == 0);
 }
 
-TEST_CASE("each level that can lose a hit is reported apart", "[hull]") {
+TEST_CASE("each level that can lose a hit is reported separately", "[hull]") {
     const auto& plain = test::transform_method_named("plain");
     const auto row = [&](std::string_view inner, const char* object_box, const char* world_box,
                          const char* box_method) {
@@ -236,8 +237,9 @@ TEST_CASE("each level that can lose a hit is reported apart", "[hull]") {
         primitive.placed = Placement<double>{{1, 0, 0, static_cast<float>(x), 0, 1, 0, 0, 0, 0, 1, 0}, false, 1};
         return primitive;
     };
-    // A box moved 7401.1: in float x + 7401.1 rounds by up to 2^-12. Rays that begin in the plane of a rounded face and
-    // lean outward meet what it leaves outside. (Rays along the face cannot: rounding keeps the order of floats.)
+    // A box moved by 7401.1: in float x + 7401.1 rounds by up to 2^-12. Rays that begin in the plane of a rounded face
+    // and lean outward meet the part that is outside the rounded box. (Rays along the face cannot: rounding keeps the
+    // order of floats.)
     std::map<Level, int> seen;
     for (const char* box_method : {"nearest", "outward"}) {
         const Intersector& asked = *row("box.filtered", "box.signs", "box.signs", box_method);
@@ -261,7 +263,7 @@ TEST_CASE("each level that can lose a hit is reported apart", "[hull]") {
     CHECK(seen[Level::world_box] > 0);
     CHECK(seen[Level::nothing] > 0);
 
-    // Turned and moved 8 km, rays at its edges: M^-1 o is off by more than what rounding leaves of the faces.
+    // Rotated and moved by 8 km, with rays at its edges: M^-1 o is off by more than the rounding of the faces.
     Seeded r(31);
     int by_space = 0;
     for (int n = 0; n < 3000; ++n) {
@@ -277,13 +279,13 @@ TEST_CASE("each level that can lose a hit is reported apart", "[hull]") {
         REQUIRE(levels.boxes.size() == 2);
         if (levels.lost_to != Level::space) continue;
         ++by_space;
-        // The ray that is asked in the space of the primitive truly misses it, as fractions have it.
+        // The ray in the space of the primitive truly misses it, by fractions.
         const auto& inside = levels.boxes[1];
         CHECK(test::ray_in_box(test::exactly(inside.ray, inside.box, HUGE_VAL), true).is_empty());
     }
     CHECK(by_space > 0);
 
-    // Along a face, which ieee_minmax misses, wherever it is asked.
+    // Along a face, which ieee_minmax misses in every space.
     const Primitive<double> bare = round_primitive(Box<double>{Vec<double>(0.25), Vec<double>(0.75)}, binary32);
     const Primitive<double> touched = moved_by(bare, 0);
     const Ray<double> along{{0.25, 0.5, -4}, {0, 0, 1}};

@@ -1,5 +1,5 @@
-// The box around a primitive, compared with fractions: rounded outward it is the smallest of its format, and computed
-// it is off by the roundings. Rays that truly hit the primitive truly hit the box.
+// The box around a primitive, compared with fractions: rounded outward it is the smallest in its format, and computed
+// in the format it is off by the roundings. Rays that truly hit the primitive truly hit the box.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -60,7 +60,7 @@ ExactBox exact_box(const Primitive<double>& s) {
     return box;
 }
 
-/// The box of its corners, each taken to the world.
+/// The bounding box of its corners, each transformed to the world.
 ExactBox exact_box_in_world(const ExactBox& own, const std::array<double, 12>& m) {
     ExactBox box;
     for (std::size_t corner = 0; corner < 8; ++corner) {
@@ -115,7 +115,7 @@ TEST_CASE("the box rounded outward is the smallest one, and other boxes differ b
                     REQUIRE(Rational(least.hi[i]) >= exact.hi[k]);
                     REQUIRE(down(least.hi[i]) < exact.hi[k]);
                     if (placed) continue;
-                    // c − r rounds once: to one of the two numbers around it, and the next one outward holds it.
+                    // c − r rounds once, to one of the two numbers around it, and the next number outward encloses it.
                     REQUIRE((near.lo[i] == least.lo[i] || Rational(near.lo[i]) == up(least.lo[i])));
                     REQUIRE((near.hi[i] == least.hi[i] || Rational(near.hi[i]) == down(least.hi[i])));
                     REQUIRE(Rational(next.lo[i]) <= exact.lo[k]);
@@ -127,7 +127,7 @@ TEST_CASE("the box rounded outward is the smallest one, and other boxes differ b
 }
 
 TEST_CASE("corners transformed to world space in the format leave part of the primitive outside its box", "[hull]") {
-    // A box moved 12 km: x + 7401 rounds by up to 2^-12. And, of products that cancel, by many places.
+    // A box moved 12 km: x + 7401 rounds by up to 2^-12, and products that cancel are off by many places.
     Seeded r(5);
     std::map<std::string_view, double> worst;
     for (int n = 0; n < 2000; ++n) {

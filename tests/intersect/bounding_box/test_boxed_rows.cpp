@@ -34,7 +34,7 @@ TEST_CASE("a hit is found from its margin on and not below it, and only padded e
     Seeded r(77);
     std::map<std::string_view, double> most;
     for (int n = 0; n < test::draws(4000); ++n) {
-        // Triangles that fill a face of a flat box: the hit lies on the plane that the box is entered by.
+        // Triangles that fill a face of a flat box: the hit lies on the plane through which the ray enters the box.
         const Vec<double> at = test::stored(r.vec(0.5, 2), binary32);
         const double x = at.x, y = at.y, z = at.z;
         const Primitive<double> primitive =
@@ -54,7 +54,7 @@ TEST_CASE("a hit is found from its margin on and not below it, and only padded e
         }
     }
     CHECK(most.at("box.signs") > 0);
-    CHECK(most.at("box.pbrt_padded") > 0);  // of which the end is not padded
+    CHECK(most.at("box.pbrt_padded") > 0);  // their end is not padded
     CHECK(most.at("box.embree_robust") == 0);
     CHECK(most.at("box.signs") < 16);
 }

@@ -1,5 +1,5 @@
 // Rays and boxes as exact fractions, and the exact answer: the t at which the ray lies in the box, interval by
-// interval, divided out. No form and no enclosure computes it this way.
+// interval, with divisions. No form and no enclosure computes it like this.
 #pragma once
 
 #include <array>

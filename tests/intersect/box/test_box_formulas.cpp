@@ -45,8 +45,8 @@ TEST_CASE("forms without padding miss true hits of rays aimed at an edge", "[int
 }
 
 TEST_CASE("a padding of two last places is not quite enough for box.max_mult", "[intersect][box][formula]") {
-    // Three roundings on either side can part near and far by 6u = 1.5·2^-22. Found by 5·10^7 random rays across an
-    // edge, of which it is the only one; pbrt_padded's 1 + 2γ(3) and embree_robust's 3ε on both sides missed none.
+    // Three roundings on either side can separate near and far by 6u = 1.5·2^-22. Among 5·10^7 random rays across an
+    // edge this was the only one found; pbrt_padded's 1 + 2γ(3) and embree_robust's 3ε on both sides missed none.
     const Ray<double> ray{{-0x1.9b6154p-1, -0x1.0cca1ep+1, 0}, {0x1.d53502p+0, 0x1.c9cd8ap+2, 0}};
     const Box<double> target{{-100, 0x1.26c638p+1, -1}, {0x1.4c71dcp-2, 100, 1}};
     const BoxSample s{ray, target, HUGE_VAL};

@@ -27,7 +27,7 @@ struct Known {
     std::array<double, 3> lo{1, 1, 1}, hi{4, 4, 4};
 };
 
-/// A column of `hits` each.
+/// One column of `hits` for each form.
 constexpr std::array<std::string_view, 14> forms{
     "box.baseline",      "box.exclusive",   "box.inclusive", "box.signs",      "box.divide",
     "box.ieee_minmax",   "box.pbrt_padded", "box.max_mult",  "box.embree_fma", "box.embree_robust",
@@ -47,8 +47,8 @@ const Known known[] = {
     {"beside, above", {5, 2, -1}, {0, 0, 1}, inf, "..............", 0},
     {"beside, above, zero negative", {5, 2, -1}, {-0.0, 0, 1}, inf, "..............", 0},
 
-    // t1 = NaN, t2 = ±∞. minNum takes the ∞ for both planes. embree_fma's and embree_padded's +1e-18 and tinybvh's 1e30
-    // walk into the box from lo and out of it from hi.
+    // t1 = NaN, t2 = ±∞. minNum returns the ∞ for both planes. embree_fma's and embree_padded's +1e-18 and tinybvh's
+    // 1e30 enter the box from lo and leave it from hi.
     {"in a lo face", {1, 2, -1}, {0, 0, 1}, inf, "..HHH.HHHHHHHH", 2},
     {"in a lo face, zero negative", {1, 2, -1}, {-0.0, 0, 1}, inf, "..HHH.HHHHHHHH", 2},
     {"in a lo face, a ray with an end", {1, 2, -1}, {0, 0, 1}, 8, "..HHH.HHHHHHHH", 2},
@@ -185,7 +185,7 @@ TEST_CASE("forms of boxes give the answers worked out by hand", "[intersect][box
     }
 }
 
-TEST_CASE("the order of operands of min and max decides what becomes of a NaN", "[intersect][box][known]") {
+TEST_CASE("the order of operands of min and max decides if a NaN is kept or dropped", "[intersect][box][known]") {
     check_nan_order<float>();
     check_nan_order<double>();
     check_nan_order<Half>();
@@ -234,7 +234,7 @@ TEST_CASE("embree_fma's smallest direction is 1e-18", "[intersect][box][known]")
 }
 
 TEST_CASE("the reciprocals of tinybvh match its source", "[intersect][box][known]") {
-    // Between planes at ±1 in x, 1/d alone is seen in where the ray leaves.
+    // Between planes at ±1 in x, only 1/d decides where the ray leaves.
     const auto leaves = [](float dx) {
         const Ray<float> ray{Vec<float>(0, 0, 0), Vec<float>(dx, 1, 1)};
         return intersect::box::TinyBvh::intersect(
@@ -245,7 +245,7 @@ TEST_CASE("the reciprocals of tinybvh match its source", "[intersect][box][known
     for (const float none : {1e-12f, -1e-12f, 0.0f, -0.0f}) CHECK(leaves(none) == 1e30f);
 }
 
-TEST_CASE("embree_fma loses what cancels to rounding", "[intersect][box][known]") {
+TEST_CASE("embree_fma loses bits because it rounds a product that then cancels", "[intersect][box][known]") {
     // o·inv = (1 + 2^-12)·(1 + 2^-12), rounded by 2^-24 before lo·inv = (1 + 2^-11)(1 + 2^-12) is added: the others
     // subtract lo − o exactly.
     const float o = -(1 + 0x1p-12f), lo = -(1 + 0x1p-13f), d = 1;

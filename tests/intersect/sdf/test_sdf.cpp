@@ -1,4 +1,4 @@
-// The forms that march: against plain loops, across registers, and in enclosures.
+// The forms that march: compared with plain loops, across registers, and in enclosures.
 #include "catch.hpp"
 #include "intersect/catalogue.hpp"
 #include "intersect/sdf/sdf_draw.hpp"
@@ -74,7 +74,7 @@ void compare_widths(std::uint64_t seed) {
     CHECK(misses > 1000);
 }
 
-/// The loop of the lesson SDF Sphere Marching as anybody would write it.
+/// The loop of the lesson SDF Sphere Marching, written plainly.
 template <class S>
 std::pair<bool, S> plain_march(const Ray<S>& ray, const Sphere<S>& sphere, const intersect::MarchConstants<S>& c,
                                int& samples) {

@@ -1,4 +1,4 @@
-// Why a march ended: that `stagnated` means what it says, at every cap on the steps.
+// Why a march ended: `stagnated` is right for every limit on the steps.
 #include "catch.hpp"
 #include "intersect/catalogue.hpp"
 #include "intersect/sdf/sdf_draw.hpp"
@@ -39,7 +39,7 @@ Stop plain_stop(const DrawnField& field, int max_steps) {
     const auto f = [](double x) { return static_cast<float>(x); };
     const Ray<double>& r = field.rays[0];
     const float radius = f(field.primitives[0].sphere().radius);
-    volatile float t = 0, before = 0;  // stored, whatever the registers hold
+    volatile float t = 0, before = 0;  // stored, so that no wider register keeps it
     for (int i = 0; i < max_steps; ++i) {
         const float x = f(r.origin.x) + t * f(r.direction.x), y = f(r.origin.y) + t * f(r.direction.y),
                     z = f(r.origin.z) + t * f(r.direction.z);
@@ -55,7 +55,7 @@ Stop plain_stop(const DrawnField& field, int max_steps) {
 }  // namespace
 
 TEST_CASE("a march that stops advancing at its last sample is stagnated", "[intersect][sdf]") {
-    // t = 8192 − 0.9999 rounds to a multiple of 2^-11, and what is left of the way, 1e-4, is less than half of that.
+    // t = 8192 − 0.9999 rounds to a multiple of 2^-11, and the remaining distance, 1e-4, is less than half of that.
     DrawnField field = towards_the_origin({-8192, 0, 0}, 0.9999, 1e-5);
     const auto stop = [&](const char* name, int cap) { return capped(form(name), field, cap, "f32").stop; };
     CHECK(stop("sdf.sphere_trace", 1) == Stop::max_steps);
@@ -63,14 +63,14 @@ TEST_CASE("a march that stops advancing at its last sample is stagnated", "[inte
     // The first step of 1.4 d is taken back.
     for (const int cap : {1, 2}) CHECK(stop("sdf.over_relaxed", cap) == Stop::max_steps);
     for (const int cap : {3, 4, 50}) CHECK(stop("sdf.over_relaxed", cap) == Stop::stagnated);
-    // Its t stands still there too, but its point is near 1 and moves on: one sample more, and it hits.
+    // Its t stands still there too, but its point is near 1 and moves on: it hits one sample later.
     const MarchLog log = capped(form("sdf.accumulated"), field, 3, "f32");
     REQUIRE(log.steps.size() == 3);
     CHECK(log.steps[2].t == log.steps[1].t);
     CHECK(log.steps[2].p.x != log.steps[1].p.x);
     CHECK(stop("sdf.accumulated", 2) == Stop::max_steps);
     for (const int cap : {3, 4, 50}) CHECK(stop("sdf.accumulated", cap) == Stop::hit);
-    // The secant moves t even where the march missed; it is the march that ended. So does a step beyond max_dist.
+    // The secant moves t even if the march missed; the march itself ended. So does a step beyond max_dist.
     CHECK(stop("sdf.secant_refined", 1) == Stop::max_steps);
     CHECK(stop("sdf.secant_refined", 2) == Stop::stagnated);
     field.march.max_dist = 8000;

@@ -1,5 +1,5 @@
-// Primitives and rays of every shape for rows that must answer alike, to the bit. That covers hit, t, near and far,
-// also where hit is false: the same operations on the same numbers leave the same numbers.
+// Primitives and rays of every shape for rows that must give the same answers, to the bit. That covers hit, t, near and
+// far, even if hit is false: the same operations on the same numbers leave the same numbers.
 #pragma once
 
 #include <sys/mman.h>
@@ -32,7 +32,8 @@ struct Scene {
     [[nodiscard]] std::size_t size() const { return column[0].size(); }
 };
 
-/// Numbers whose end is the end of a page that nobody may touch the neighbour of: one read too far is a fault.
+/// Numbers that end at the end of a page, before a page that must not be touched: reading one number too many is a
+/// fault.
 template <class S>
 class Cornered {
 public:
@@ -118,7 +119,7 @@ S draw_any(Random& random) {
     return static_cast<S>(random.one_in(3) ? draw_special(random, f) : draw_finite(random, f));
 }
 
-/// A primitive about the origin whose numbers are near to those of the plainest one.
+/// A primitive about the origin whose numbers are close to those of the plainest one.
 template <class S>
 Primitive<S> draw_primitive(Random& random, Shape shape) {
     const auto at = [&] { return static_cast<S>(8 * random.unit() - 4); };
@@ -155,14 +156,14 @@ std::array<S, 6> draw_ray(Random& random, const Primitive<S>& primitive, std::si
     return ray;
 }
 
-/// End of a ray: before, in or behind the target of `draw_ray` (t = 1), nowhere, or any number.
+/// End of a ray: before, in or behind the target of `draw_ray` (t = 1), missing, or any number.
 template <class S>
 S draw_end(Random& random) {
     if (random.one_in(8)) return draw_any<S>(random);
     return random.one_in(4) ? std::numeric_limits<S>::infinity() : static_cast<S>(4 * random.unit());
 }
 
-/// `wild`: no picture at all, any number anywhere, also what is not a primitive.
+/// `wild`: not a picture at all, but any number anywhere, even if it is not a valid primitive.
 template <class S>
 Scene<S> draw_scene(Random& random, Shape shape, std::size_t n, bool wild = false) {
     const auto any = [&random] { return draw_any<S>(random); };
@@ -178,7 +179,7 @@ Scene<S> draw_scene(Random& random, Shape shape, std::size_t n, bool wild = fals
     return scene;
 }
 
-/// So many of the shapes that most is asked about, fewer of the others: forms of tori take as long as ten others.
+/// Number of primitives: many for the shapes with most tests, few for others: forms of tori take as long as ten others.
 inline std::size_t share(Shape shape, std::size_t all) {
     return shape == Shape::sphere || shape == Shape::box ? all : shape == Shape::torus ? all / 16 : all / 4;
 }
@@ -196,7 +197,7 @@ void move(Scene<S>& scene, int lengths, int directions) {
     all_by(scene.tmax, lengths - directions);
 }
 
-/// One scene in eight is moved to where t is subnormal, one to where it overflows; then there are wild ones.
+/// One scene in eight is moved to where t is subnormal, one to where it overflows; `wild` scenes follow.
 template <class S>
 std::vector<Scene<S>> draw_scenes(Shape shape, std::size_t count) {
     std::vector<Scene<S>> all;

@@ -1,4 +1,4 @@
-// The packed kernels of every shape against the native rows, and what the table of kernels says of itself.
+// The packed kernels of every shape compared with the native rows, and the properties of the table of kernels.
 #include "intersect/simd/packed_scene.hpp"
 #include "number/error.hpp"
 
@@ -71,7 +71,7 @@ TEMPLATE_TEST_CASE("packed kernels take batches of any size and write nothing ou
 }
 
 TEST_CASE("a packed box kernel respects the end of each ray", "[intersect][packed]") {
-    // The ray enters the box at t = 1; the end before, in and behind it, in neighbouring lanes.
+    // The ray enters the box at t = 1; its end is before, in and behind the box, in neighbouring lanes.
     const std::size_t n = widest + 3;
     Scene<float> scene{Box<float>{{1, -1, -1}, {2, 1, 1}}, {}, {}};
     for (std::size_t k = 0; k < n; ++k) {

@@ -1,4 +1,4 @@
-// One ray against many primitives, against the forms' scalar answers one by one, to the bit.
+// One ray and many primitives, compared with the forms' scalar answers for each primitive, to the bit.
 #include <memory>
 
 #include "intersect/simd/packed_many.hpp"
@@ -103,7 +103,7 @@ void compare(Shape shape) {
         std::size_t hits = 0, rays = 0;
         std::vector<std::size_t> wrong(intersect::simd::isa_names.size());
         for (std::size_t k = 0; k < all.size(); ++k) {
-            const std::size_t n = 7 * k % (2 * widest + 1);  // every size of 33 draws, and large ones of few
+            const std::size_t n = 7 * k % (2 * widest + 1);  // every size for 33 draws, and large sizes for a few
             const Expected<S> want = one_by_one(native[form], shape, all[k], n);
             hits += static_cast<std::size_t>(std::count(want.hit.begin(), want.hit.end(), 1));
             rays += n;

@@ -44,7 +44,7 @@ std::map<std::string_view, double> mean_errors(double nearest, double farthest) 
     }
     std::map<std::string_view, double> means;
     for (const auto& [name, sum] : sums)
-        if (sum.hits > 50) means[name] = sum.errors / sum.hits;  // at 10⁶ radii some forms see next to nothing in float
+        if (sum.hits > 50) means[name] = sum.errors / sum.hits;  // at 10⁶ radii some forms hit next to nothing in float
     return means;
 }
 
@@ -59,7 +59,7 @@ TEST_CASE("no form loses more than a few bits on ordinary rays, and corrections 
         CHECK(mean > 0);
         CHECK(mean < 64);
     }
-    // The second solution and the moved origin exist for distance; the Newton step takes out what the roots lost.
+    // The second solution and the moved origin are for distance; the Newton step removes the errors of the roots.
     CHECK(far.at("sphere.two_step") < far.at("sphere.half_b") / 100);
     CHECK(far.at("sphere.closest_approach") < far.at("sphere.half_b") / 100);
     CHECK(near.at("sphere.newton_refined") < 1.1 * near.at("sphere.unified"));

@@ -136,7 +136,7 @@ void compare_with_print(std::uint64_t seed) {
         other += got.t != as_printed(ray, sphere, true);
     }
     CHECK(hits > 300);
-    CHECK(other > hits / 10);  // so that the test would see the other order
+    CHECK(other > hits / 10);  // so that the test would detect the other order
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// The interval arithmetic inside `pbrt_interval`: moved one neighbour outward, each operation encloses the exact one.
+// The interval arithmetic inside `pbrt_interval`: moved outward by one number, the result of each operation encloses
+// the exact one.
 #include <tuple>
 
 #include "catch.hpp"
@@ -14,7 +15,7 @@ using intersect::Outward;
 double value(float x) { return x; }
 double value(Half x) { return x.value(); }
 
-/// Bounds drawn in the format, and a point of the interval: one of its ends or a number between.
+/// Bounds drawn in the format, and a point of the interval: one of its ends or a number between them.
 template <class T>
 struct Drawn {
     Outward<T> interval{0};

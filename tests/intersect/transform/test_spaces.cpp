@@ -28,7 +28,7 @@ Vec<double> rounded(const Vec<double>& v, const FloatFormat& format) {
     return {rounded(v.x, format), rounded(v.y, format), rounded(v.z, format)};
 }
 
-/// A turn by what a quaternion of random numbers says, a scale, a shift: floats, so that no turn is one exactly.
+/// A rotation by a quaternion of random numbers, a scale, and a translation, in floats, so that no rotation is exact.
 Placement<double> random_placement(Seeded& r, double scale, const FloatFormat& format) {
     const double w = r.uniform(-1, 1), x = r.uniform(-1, 1), y = r.uniform(-1, 1), z = r.uniform(-1, 1);
     const double n = scale / (w * w + x * x + y * y + z * z);
@@ -66,7 +66,7 @@ Asked draw(Seeded& r, Shape shape, const FloatFormat& format, double scale = 1) 
     return a;
 }
 
-/// Forms that take any direction and keep to the usual words: what they answer is t* but for rounding.
+/// For forms that take any direction and have the usual properties: their answer is t* except for rounding.
 std::vector<const Intersector*> plain_forms() {
     std::vector<const Intersector*> forms;
     for (const Intersector& form : intersect::table::catalogue()) {
@@ -136,7 +136,7 @@ TEST_CASE("every transform method gives the true t when nothing is rounded, rigi
                 ++hits;
                 const bool unit = row.info->direction == intersect::Direction::unit;
                 const auto& t = unit ? truth.distance : truth.t;
-                // A float's turn is one to 2^-24 of itself, and a transpose undoes it to as much.
+                // A float matrix is a rotation to 2^-24 of itself, and its transpose is its inverse to as much.
                 const double off = measure::truth::scaled_difference(*self, t, t.exponent);
                 CHECK(std::fabs(off) < (rigid ? 1e-3 : 0x1p-60));
             }
@@ -171,7 +171,7 @@ TEST_CASE("batches with a transform answer as single rays, and the tape of a row
 
 namespace {
 
-/// So many rays at the primitive of the first, all at once, in the registers of a width.
+/// This many rays at the primitive of the first ray, all at once, in the registers of a width.
 template <class S, class Kernel>
 std::vector<S> ask_together(const Kernel& kernel, const std::vector<Asked>& all) {
     std::array<std::vector<S>, 6> x;
@@ -245,7 +245,7 @@ TEST_CASE("errors assigned to the steps sum to the total, and a stored inverse h
                         sum += steps.error(k, ulp), size += std::fabs(steps.error(k, ulp));
                     const double whole = measure::truth::scaled_difference(*steps.t.back(), *steps.t.front(), ulp);
                     REQUIRE(std::fabs(sum - whole) <= 1e-9 * (1 + size));
-                    // Others need the matrix to the world too, and invert for it.
+                    // Other methods also need the matrix to the world, and invert it.
                     if (a.primitive.placed->is_inverse && space.info->name == "plain")
                         REQUIRE(std::fabs(steps.error(0, ulp)) < 1e-6);
                     if (row.info->name.ends_with("@plain") && steps.worst())

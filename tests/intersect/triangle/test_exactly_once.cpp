@@ -1,4 +1,4 @@
-// Woop's test with a rule for ties: of the triangles around an edge or a vertex, one alone claims a line through it.
+// Woop's test with a rule for ties: of the triangles around an edge or a vertex, exactly one claims a line through it.
 #include <array>
 #include <cmath>
 #include <cstdint>

@@ -24,7 +24,7 @@ bool hits_in_float(const Intersector& form, const TriangleSample& s) {
     return ask_row<float>(form, lift_ray<float>(s.ray), lift_primitive<float>(Primitive<double>(s.triangle))).hit;
 }
 
-/// Without rounding; unknown where an equality is divided by.
+/// Without rounding; unknown if the form divides by a number that may be 0.
 Tri hits_exactly(const Intersector& form, const TriangleSample& s) {
     const Interval::Precision precision(400);
     return form.interval(lift_ray<Interval>(s.ray), lift_primitive<Interval>(Primitive<double>(s.triangle))).hit;
@@ -56,7 +56,7 @@ TEST_CASE("forms of triangles that divide last decide on the rim as they declare
         INFO(name << " misses " << count << " of " << rims);
         if (exact.contains(name)) CHECK(count == 0);
     }
-    // They leave edges out, and say so.
+    // They exclude edges, as they declare.
     CHECK(wrong["triangle.baldwin_weber"] > 0);
     CHECK(wrong["triangle.havel_herout"] > 0);
 }

@@ -1,4 +1,4 @@
-// The sides of triangles against fractions, and their ties in packs.
+// The sides of triangles compared with fractions, and their ties in packs.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -95,7 +95,7 @@ TEST_CASE("the nearest of two triangles is chosen among those that face the ray"
         intersect::Convention asked;
         asked.facing = facing;
         CHECK(find_truth(ray, primitives, {}, asked).object == object);
-        // A mirror does not turn what is decided in the space of the primitive.
+        // A mirror does not change a side that is decided in the space of the primitive.
         Primitive<double> mirrored(far);
         mirrored.placed = placement_of(std::array<double, 12>{-1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0});
         CHECK(find_truth(ray, mirrored, {}, asked).is_hit() == (facing != Facing::back));
@@ -165,8 +165,8 @@ TEST_CASE("rays through edges and vertices, and rays that start on a triangle, a
                     different += compare(t, right[i].t) != 0;
                 }
                 CHECK(different == 0);
-                // Rays are decided alone if they touch and that is not a hit, or if they begin on the triangle; and
-                // needles, whose exponents spread too far.
+                // A ray is decided alone if it touches and a touch is a miss, or if it begins on the triangle; so are
+                // needles, whose exponents are too far apart.
                 const bool is_closed = convention == Convention();
                 if (name != "a needle")
                     CHECK(found.alone.size() <= (is_closed ? rays.size() / 20 : ties + rays.size() / 20));

@@ -1,5 +1,5 @@
-// Rays at triangles, in distributions that each do one thing, and the exact answer in fractions: the plane first, then
-// coordinates by Gram's determinants. No form and no truth computes it this way.
+// Rays at triangles, in distributions that each test one thing, and the exact answer in fractions: the plane first,
+// then coordinates by Gram's determinants. No form and no truth computes it like this.
 #pragma once
 
 #include <array>
@@ -77,7 +77,7 @@ inline TriangleSample whole_sample(Seeded& rng, int size) {
     return s;
 }
 
-/// The ray turned so that it meets the point at t = `steps`: exactly, of whole numbers.
+/// The ray rotated so that it meets the point at t = `steps`, exactly, for whole numbers.
 inline void aim(TriangleSample& s, const Vec<double>& point, double steps) {
     s.ray.origin = point - steps * s.ray.direction;
 }
@@ -177,7 +177,8 @@ inline TriangleSample in_floats(TriangleSample s) {
     return s;
 }
 
-/// `visit(distribution, sample)` of each distribution so many times; what has no area or no direction is left out.
+/// Calls `visit(distribution, sample)` this many times for each distribution; samples without area or direction are
+/// left out.
 template <class Visit>
 void for_each_triangle(int each, const Visit& visit) {
     for (const TriangleDistribution& distribution : triangle_distributions) {

@@ -1,5 +1,5 @@
-// Bounds over ranges of a form's inputs, compared with rays in them: hostile ones over all exponents, and those of
-// scenes.
+// Bounds over ranges of a form's inputs, compared with rays in these ranges: hostile rays over all exponents, and the
+// rays of scenes.
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -54,7 +54,7 @@ InputBox around(const std::vector<double>& inputs, Random& random, const FloatFo
     return box;
 }
 
-/// One box around a hostile ray, in up to eight parts.
+/// A box around a hostile ray, in up to eight parts.
 void check_box(const Intersector& form, const Format& format, const test::HostileRay& x, Random& random,
                ObservedErrors& all) {
     static const intersect::process::StopToken never;
@@ -210,7 +210,7 @@ TEST_CASE("splitting ranges into more boxes bounds more rays, and the number of 
           output::attribution::ranges_json(request, few));
 }
 
-TEST_CASE("a form that takes the sign of a value that is zero but for rounding has no bound", "[apriori]") {
+TEST_CASE("a form that uses the sign of a value that is zero without rounding has no bound", "[apriori]") {
     const RangesBound r = bound_of("sphere.closest_approach", scene_named("near-benign"), 64);
     CHECK(r.missed + r.unknown == 1);
     CHECK(r.given.bounded_hits == 0);

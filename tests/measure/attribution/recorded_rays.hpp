@@ -25,8 +25,9 @@ struct Setting {
     }
 };
 
-/// A ray from outside or inside at a primitive of the form's shape (of a field: two), most of which hit; every number
-/// one of the format. `far` multiplies the distance. Unit directions are of unit length but for their rounding.
+/// A ray from outside or inside at a primitive of the form's shape (two primitives for a field); most rays hit, and
+/// every number is one of the format. `far` multiplies the distance. Unit directions have unit length except for their
+/// rounding.
 inline Setting draw_setting(Random& random, const intersect::table::Intersector& form, const Format& format,
                             double far) {
     const auto in_format = [&](double x) { return rounding::to_format(x, 0, format.parameters); };
@@ -81,7 +82,7 @@ struct RecordedRays {
     std::span<const intersect::table::Intersector> forms = intersect::table::intersectors();
 };
 
-/// `see(form, format, setting, tape)` of all of them.
+/// Calls `see(form, format, setting, tape)` for all of them.
 template <class See>
 void on_recorded_rays(const RecordedRays& of, const See& see) {
     for (const char* const name : of.formats) {

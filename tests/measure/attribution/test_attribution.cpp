@@ -1,5 +1,5 @@
-// Errors shared out among operations: the recording has the bits of the machine, exact values are exact, and the shares
-// sum to the error.
+// Errors attributed to operations: the recording has the bits of the machine, exact values are exact, and the
+// contributions sum to the error.
 #include "measure/attribution/attribution.hpp"
 
 #include "catch.hpp"
@@ -82,16 +82,16 @@ TEST_CASE("contributions sum to the error, derivatives to first order, and fast 
     const auto sums_up = [&](const Attribution& a, double rest) {
         if (a.cut_short || !std::isfinite(a.error)) return false;
         if (rest == far_away && !std::isfinite(sum_of_sizes(a))) return false;  // adjoints beyond binary64
-        // Difference quotients leave no remainder: what differs is the rounding of these sums themselves, in binary64,
-        // and of the adjoints, which are sums of the same kind.
+        // Difference quotients leave no remainder. The difference is the rounding of these sums, in binary64, and of
+        // the adjoints, which are sums of the same kind.
         REQUIRE(std::fabs(a.explained - a.error) <= rest * (sum_of_sizes(a) + std::fabs(a.error)) + 1e-300);
         ++seen;
         return true;
     };
     const auto derives = [&](const Intersector& form, const Tape& tape, const Attribution& a) {
         if (a[tape.outputs.t].turned || form.shape == Shape::sdf) return;
-        // Second order: each derivative is off by the relative errors of the values it is taken at, a few of them in a
-        // row.
+        // Second order: each derivative is off by the relative errors of the values at which it is evaluated, a few of
+        // them in a row.
         double worst = 0;
         bool turned = false;
         for (const measure::attribution::OperationError& e : a.errors) {
@@ -183,7 +183,7 @@ TEST_CASE("one ray worked out by hand has two roundings and one cancellation", "
 }
 
 TEST_CASE("a decision changed by rounding is attributed to the operands of the comparison", "[attribution]") {
-    // (1 + 2^-12)² − (1 + 2^-11) is 2^-24 > 0 and computes as 0: `< tiny` turns.
+    // (1 + 2^-12)² − (1 + 2^-11) is 2^-24 > 0 but computes as 0: `< tiny` changes.
     Tape tape;
     const number::recorders::TapeRecorder recorder(tape, binary32);
     using T = Recorded;
@@ -221,7 +221,7 @@ TEST_CASE("the root of a difference that vanished is attributed without remainde
 }
 
 TEST_CASE("a value that is zero without rounding gets no sign from truncation noise", "[attribution]") {
-    // k/7 and its likes are cut at 2048 bits, and (1/k)k − 1 is then some 2^-2050 of either sign.
+    // k/7 and similar numbers are cut at 2048 bits, and (1/k)k − 1 is then some 2^-2050 of either sign.
     for (int k = 3; k < 60; k += 2) {
         Tape tape;
         const number::recorders::TapeRecorder recorder(tape, Rounded<8>::format());
@@ -265,7 +265,7 @@ TEST_CASE("operations of the branch not taken contribute nothing", "[attribution
     CHECK(found.culprit == live.node());
 }
 
-TEST_CASE("an answer that is NaN is attributed to the operation that made it so", "[attribution]") {
+TEST_CASE("an answer that is NaN is attributed to the operation that produced the NaN", "[attribution]") {
     Tape tape;
     const number::recorders::TapeRecorder recorder(tape, binary32);
     using T = Recorded;

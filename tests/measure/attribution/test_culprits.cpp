@@ -21,7 +21,7 @@ using measure::metric::MetricSet;
 
 namespace {
 
-/// The library's setting for the rays that the tests draw.
+/// The library's setting for the rays of these tests.
 lostbits::measure::attribution::Setting given(const Setting& s) { return {s.primitives, &s.march}; }
 
 }  // namespace
@@ -121,7 +121,7 @@ TEST_CASE("an unknown label is refused with a suggestion, and a known one is fou
     CHECK(metrics[0] == asked[0]);
     CHECK(metrics[1] == asked[1]);
     CHECK(metrics[2]->categories.size() > 100);
-    CHECK(asked[2]->categories.empty());  // the table's own row stays as it is
+    CHECK(asked[2]->categories.empty());  // the row of the table does not change
     CHECK(made.find("contribution:") == nullptr);
     CHECK(made.find("contributions:c") == nullptr);
     CHECK_THROWS_WITH(made.for_forms({made.find("cancellation:disk")}, forms, setting),

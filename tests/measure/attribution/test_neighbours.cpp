@@ -27,7 +27,7 @@ std::vector<double> numbers_of(const Ray<double>& ray) {
     return {ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z};
 }
 
-/// Bits that a form loses on one ray, from what it answers and what is true; all where it decides wrongly.
+/// Bits that a form loses on one ray, from its answer and the truth; all bits if it decides wrongly.
 double lost(const Intersector& form, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, f32);
     const auto answers = measure::answer::evaluate(form, in.all);
@@ -113,7 +113,7 @@ TEST_CASE("a better row loses less on the ray and its neighbours, and luck on on
         }
     }
     CHECK(better > 20);
-    CHECK(lucky + unlucky > 0);  // or the ranking on the ray alone would do
+    CHECK(lucky + unlucky > 0);  // otherwise the ranking on the ray alone would be enough
 }
 
 }  // namespace test_neighbours

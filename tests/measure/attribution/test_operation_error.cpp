@@ -1,4 +1,4 @@
-// The rounding of one operation against MPFR; cancellation; how differences go through an operation.
+// The rounding of one operation compared with MPFR; cancellation; differences that pass through an operation.
 #include "measure/attribution/operation_error.hpp"
 
 #include "catch.hpp"

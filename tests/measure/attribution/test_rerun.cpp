@@ -1,4 +1,4 @@
-// A tape run again: where everything rounds it is the tape, where nothing does it is exact.
+// A tape that runs again: if everything rounds it gives the tape, and if nothing rounds it is exact.
 #include "measure/attribution/rerun.hpp"
 
 #include <cmath>

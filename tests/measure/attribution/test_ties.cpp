@@ -67,7 +67,7 @@ struct Seen {
     int not_first = 0;  ///< of which the culprit is not the first on the tape
 };
 
-/// The tape has the same culprit, and the same equals, in whatever order it stands.
+/// The tape has the same culprit and the same equal contributions in every order.
 void demand_one_culprit(const Tape& tape, bool is_solver, Random& random, Seen& seen) {
     const Attribution a = measure::attribution::attribute(tape);
     for (int k = 0; k < 3; ++k) {

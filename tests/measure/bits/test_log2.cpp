@@ -64,7 +64,7 @@ TEST_CASE("log2 is within 1.4 ulp of the truth", "[measure][bits]") {
     }
     look(std::numeric_limits<double>::max());
     INFO(worst);
-    CHECK(worst > 0.8);  // a reference that sees nothing would say 0
+    CHECK(worst > 0.8);  // a reference without enough bits would give 0
 }
 
 TEST_CASE("log2 of a power of two is its exponent", "[measure][bits]") {

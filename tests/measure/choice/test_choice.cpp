@@ -1,4 +1,4 @@
-// Forms that meet a requirement, and the margin of that. Times play no part.
+// Forms that meet a requirement, and the margin of the requirement. Times do not matter here.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -99,7 +99,7 @@ TEST_CASE("a form is called the fastest only beyond the noise, and scalar forms 
     CHECK(scalar.find(
               "Timed one ray at a time, because they take no more: sphere.double_inside in f32, which computes in "
               "f64; the others in registers of 512 bits") != std::string::npos);
-    // The other way round it is the one that is chosen.
+    // In the other order, the other form is chosen.
     CHECK(said(3, 1.5, 0.02, "scalar").find("It takes 1.50 ns per ray and primitive, one ray at a time") !=
           std::string::npos);
 }

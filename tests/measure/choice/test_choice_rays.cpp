@@ -1,5 +1,5 @@
-// A choice for rays of files is that for the scene they come from, and they are stretched as a scene is. Storing the
-// inputs in another format finds the obstacle to a requirement.
+// A choice for rays of files is the choice for the scene they come from, and the rays are stretched as a scene is.
+// Storing the inputs in another format finds the obstacle to a requirement.
 #include <algorithm>
 
 #include "catch.hpp"
@@ -61,7 +61,7 @@ void require_same(const RowQuality& a, const RowQuality& b) {
     CHECK(a.kept_bits == b.kept_bits);
 }
 
-/// One ray along z, from (0, 0, z), at a sphere of radius r whose centre is (0, 0, c).
+/// A ray along z, from (0, 0, z), at a sphere of radius r whose centre is (0, 0, c).
 Scene one_ray(const char* z, const char* c, const char* r) {
     Scene scene;
     scene.id = "one";
@@ -104,7 +104,7 @@ TEST_CASE("rays of files are judged as the scene that they come from, in one fil
     }
     CHECK(two.sample.rays.ox == one.sample.rays.ox);
     CHECK(two.sample.rays.dz == one.sample.rays.dz);
-    // Timed as candidates, against the scene's primitives.
+    // They are timed as candidates, with the scene's primitives.
     request.rays = &one;
     TimedRays timed;
     const auto all = measure_candidates(request, timed);
@@ -186,7 +186,7 @@ TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points f
     CHECK(stretched(ideal, Growth::distance, 8)->value ==
           Approx(8 * stretched(ideal, Growth::distance, 1)->value).epsilon(1e-14));
     CHECK_FALSE(stretched(ideal, Growth::view, 2));
-    // One primitive of all becomes one of each, and its point nearest to the origin stays.
+    // One primitive for all rays becomes one for each, and its point nearest to the origin stays.
     IdealRays one = ideal;
     one.primitives.resize(1);
     const auto large = stretched(one, Growth::radius, 100);
@@ -296,7 +296,7 @@ TEST_CASE("obstacles: inputs that binary64 cannot hold need a wider format") {
     CHECK(found.wider_than_f64);
     REQUIRE(found.enough);
     CHECK(found.trials[*found.enough].wide == 4);
-    CHECK(found.least_precision == 62);  // 61 bits of the centre leave 45.2 (fractions)
+    CHECK(found.least_precision == 62);  // with 61 bits of the centre 45.2 are left (fractions)
 }
 
 TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels") {
@@ -306,7 +306,7 @@ TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels")
     REQUIRE(safe);
     CHECK(safe->points > 100);
     REQUIRE_FALSE(safe->outside.empty());
-    CHECK(safe->outside.front().operations == 0);  // the primitive is not asked, at the least
+    CHECK(safe->outside.front().operations == 0);  // the primitive is at least not tested
     CHECK(std::ranges::count(safe->outside, "offset.exclude", [](const auto& s) { return s.strategy->name; }) == 1);
     const measure::offset::OffsetStudy request{
         .scene = scene, .rows = {{row}}, .strategies = measure::offset::all_strategies(), .quiet = false};

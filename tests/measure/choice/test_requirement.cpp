@@ -39,7 +39,7 @@ struct Kept {
     }
 };
 
-/// Every row by itself.
+/// Maps of every row by itself.
 std::vector<Kept> maps_of(const scene::file::Scene& scene, const std::vector<TestedForm>& rows) {
     std::vector<Kept> kept(rows.size());
     for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -56,7 +56,7 @@ struct Asked {
     RequirementMap requirement_map;
 };
 
-/// With prices of its own for the rows, so that a test does not depend on the clock.
+/// With fixed costs for the rows, so that a test does not depend on the clock.
 Asked require(const scene::file::Scene& scene, const std::vector<TestedForm>& rows, const std::vector<double>& prices,
               double bits, const std::vector<TestedForm>& untimed = {}) {
     Asked asked{.request = {.scene = &scene, .rows = rows, .untimed = untimed}, .all = {}, .requirement_map = {}};

@@ -21,7 +21,7 @@ using measure::truth::Truth;
 
 namespace {
 
-/// Runs `at_width()` at every width but that of single numbers, which leaves everything.
+/// Runs `at_width()` at every width except that of single numbers, which leaves all rays to the functions.
 template <class Run>
 void in_registers(const Run& at_width) {
     test::at_every_width([&](intersect::simd::Isa isa) {
@@ -94,7 +94,7 @@ struct Columns {
 constexpr std::array<const char*, 5> names{"ulp_error", "lost_bits", "correct_bits", "relative_error",
                                            "absolute_error"};
 
-/// Every ray is left, or has each metric's bits; the share that is left.
+/// Checks that every ray is left to the functions or has the bits of each metric; returns the share that is left.
 double compare(const Problems& p) {
     const Columns columns(p);
     CHECK(std::ranges::is_sorted(columns.left));

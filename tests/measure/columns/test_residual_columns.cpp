@@ -67,7 +67,7 @@ struct Scene {
     }
 };
 
-/// Every ray is left, or has the metric's bits; the share that is left.
+/// Checks that every ray is left to the function or has the bits of the metric; returns the share that is left.
 double compare(const Scene& s) {
     std::vector<double> values(s.answers.size(), -77.0);
     std::vector<std::uint32_t> left;
@@ -108,7 +108,7 @@ TEST_CASE("columns of residuals have the bits of the metric", "[measure][columns
         for (const char* name : {"f32", "f64"}) {
             for (const Shape shape : {Shape::sphere, Shape::box}) {
                 INFO(name << ", " << name_of(shape));
-                // Points exactly on a sphere are left.
+                // Points exactly on a sphere are left to the function.
                 CHECK(compare(Scene(name, shape, Range::near, 40'000, random)) < 0.05);
                 CHECK(compare(Scene(name, shape, Range::near, 40'001, random)) < 0.05);
                 CHECK(compare(Scene(name, shape, Range::far, 10'001, random)) < 0.5);

@@ -31,7 +31,7 @@ bool meets(std::string_view form, std::string_view format, const Ray<double>& ra
     });
 }
 
-/// −h ∓ √(h² − a c), all over a, in 256 bits: another way than that of the library, which takes |f × d|².
+/// −h ∓ √(h² − a c), all over a, in 256 bits; the library computes it differently, from |f × d|².
 std::pair<Real, Real> chord_in_real(const Ray<double>& ray, const Sphere<double>& sphere) {
     Real a = 0, h = 0, c = -Real(sphere.radius) * Real(sphere.radius);
     for (int i = 0; i < 3; ++i) {
@@ -66,11 +66,11 @@ TEST_CASE("any hit before an end: sphere forms compare t, box forms decide", "[m
         CHECK_FALSE(meets("box.inclusive", format, ray, before, {unit_box}));
         CHECK_FALSE(meets("box.exclusive", format, ray, 2, {unit_box}));
     }
-    // On the surface: t = 0 is no hit of a shadow test, the far side is.
+    // On the surface, t = 0 is not a hit of a shadow test, but the far side is.
     const Ray<double> across{{-1, 0, 0}, {1, 0, 0}};
     CHECK_FALSE(meets("sphere.half_b", "f32", across, 2, {unit_sphere}));
     CHECK(meets("sphere.half_b", "f32", across, 2.0000002384185791, {unit_sphere}));
-    // From inside the far side counts; behind the origin nothing does.
+    // From inside, the far side counts; a primitive behind the origin does not.
     CHECK(meets("sphere.half_b", "f32", {{0, 0, 0}, {1, 0, 0}}, 1.5, {unit_sphere}));
     CHECK_FALSE(meets("sphere.half_b", "f32", {{3, 0, 0}, {1, 0, 0}}, 100, {unit_sphere}));
 }
@@ -125,11 +125,11 @@ TEST_CASE("a chord from either end agrees with one worked out by hand", "[measur
     REQUIRE(off);
     CHECK(off->apart == 3);
     CHECK(off->excess == 3);
-    // As distances the length is 4.
+    // As distances, the length is 4.
     const auto distances = chord_error(ends, {1, 3, 1, 3 + 0x1p-21}, true, 0x1p-21);
     REQUIRE(distances);
     CHECK(distances->apart == 1);
-    // p inside: what lies behind it is not compared.
+    // p is inside: the part behind it is not compared.
     const ReversedRays inside{{{0, 0, 0}, {2, 0, 0}}, {{2, 0, 0}, {-2, 0, 0}}, unit_sphere};
     const auto ahead = chord_error(inside, {123, 0.5, 0.5, 456}, false, ulp);
     REQUIRE(ahead);

@@ -1,4 +1,4 @@
-// Consistency over scenes: properties of every form, numbers of an independent computation, and forms that are made to
+// Consistency over scenes: properties of every form, numbers of an independent computation, and forms that are built to
 // contradict themselves.
 #include <cmath>
 #include <numeric>
@@ -50,12 +50,12 @@ void drifts(const RayBatch<float>& rays, const intersect::Target<float>& target,
     if (rays.size() == 1) return;
     for (float& t : hits.t) t = std::nextafter(t, HUGE_VALF);
 }
-/// `half_b`, but rays that go to +x hit nothing: a decision that depends on the way.
+/// `half_b`, but rays that go to +x hit nothing: a decision that depends on the direction.
 void one_way_only(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
     test::form_named("sphere.half_b").native32(rays, target, hits);
     for (std::size_t i = 0; i < rays.size(); ++i) hits.hit[i] &= static_cast<std::uint8_t>(rays.dx[i] <= 0);
 }
-/// `half_b`, but its far side lies before its t, as where two roots were exchanged.
+/// `half_b`, but its far side lies before its t, as if the two roots were exchanged.
 void exchanged(const RayBatch<float>& rays, const intersect::Target<float>& target, const HitBatch<float>& hits) {
     test::form_named("sphere.half_b").native32(rays, target, hits);
     for (std::size_t i = 0; i < rays.size(); ++i) std::swap(hits.t[i], hits.far[i]);
@@ -143,7 +143,7 @@ TEST_CASE("consistency: an origin on the surface and an end at a box are checked
     CHECK(beyond.of(CheckResult::first_alone) == beyond.asked());
     CHECK(beyond.asked() == 192);
     CHECK(one("consistency-on-surface", "sphere.half_b", "f32", "before").asked() == 0);  // before t = 0 is no ray
-    // This one counts a hit at t = 0 as none.
+    // This form does not count a hit at t = 0.
     CHECK(one("consistency-on-surface", "sphere.pbrt_interval", "f32", "beyond").disagreements() == 0);
     CHECK(one("box-octree", "box.max_mult", "f32", "before").decisions() ==
           one("box-octree", "box.max_mult", "f32", "before").asked());
@@ -170,7 +170,7 @@ TEST_CASE("consistency: forms that contradict themselves are detected", "[measur
     CHECK(of_kernel(nowhere, "beyond").asked() > 50);
 }
 
-TEST_CASE("consistency: a check that cannot be asked is not run", "[measure][consistency]") {
+TEST_CASE("consistency: a check that does not apply is not run", "[measure][consistency]") {
     const auto names = [](const std::string& scene, std::string_view form) {
         std::vector<std::string> all;
         for (const Check* c : checks_for(load(scene), {row(form, "f32")})) all.emplace_back(c->name);

@@ -32,7 +32,7 @@ class Draw {
 public:
     explicit Draw(std::uint64_t seed) : engine_(seed) {}
     double in(double low, double high) { return low + (high - low) * engine_.unit(); }
-    /// From −1 to 1, a third of the time 0 or an end, as vertices and directions of real scenes are.
+    /// From −1 to 1, a third of the time 0 or an end, like vertices and directions of real scenes.
     double component() {
         const double x = in(-1.5, 1.5);
         return x < -1 ? -1 : x > 1 ? 1 : std::fabs(x) < 0.1 ? 0 : x;
@@ -90,7 +90,8 @@ TEST_CASE("a tree of boxes finds every primitive that a ray meets", "[culling]")
         const auto tree = BoxTree::make(PrimitiveList<double>(primitives), measure::culling::bounds_of(rays), nullptr);
         REQUIRE(tree);
         std::vector<std::uint32_t> found;
-        // Rays that are walked together have the same candidates. There are more of them than walk at a time.
+        // Rays that walk down the tree together have the same candidates as alone. There are more of them than walk at
+        // a time.
         const measure::culling::CandidateLists lists(*tree, rays);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             tree->candidates(rays[i], found);
@@ -179,8 +180,8 @@ std::vector<Primitive<double>> mixed_primitives(Draw& draw) {
     return all;
 }
 
-/// One form of each shape: number k of each, from the first again where there are fewer. Null where they make no set.
-/// Quartics in t are left out: of a torus that is passed at a distance they call hits what no renderer asks them.
+/// Form number k of each shape, starting again at the first form if the shape has fewer. Null if these forms cannot be
+/// a set. Quartics in t are left out: they hit a torus that a ray passes at a distance, where no renderer tests it.
 const intersect::table::Intersector* set_number(std::size_t k) {
     constexpr std::array quartics_in_t{"torus.graphics_gems", "torus.quilez"};
     std::vector<const intersect::table::Intersector*> parts;
@@ -193,7 +194,7 @@ const intersect::table::Intersector* set_number(std::size_t k) {
     return intersect::table::refusal_of_set(parts).empty() ? &intersect::table::set_of(parts) : nullptr;
 }
 
-/// Sets of forms, in float and double, with the tree and without. How many were compared.
+/// Compares sets of forms, in float and double, with the tree and without; returns how many answers were compared.
 std::size_t compare_sets(const measure::truth::Band& quick, const measure::truth::Band& slow) {
     std::size_t compared = 0;
     for (const char* const name : {"f32", "f64"}) {
@@ -245,8 +246,8 @@ TEST_CASE("a tree over spheres, planes and all other shapes changes no answer", 
 
 namespace {
 
-/// Closed, open, with edges of three faces and faces given twice, in planes of two axes: some 500 triangles about the
-/// origin, within 1 of it, in units of 2^power of a format.
+/// Closed and open meshes, with edges of three faces and faces given twice, in planes of two axes: some 500 triangles
+/// about the origin, within 1 of it, in units of 2^power of a format.
 std::shared_ptr<const scene::rays::MeshColumns> mesh_of(Draw& draw, int power, const FloatFormat& format) {
     auto mesh = std::make_shared<scene::triangle::Mesh>();
     const auto scaled = [&](double x) { return rounding::to_format(std::ldexp(x, power), 0, format); };

@@ -1,4 +1,4 @@
-// Culling changes nothing: answers and truths with an index against brute force, for every form.
+// Culling changes nothing: answers and truths with an index, compared with brute force, for every form.
 #include "catch.hpp"
 #include "counts.hpp"
 #include "measure/evaluate/evaluate.hpp"
@@ -66,7 +66,7 @@ Counts compare(const scene::file::Scene& scene, std::initializer_list<const char
             in.index->candidates(in.rays[i], found);
             counts.few += found.size() <= std::max<std::size_t>(16, in.primitives.size() / 32);
         }
-        if (!in.index) continue;  // both ask every sphere
+        if (!in.index) continue;  // both test every sphere
         for (const intersect::table::Intersector& form : intersect::table::intersectors(Shape::sphere)) {
             if (!form.exists_in(format)) continue;
             const measure::answer::Answers got = measure::answer::evaluate(form, in),
@@ -98,7 +98,7 @@ TEST_CASE("an index of many spheres changes no answer: near", "[measure][culling
     CHECK(c.few > c.rays / 3);
 }
 
-TEST_CASE("an index of many spheres changes no answer: far, where rounding makes hits of misses",
+TEST_CASE("an index of many spheres changes no answer: far, where rounding turns misses into hits",
           "[measure][culling]") {
     CHECK(compare(flake_scene(test::is_long() ? 3 : 2, "[210, 130, 170]", pinhole + "0.66"), {"p30"}).hits > 1000);
     const Counts c = compare(flake_scene(3, "[210, 130, 170]", pinhole + "0.66"), {"f32", "f64"});

@@ -1,6 +1,6 @@
 // The filter of rays that start inside, compared with integers. It never denies that a ray starts in a primitive or on
-// it, at sizes from the least subnormal number to the largest, under matrices too. Where doubles can tell, it detects
-// it.
+// it, at sizes from the least subnormal number to the largest, under matrices too. Where doubles can decide, it detects
+// such a start.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -24,7 +24,7 @@ namespace {
 
 bool at_most(const Whole& a, const Whole& b) { return sign(a - b) <= 0; }
 
-/// The point as seen from an axis: s = v·f, and v² f² − s², v² times the square of how far it is aside.
+/// The point as seen from an axis: s = v·f, and v² f² − s², which is v² times the square of its distance from the axis.
 struct Beside {
     Whole v2, s, aside;
 
@@ -39,7 +39,7 @@ bool is_in_ball(const Vector<Whole>& o, const Vector<Whole>& centre, const Whole
     return at_most(dot(o - centre, o - centre), r * r);
 }
 
-/// Decides if the closed primitive holds the origin, written down from what the shapes are; nothing has no inside.
+/// Decides if the closed primitive contains the origin, from the definition of each shape; flat shapes have no inside.
 bool holds(const std::string& shape, const Asked<Whole>& q) {
     const Vector<Whole>& o = q.o;
     const auto& n = q.n;
@@ -89,7 +89,7 @@ exact::Problem problem_of(const Ray<double>& ray, const Primitive<double>& primi
     return p;
 }
 
-/// A primitive of random numbers, whole ones over 4 for half of them, that is what its shape asks.
+/// A primitive of random numbers that its shape allows; half of them are whole numbers over 4.
 std::optional<Primitive<double>> draw_primitive(Seeded& rng, Shape shape) {
     Primitive<double> primitive(shape);
     const double grid = rng.coin() ? 0.25 : 0x1p-40;
@@ -219,7 +219,7 @@ TEST_CASE("a tree of boxes finds every primitive that a ray meets where squares 
     std::size_t met = 0, trees = 0;
     for (int round = 0; round < 60; ++round) {
         Seeded rng(0x7ee + static_cast<std::uint64_t>(round));
-        // Lengths as small as they get, and primitives that a matrix makes as large as they are small.
+        // Lengths as small as possible, and primitives that a matrix enlarges by as much as they are small.
         const bool is_placed = round % 2 == 1;
         const int own = static_cast<int>(is_placed ? rng.integer(-900, 900) : rng.integer(-1060, 100)),
                   stretch = is_placed ? -own + static_cast<int>(rng.integer(-4, 4)) : 0;

@@ -1,5 +1,5 @@
-// Rays that each have a primitive of their own, measured together and alone: in files of rays, and as distributions
-// draw them. The metrics and counts of a ray do not depend on the rays beside it.
+// Rays that each have their own primitive, measured together and alone: in files of rays, and as distributions draw
+// them. The metrics and counts of a ray do not depend on the rays beside it.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -26,8 +26,8 @@ RayGroup ray_of(const RayGroup& from, std::size_t i) {
     return one;
 }
 
-/// A ray of the easy distribution, then some that miss another primitive, then more of both: what a miss is measured at
-/// is seldom that of the first ray.
+/// A ray of the easy distribution, then some rays that miss another primitive, then more of both: a miss is seldom
+/// measured at the primitive of the first ray.
 std::vector<RayGroup> rays_at(const scene::sweep::DistributionRow& distribution) {
     const auto drawn = distribution.sets().front().groups();
     const auto timed = distribution.timed();
@@ -51,7 +51,7 @@ bool are_same(double a, double b) { return a == b || (std::isnan(a) && std::isna
 /// Results of each row for each ray: the outcome, then the metrics.
 using Found = std::map<std::pair<std::size_t, std::uint64_t>, std::vector<double>>;
 
-/// The rays as a file with a primitive each.
+/// The rays as a file with one primitive for each ray.
 std::vector<FormSummary> judged(const std::vector<RayGroup>& rays, const std::vector<TestedForm>& rows,
                                 const std::vector<const Metric*>& metrics, std::uint64_t first, Found& found) {
     scene::rays::RayBlock block;
@@ -77,7 +77,7 @@ std::vector<FormSummary> judged(const std::vector<RayGroup>& rays, const std::ve
     return judge::run_judge(*dump, {.rows = rows, .metrics = metrics}, show).summaries;
 }
 
-/// Everything that claims may count.
+/// All counts that claims may use.
 void require_sum(const FormSummary& together, const std::vector<FormSummary>& alone) {
     FormSummary sum;
     sum.outcomes = {};
@@ -108,7 +108,7 @@ void require_sum(const FormSummary& together, const std::vector<FormSummary>& al
 
 }  // namespace
 
-TEST_CASE("a ray with a primitive of its own is measured as it is alone, in files and in distributions", "[alone]") {
+TEST_CASE("a ray with its own primitive has the same metrics alone, in a file and in a distribution", "[alone]") {
     std::uint64_t misses = 0, values = 0;
     for (const scene::sweep::DistributionRow& distribution : scene::sweep::distributions()) {
         const std::vector<RayGroup> rays = rays_at(distribution);

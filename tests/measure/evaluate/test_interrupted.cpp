@@ -1,4 +1,4 @@
-// Work that is asked to stop in the middle, each by its own request and no other.
+// Computations that are asked to stop in the middle, each by its own request and no other.
 #include <atomic>
 #include <functional>
 

@@ -27,7 +27,7 @@ std::vector<measure::evaluate::TestedForm> marches(const scene::file::Scene& sce
     return rows;
 }
 
-/// Checks ray by ray what a band shows.
+/// Checks the results of a band ray by ray.
 class Checker {
 public:
     explicit Checker(int max_steps) : max_steps_(max_steps) {}

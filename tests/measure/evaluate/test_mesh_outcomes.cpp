@@ -1,5 +1,5 @@
-// Cracks, double hits, wrong neighbours and triangles out of order, counted again from every triangle's own answer and
-// own truth.
+// Cracks, double hits, wrong neighbours and triangles out of order, counted again from each triangle's own answer and
+// truth.
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -56,7 +56,7 @@ int facing_of(const Ray<double>& ray, const Primitive<double>& triangle) {
     return m < 0 ? 1 : m > 0 ? -1 : 0;
 }
 
-/// Recounts the outcomes of a band from every triangle asked alone.
+/// Recounts the outcomes of a band from every triangle tested alone.
 class Recount {
 public:
     Recount(const measure::evaluate::TestedForm& row, const MetPixelsByForm& meetings)
@@ -68,7 +68,8 @@ public:
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const Ray<double> ray = in.rays[i];
             std::vector<std::size_t> claimed;
-            // A form is not asked about a triangle whose box the ray passes at a distance, which it may claim.
+            // A form is not run on a triangle whose box the ray passes at a distance, although it might claim the
+            // triangle.
             for (std::size_t pair = in.candidates->first(i); pair < in.candidates->first(i + 1); ++pair) {
                 const std::size_t s = in.candidates->primitive(pair);
                 if (test::asked_alone(row_, ray, in.primitives[s])) claimed.push_back(s);
@@ -88,7 +89,7 @@ public:
                 return s != first && beside(s, first) && facing(s) * facing(first) >= 0 &&
                        !(met.contains(s) && met.contains(first) && compare(met.at(s).t, met.at(first).t) != 0);
             };
-            // Steps through the surface, where it is known how many the claims are.
+            // Steps through the surface, where the number of claims is known.
             const auto steps = [&](const std::vector<std::size_t>& faces) {
                 std::size_t count = 0;
                 for (auto s = faces.begin(); s != faces.end(); ++s)
@@ -162,7 +163,7 @@ scene::file::Scene smaller(const char* name, std::initializer_list<std::pair<std
 
 }  // namespace
 
-TEST_CASE("outcomes of meshes agree with triangles asked one by one", "[outcome][mesh]") {
+TEST_CASE("outcomes of meshes agree with triangles tested one by one", "[outcome][mesh]") {
     std::map<Outcome, std::uint64_t> counts;
     for (const auto& scene :
          {smaller("mesh-icosphere-edges", {{"mesh[0].levels", "2"}}), smaller("mesh-grid-vertices", {}),
@@ -221,7 +222,7 @@ TEST_CASE("a leak exactly on an inner edge is a crack, also of triangles at the 
     CHECK(summary.count(Outcome::false_miss) == 0);
 }
 
-TEST_CASE("a miss exactly at the border of a mesh is no crack, also at a vertex of it", "[outcome][mesh]") {
+TEST_CASE("a miss exactly at the border of a mesh is not a crack, also at a vertex of the border", "[outcome][mesh]") {
     // Every ray of the last column of pixels passes the border, and two of them a corner of the grid.
     const test::TextFile file(
         "schema = \"lostbits-scene/1\"\ntitle = \"t\"\nsource = \"-\"\nsize = [5, 5]\n[camera]\n"

@@ -1,4 +1,4 @@
-// Bits needed, against the map of all 52 widths.
+// Bits needed, compared with maps of all 52 widths.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -90,7 +90,7 @@ TEST_CASE("bits needed agree with a map of all 52 widths", "[needed]") {
             }
         }
     }
-    // Each kind occurs, or nothing was tested: lucky widths are those that a bisection could have ended at.
+    // Each kind must occur, or nothing was tested: lucky widths are those at which a bisection could have ended.
     CHECK(beyond > 100);
     CHECK(lucky > 1000);
     CHECK(narrow_misses > 100);
@@ -150,7 +150,7 @@ TEST_CASE("the width that one ray needs follows from its truth and its answers",
     const intersect::Info& unit = *test::form_named("sphere.unit_half_b").info;
     REQUIRE(unit.direction == intersect::Direction::unit);
     CHECK(suffices(hit, any, 12, {true, 4}, 12));
-    CHECK_FALSE(suffices(hit, any, 11, {true, 4}, 12));  // right, but by luck: 11 bits are no 12
+    CHECK_FALSE(suffices(hit, any, 11, {true, 4}, 12));  // right, but by luck: 11 bits are not 12
     CHECK_FALSE(suffices(hit, any, 12, {true, 8}, 12));
     CHECK(suffices(hit, unit, 12, {true, 8}, 12));
     CHECK(suffices(hit, any, 12, {true, 4, hit.object}, 12));

@@ -23,8 +23,8 @@ using test::form_named;
 
 namespace {
 
-/// Three spheres and two boxes on a grid, and rays that start on it and go along it or nearly so: many touch, start on
-/// surfaces or inside, or meet two primitives at one t.
+/// Three spheres and two boxes on a grid, and rays that start on it and go along it or nearly so: many rays touch,
+/// start on surfaces or inside, or hit two primitives at one t.
 struct Mixed {
     scene::rays::RayBlock rays;
     std::vector<Primitive<double>> spheres, boxes, all;
@@ -60,7 +60,7 @@ Answers answers_of(const Intersector& form, const Mixed& mixed, const std::vecto
                    const Format& format, bool unit) {
     const Band band(mixed.rays, primitives);
     auto inputs = band.inputs(format, {.unit_rays = unit || form.info->direction == intersect::Direction::unit});
-    // In a set for unit directions every form gets those.
+    // In a set for unit directions, every form receives unit directions.
     if (unit) inputs.rays = inputs.unit_rays;
     return measure::answer::evaluate(form, inputs);
 }
@@ -148,7 +148,7 @@ TEST_CASE("each primitive in a set is judged by the contract of its own form", "
             }
         }
     }
-    CHECK(apart > 100);  // the words make a difference
+    CHECK(apart > 100);  // the properties make a difference
 }
 
 TEST_CASE("an impossible set is refused with the reason, and each set is made once", "[sets]") {

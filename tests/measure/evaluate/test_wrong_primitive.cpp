@@ -1,4 +1,4 @@
-// A hit of another primitive than the ray meets first: an outcome of its own, on which no error is measured.
+// A hit of another primitive than the first one that the ray meets: a separate outcome, for which no error is measured.
 #include <array>
 #include <cmath>
 

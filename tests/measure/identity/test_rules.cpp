@@ -1,4 +1,4 @@
-// Rules of rewriting: without rounding they keep the value of a formula, for every form and ray tried.
+// Rules of rewriting: without rounding they keep the value of a formula, for every form and ray that is tried.
 #include "measure/identity/rules.hpp"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace tape = measure::tape;
 
 namespace {
 
-/// A small generator, so that a failure can be told by a number.
+/// A small generator, so that a failure can be reproduced from a number.
 class Numbers {
 public:
     explicit Numbers(std::uint64_t seed) : state_(seed) {}
@@ -51,8 +51,8 @@ bool is_near(double a, double b) {
     return (std::isnan(a) && std::isnan(b)) || a == b || std::fabs(a - b) <= 0x1p-45 * std::fabs(a);
 }
 
-/// The answers of both without rounding; a ray that meets no rule's condition tells nothing.
-/// Number of these rays that hit.
+/// Compares the answers of both without rounding; a ray for which no rule's condition holds decides nothing. Returns
+/// the number of these rays that hit.
 int check_same(const Tape& before, const Tape& after, const Intersector& form, std::uint64_t seed) {
     Numbers numbers(seed);
     int hits = 0;
@@ -140,7 +140,7 @@ TEST_CASE("a wrong identity is detected on a sample of rays", "[mend]") {
         else if (wrong[i].op == TapeOp::mul && wrong[i].operands[0] != wrong[i].operands[1]) wrong[i].op = TapeOp::add;
         else continue;
         INFO("operation " << i << ", " << name_of(before[i].op) << " " << before[i].label);
-        // The far root is no answer where every ray starts outside.
+        // The far root is not an answer if every ray starts outside.
         if (computes(before, i, before.outputs.near)) CHECK_FALSE(sample.agree(before, wrong));
     }
 }
@@ -162,8 +162,8 @@ TEST_CASE("products of sums are expanded, however the brackets are written", "[m
     CHECK(without_common(disc).first.second == Ratio(4, 1));
 }
 
-// For x < 0 both are not the same: the root is not a number, and its condition says so.
-TEST_CASE("the square of a root is what stands under it, where that is not negative", "[mend]") {
+// For x < 0 the two differ: the root is not a number, as its condition says.
+TEST_CASE("the square of a root is its radicand, where the radicand is not negative", "[mend]") {
     Tape before;
     const NodeId x = before.add_input(binary32, 2);
     const NodeId root = before.add(TapeOp::sqrt, binary32, 0, {x});

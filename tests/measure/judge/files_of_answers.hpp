@@ -1,4 +1,4 @@
-// Rays and answers as files of rays have them, and whether two summaries of them are the same.
+// Rays and answers in the form of files of rays, and a comparison of two summaries of them.
 #pragma once
 
 #include <cmath>
@@ -30,7 +30,7 @@ inline void add_answers(scene::test::Columns& columns, const measure::answer::An
     columns.add("t", answers.t);
 }
 
-/// The same numbers in every place of a summary.
+/// Checks for the same numbers everywhere in two summaries.
 inline void require_same(const measure::evaluate::FormSummary& a, const measure::evaluate::FormSummary& b) {
     CHECK(a.rays == b.rays);
     CHECK(a.outcomes == b.outcomes);

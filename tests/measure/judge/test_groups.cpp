@@ -1,4 +1,4 @@
-// Rays that are grouped by a column of their file, beside the same rays judged alone.
+// Rays that are grouped by a column of their file, compared with the same rays judged alone.
 #include "measure/judge/files_of_answers.hpp"
 #include "measure/judge/judge.hpp"
 #include "measure/rows.hpp"

@@ -1,5 +1,5 @@
-// The answers in a file measure the same as the form that gave them. The truth of rays with primitives of their own is
-// that of each alone.
+// The answers in a file measure the same as the form that gave them. Rays with their own primitives have the truth of
+// each such ray alone.
 #include "measure/judge/judge.hpp"
 
 #include <cmath>
@@ -27,7 +27,7 @@ using test::add_answers, test::all_metrics, test::ray_columns, test::require_sam
 
 namespace {
 
-/// The answers of these forms as a file, judged: what a map of the scene says of them.
+/// Judges the answers of these forms as a file, and compares with a map of the scene.
 void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*> forms, const char* format) {
     const auto scene = test::scene_named(scene_id, std::pair{48, 40});
     const std::vector<Primitive<double>> primitives = scene::rays::shared_primitives(scene);
@@ -61,14 +61,14 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
                               .picture = std::pair{scene.width, scene.height}},
                              {});
         CHECK(result.rounded == 0);
-        // A file does not say what its intersector claims of the other triangles of a mesh.
+        // A file does not contain what its intersector claims about the other triangles of a mesh.
         if (!scene.mesh) require_same(result.summaries[0], expected[0]);
         require_same(result.summaries[1], expected[0]);
         CHECK(expected[0].outcomes[0] > 100);
     }
 }
 
-/// Keeps those of the first row.
+/// Keeps the results of the first row.
 judge::ShowJudged kept_in(judge::WorstRays& worst) {
     return [&worst](std::size_t row, const scene::dump::Chunk& chunk, const evaluate::BandResult& result) {
         if (row == 0) worst.look_at(chunk.first, result);
@@ -132,7 +132,7 @@ TEST_CASE("the answers of a form in a file measure as the form does in a map") {
     hold_map_and_judge("mesh-sheets-far", {"triangle.moller_trumbore"}, "f32");
 }
 
-TEST_CASE("primitives of any kinds that are hit at one t own the hit together") {
+TEST_CASE("primitives of any kinds that are hit at the same t share the hit") {
     // The ray goes down along z from 9. All but the last are met at z = 2, which is t = 7.
     const std::vector<Primitive<double>> primitives{Sphere<double>{{0, 0, 0}, 2},
                                                     Box<double>{{-1, -1, -1}, {1, 1, 2}},
@@ -172,14 +172,14 @@ TEST_CASE("primitives of any kinds that are hit at one t own the hit together") 
     };
     judge::run_judge(*open(), request, outcomes_are_right);
 
-    // A primitive that is not there is refused, in its place.
+    // A primitive that does not exist is refused, at its place.
     request.primitives.pop_back();
     CHECK_THROWS_WITH(judge::run_judge(*open(), request, {}),
                       Catch::Contains("record 10") && Catch::Contains("object is 10; there are 10 primitives, numbered "
                                                                       "from 0 to 9"));
 }
 
-TEST_CASE("a ray with a primitive of its own has the truth of those two, and every form answers about them") {
+TEST_CASE("a ray with its own primitive has the truth and the answers of that ray and primitive alone") {
     for (const Shape shape : {Shape::sphere, Shape::box}) {
         const auto count = static_cast<int>(lostbits::test::draws(50000));
         const scene::rays::RayGroup group = random_pairs(shape, count, 3);

@@ -1,4 +1,4 @@
-// The errors of the weights that a form tells, against fractions.
+// The errors of the weights that a form returns, compared with fractions.
 #include <cmath>
 #include <map>
 
@@ -36,7 +36,7 @@ Tape tape_of(const TriangleSample& s) {
     return tape;
 }
 
-/// One triangle of the plane z = 0 and what a form tells of the ray's weights, w of a, u of b, v of c.
+/// A triangle of the plane z = 0 and the weights that a form returns for the ray: w of a, u of b, v of c.
 struct AnsweredHit {
     explicit AnsweredHit(double w, double u, double v) {
         for (const auto& [name, x] : {std::pair("w", w), {"u", u}, {"v", v}}) {

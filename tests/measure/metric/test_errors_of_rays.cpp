@@ -20,7 +20,7 @@ const auto origin_error = value_of("origin_error"), origin_lost_bits = value_of(
 
 Vec<Real> real(double x, double y, double z) { return {Real(x), Real(y), Real(z)}; }
 
-/// A ray and the true one, in float.
+/// A ray and the true ray, in float.
 struct Pair {
     Ray<double> given;
     Ray<Real> truth;

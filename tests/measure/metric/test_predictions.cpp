@@ -1,5 +1,5 @@
-// Predictions of errors: coins that fall as they should, a bound that is the root of a sum of squares, and the metrics
-// by their definitions.
+// Predictions of errors: random roundings with the right probabilities, a bound that is the root of a sum of squares,
+// and the metrics by their definitions.
 #include <cmath>
 #include <string_view>
 
@@ -19,7 +19,7 @@ using measure::stability::statistical_bound;
 
 namespace {
 
-/// A tape and what is known of it, as metrics are given it.
+/// A tape and its data, as the metrics receive them.
 struct Explained {
     Tape tape;
     Format format;
@@ -108,10 +108,10 @@ TEST_CASE("an error is at most the root of n times what n independent errors wou
     CHECK(seen > 200);
 }
 
-TEST_CASE("three runs of a sum promise the bits of Student's factor, and their mean has the bits it has", "[metric]") {
+TEST_CASE("three runs of a sum promise the bits of Student's factor, compared with those of their mean", "[metric]") {
     int seen[4] = {};
     for (int k = 1; k < 64; ++k) {
-        // 1 + k/128 ulp: 1, or 1 + ulp where the coin falls so.
+        // 1 + k/128 ulp: rounded at random to 1 or 1 + ulp.
         const Explained sum(sum_of(1, k * ulp / 128), floats);
         const int ups = ups_of(sum.tape);
         CHECK(ups_of(sum.tape) == ups);
@@ -120,7 +120,7 @@ TEST_CASE("three runs of a sum promise the bits of Student's factor, and their m
         if (ups == 0 || ups == 3) {
             CHECK(sum.metric("cestac_bits") == 24);
         } else {
-            // s = ulp/√3 of one among two: log2(√3 mean/(4.303 s)) = log2(3/4.303) + 23, and mean = 1 to 2^-24.
+            // If one of three differs, s = ulp/√3: log2(√3 mean/(4.303 s)) = log2(3/4.303) + 23, and mean = 1 to 2^-24.
             CHECK(sum.metric("cestac_bits") == Approx(std::log2(3 / 4.303) + 23).margin(1e-6));
         }
         // The mean is off by ups/3 − k/128 ulp; up to half of one it has all 24 bits.
@@ -139,8 +139,8 @@ TEST_CASE("three runs of a sum promise the bits of Student's factor, and their m
 }
 
 TEST_CASE("significant digits are overestimated where all runs lose them alike", "[metric]") {
-    // (1 + k/128 ulp) - 1 is 0 or an ulp in all three runs, 24 bits are promised, and none or one is there; where the
-    // runs differ less than two bits are.
+    // (1 + k/128 ulp) - 1 is 0 or an ulp in all three runs: 24 bits are promised, and none or one is there. If the runs
+    // differ, fewer than two bits are promised.
     int overrated = 0;
     for (int k = 1; k < 64; ++k) {
         Tape tape = sum_of(1, k * ulp / 128, -1);
@@ -160,7 +160,7 @@ TEST_CASE("significant digits are overestimated where all runs lose them alike",
 TEST_CASE("stable and right decisions of three runs are told apart", "[metric]") {
     int split = 0, together = 0;
     for (int k = 65; k < 128; ++k) {
-        // It rounds up to 1 + ulp, a hit above 1, as is right; a run that goes down misses.
+        // Rounding to nearest gives 1 + ulp, a hit above 1, which is right; a run that rounds down misses.
         Explained sum(sum_of(1, k * ulp / 128, 1), floats);
         const int ups = ups_of(sum.tape);
         const bool is_split = ups == 1 || ups == 2;
@@ -172,7 +172,7 @@ TEST_CASE("stable and right decisions of three runs are told apart", "[metric]")
     }
     CHECK(split > 10);
     CHECK(together > 5);
-    // It rounds down to 1 and misses, and is truly a hit: the decision is explained, and t has no prediction.
+    // Rounding to nearest gives 1, a miss, but the ray truly hits: the decision is explained, and t has no prediction.
     Explained miss(sum_of(1, ulp / 128, 1), floats);
     CHECK(std::isnan(miss.metric("cestac_bits")));
     CHECK(std::isnan(miss.metric("cestac_error")));

@@ -1,4 +1,4 @@
-// The residual: how far a hit point lies off the surface, by hand.
+// The residual, the distance of a hit point from the surface, by hand.
 #include "catch.hpp"
 #include "measure/metric/metrics.hpp"
 #include "measure/metric/statistics.hpp"
@@ -66,7 +66,7 @@ TEST_CASE("the error of a normal is the angle to the normal at the true hit", "[
     const Ray<double> ray{{-8, 3, 0}, {1, 0, 0}};  // meets it at (-4, 3, 0), t = 4
     CHECK(error(sphere, ray, 4, 4) < 1e-16);
     CHECK(error(sphere, ray, 4.25, 4) == Approx(std::atan2(3, 3.75) - std::atan2(3, 4)));
-    // A plane has one normal, and a box one of each face: that of the ray, whatever t is.
+    // A plane has one normal, and a box one for each face: that of the face that the ray hits, whatever t is.
     CHECK(error(Box<double>{{-1, -4, -1}, {1, 4, 1}}, ray, 6, 7) == 0);
 }
 

@@ -1,4 +1,4 @@
-// Hits behind a quantile, spreads over draws, and the interval that a claim takes from them.
+// Hits behind a quantile, spreads over draws, and the interval of a claim that is computed from them.
 #include "measure/metric/statistics.hpp"
 
 #include "catch.hpp"
@@ -50,7 +50,7 @@ TEST_CASE("a claim's interval is the range of its draws plus half of it on eithe
     CHECK(interval(claim_about("lost_bits_p50"), 0.5, {1.5}) == std::pair(0.0, 2.0));      // no bits below 0
     CHECK(interval(claim_about("rounding_error_mean"), -1, {1}) == std::pair(-2.0, 2.0));  // but signed errors
     CHECK(interval(claim_about("lost_bits_p50"), 24, {24, 24}) == std::pair(24.0, 24.0));
-    // By powers of two: a fraction that is never 0 stays so, and none is above 1.
+    // In powers of two: a fraction that is never 0 stays above 0, and none is above 1.
     CHECK(interval(claim_about("false_miss_fraction"), 0.01, {0.04}) == std::pair(0.005, 0.08));
     CHECK(interval(claim_about("false_miss_fraction"), 0, {0.5}) == std::pair(0.0, 0.75));
     CHECK(interval(claim_about("false_hit_fraction"), 0.25, {1}) == std::pair(0.125, 1.0));
@@ -67,7 +67,7 @@ TEST_CASE("a quantile represents a form only if a tenth of the true hits agree")
     CHECK(Agreement{100, 100}.is_enough());
     CHECK(Agreement{1, 10}.is_enough());
     CHECK_FALSE(Agreement{1, 11}.is_enough());
-    // No hit at all is never enough, neither where there is none to find.
+    // Without any hit there are never enough, even where there is nothing to hit.
     CHECK_FALSE(Agreement{0, 0}.is_enough());
     CHECK_FALSE(Agreement{0, 5}.is_enough());
     CHECK(std::isnan(Agreement{0, 0}.share()));

@@ -1,4 +1,4 @@
-// Means and quantiles of many numbers against exact sums and sorted lists; the same at every register width.
+// Means and quantiles of many numbers, compared with exact sums and sorted lists, at every register width.
 #include <boost/multiprecision/gmp.hpp>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ using Rational = boost::multiprecision::mpq_rational;
 
 namespace {
 
-/// Signed numbers of very different sizes, zeros and missing ones among them.
+/// Signed numbers of very different sizes, some of them zero or missing.
 std::vector<double> numbers(std::size_t n, int least, int most, Random& random) {
     std::vector<double> all;
     for (std::size_t i = 0; i < n; ++i) {
@@ -50,7 +50,8 @@ Distribution of(std::span<const double> all, std::size_t piece) {
 
 }  // namespace
 
-// Computed apart in rational numbers, by sums of binomial coefficients. For the median of 100 they are in any book.
+// Computed independently in rational numbers, by sums of binomial coefficients. Those for the median of 100 are in many
+// books.
 TEST_CASE("order statistics enclose a quantile with 95 % confidence, and closer ones do not", "[measure][metric]") {
     struct Case {
         double q;

@@ -1,4 +1,4 @@
-// Points of a scene as one form in one format finds them.
+// Points of a scene as computed by one form in one format.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace lostbits::test {
 
-/// Points of a scene as one form in one format finds them, and what to ask them.
+/// Points of a scene as computed by one form in one format, and the questions about them.
 struct ScenePoints {
     scene::file::Scene scene;
     measure::evaluate::TestedForm of;

@@ -21,7 +21,7 @@ namespace {
 const Primitive<double> ring(Torus<double>{{0, 0, 0}, {0, 0, 1}, 139, 40});
 const Primitive<double> pipe(Tube<double>{{0, 0, -4}, {0, 0, 4}, 1});
 
-/// Everything that is measured where a form meets one primitive.
+/// All measurements at the place where a form hits one primitive.
 struct Measured {
     std::array<SideOfPoint, 2> sides;
     std::vector<StrategyAtPoint> at = std::vector<StrategyAtPoint>(2 * all_strategies().size());
@@ -86,7 +86,7 @@ TEST_CASE("offsets: the next wall of a torus is where the ray enters by rational
     test::Seeded random(65);
     int met = 0, free = 0;
     for (int k = 0; k < 3000; ++k) {
-        // From the inner half, put onto the surface in doubles, away from it.
+        // From the inner half, put onto the surface in doubles, and away from it.
         const double turn = random.uniform(-3, 3), round = random.uniform(1.6, 4.6);
         const double across = 139 + 40 * std::cos(round);
         const Vec<double> p(across * std::cos(turn), across * std::sin(turn), 40 * std::sin(round));
@@ -140,7 +140,7 @@ TEST_CASE("offsets: the far wall of a torus is a true hit, and excluding the tor
         CHECK(m.by("offset.exclude", Side::outside).bad == m.by("offset.exclude", Side::outside)[Fault::lost_occluder]);
         CHECK(m.by("offset.exclude", Side::inside)[Fault::lost_exit] == m.on(Side::inside).rays);
     }
-    // A point 2^-9 within the ring: all rays but those that are past it hit what they leave.
+    // A point 2^-9 within the ring: all rays hit the ring that they leave, except those that are past it.
     const Measured within("torus.closest_approach", "f64", ring, {{0, 0, 0}, {1, 0, 0}}, 99 + 0x1p-9);
     CHECK(within.by("offset.none", Side::outside)[Fault::self_hit] == within.on(Side::outside).rays);
     CHECK(within.on(Side::outside).safe == Approx(0x1p-9).epsilon(1e-6));
@@ -155,7 +155,7 @@ TEST_CASE("offsets: the next wall is a true hit inside a tube, and rays leave on
         CHECK(m.by("offset.bound", Side::outside).bad == 0);
         CHECK(m.by("offset.bound", Side::inside).bad == 0);
         CHECK(m.by("offset.exclude", Side::outside)[Fault::lost_occluder] > 0);
-        CHECK(m.by("offset.exclude", Side::inside).bad == 0);  // out of the tube nothing of it lies ahead
+        CHECK(m.by("offset.exclude", Side::inside).bad == 0);  // out of the tube, nothing of it lies ahead
     }
     // A pipe that is thinner than the move across it: the new origin is past the other wall.
     const Primitive<double> hair(Tube<double>{{0, 0, -4}, {0, 0, 4}, 0x1p-12});

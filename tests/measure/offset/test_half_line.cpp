@@ -1,4 +1,4 @@
-// Sides and meetings of half-lines: the filter against enclosures, and both against rationals.
+// Sides and intersections of half-lines: the filter compared with enclosures, and both with rationals.
 #include <array>
 
 #include "catch.hpp"

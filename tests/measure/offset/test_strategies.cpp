@@ -1,4 +1,4 @@
-// Strategies by themselves: their constants, the set of rays that they are asked about, and neighbours in the way.
+// Strategies by themselves: their constants, their set of rays, and neighbours in the way.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -48,7 +48,7 @@ TEST_CASE("strategies: none moves nothing, exclude skips its own primitive, cons
     l.side = -1;
     CHECK(rule("offset.integer").in_float(l).origin.y ==
           std::bit_cast<float>(std::bit_cast<std::int32_t>(-3.0F) - 128));
-    // One float further than the bound, away from the surface on either side.
+    // One float beyond the bound, away from the surface on either side.
     const auto in = rule("offset.bound").in_float(l).origin;
     l.side = 1;
     const auto out = rule("offset.bound").in_float(l).origin;
@@ -141,7 +141,7 @@ TEST_CASE("a small sphere above another is skipped, entered or seen, depending o
     CHECK(count(above, radius, "offset.epsilon_1e-4", Fault::lost_occluder) == 0);
     CHECK(count(above, radius, "offset.integer", Fault::lost_occluder) == 0);
     CHECK(count(above, radius, "offset.exclude", Fault::lost_occluder) == 0);
-    // A bead that holds the place a thousandth above: every ray starts in it.
+    // A bead that contains the point a thousandth above: every ray starts in it.
     CHECK(count(1 + 0x1p-10, 0x1p-12, "offset.epsilon", Fault::begins_in_neighbour) == 18);
     CHECK(count(1 + 0x1p-10, 0x1p-12, "offset.epsilon", Fault::lost_occluder) == 2);
     CHECK(count(1 + 0x1p-10, 0x1p-12, "offset.epsilon_1e-4", Fault::begins_in_neighbour) == 0);

@@ -1,4 +1,4 @@
-// Everything that a rendered picture hands out, and spheres by plain formulas in 256 bits.
+// All results of a rendered picture, and spheres by plain formulas in 256 bits.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ inline std::vector<measure::evaluate::TestedForm> rows_of(const std::vector<std:
     return rows;
 }
 
-/// Everything that a run hands out.
+/// All results of one run.
 struct Collected {
     explicit Collected(const measure::picture::RenderStudy& study)
         : pictures(study.rows.size()), shadows(pictures.size()), residuals(pictures.size()) {

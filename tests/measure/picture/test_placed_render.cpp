@@ -1,4 +1,4 @@
-// Rendered pictures of spheres under matrices: against the same spheres where their numbers say, and against the map.
+// Rendered pictures of spheres under matrices, compared with spheres that have the moved numbers, and with the map.
 #include "intersect/methods.hpp"
 #include "intersect/transform/transformed_form.hpp"
 #include "measure/picture/rendered.hpp"
@@ -49,7 +49,7 @@ TEST_CASE("spheres under matrices are rendered like spheres with the moved numbe
 }
 
 TEST_CASE("the normal of a stretched sphere is that of its surface for every transform method") {
-    // Against what finite differences of the map say: the normal is across every way along the surface.
+    // Compared with finite differences of the map: the normal is perpendicular to every direction along the surface.
     scene::file::Scene scene = load("raycast-course.pixels", 32, 32);
     auto& primitive = scene.listed.front();
     const Vec<Real> c = rounded(primitive.sphere().centre);

@@ -1,4 +1,4 @@
-// Rendered pictures: against plain arithmetic in 256 bits, and between formats.
+// Rendered pictures, compared with plain arithmetic in 256 bits, and between formats.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -137,7 +137,7 @@ TEST_CASE("a picture in p53 has the bits of f64, and one in p24 the bits of f32"
     }
 }
 
-TEST_CASE("acne: a shadow ray that starts on its sphere gives much, 4 ulps off less, 0.001 off none") {
+TEST_CASE("acne is frequent for shadow rays from the surface, rarer from 4 ulps off it, absent from 0.001") {
     const auto acne = [](const char* name) {
         const scene::file::Scene s = load(name, 32, 24);
         const Collected run({.scene = s, .stages = {Stage::shadows}, .rows = rows_of({"f32"}, "sphere.unified")});
@@ -161,7 +161,7 @@ TEST_CASE("own inputs: each format rounds light and colours itself, and the refe
     CHECK(run.pictures[0][0][0].error > 0);
 
     // The background's green, 0.7, is 178.5 of 255 to the 250th bit, and some spheres' 0.9 and 0.3 are 229.5 and 76.5:
-    // 106 bits prove no byte there, and say so; the sphere of 0.95, 0.8, 0.2 needs no more.
+    // 106 bits do not prove a byte there, and report this; the sphere of 0.95, 0.8, 0.2 needs no more.
     CHECK(run.summaries[0].unresolved() == 0);
     const Collected hasty(
         {.scene = s, .stages = {Stage::visible}, .rows = rows_of({"f64"}, "sphere.unified"), .limit = {.bits = 106}});

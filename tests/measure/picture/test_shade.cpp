@@ -42,12 +42,12 @@ TEST_CASE("shade agrees with values worked out by hand, for light along the norm
     const auto l = vec<double>(std::sqrt(0.75), 0, 0.5);
     const Vec<double> c = shade<double>(shiny(), everything, false, {n, l, l});
     CHECK(c.x == Approx(0.5 * (0.25 + 0.25) + 0.75 / 8).epsilon(1e-15));
-    // From behind no light at all, and none taken away.
+    // From behind there is no light, and none is subtracted.
     CHECK(shade<double>(shiny(), everything, false, {n, -n, n}) == vec<double>(0.125, 0.0625, 0.25));
     Paint<double> matte = shiny();
     matte.shiny = false;
     CHECK(shade<double>(matte, everything, false, {n, n, n}) == vec<double>(0.375, 0.1875, 0.75));
-    // A NaN is not taken for darkness.
+    // A NaN is not treated as darkness.
     const double nan = std::numeric_limits<double>::quiet_NaN();
     CHECK(std::isnan(shade<double>(shiny(), everything, false, {vec<double>(nan, 0, 1), n, n}).x));
 }
@@ -80,7 +80,7 @@ TEST_CASE("a byte of an image is 255 times the channel, rounded half up and clam
     CHECK(byte_of(std::nan("")) == 0);
 }
 
-TEST_CASE("a primitive blocks the light between point and light only, the own sphere where it counts") {
+TEST_CASE("a primitive blocks light only between point and light, the point's own sphere if it counts") {
     const std::vector<Primitive<double>> primitives{Sphere<double>{{0, 0, 0}, 1}, Sphere<double>{{5, 0, 0}, 1}};
     ShadowRays rays;
     const auto ray = [&rays](Vec<double> from, Vec<double> to, std::int32_t own) { rays.add(from, to - from, 1, own); };

@@ -34,7 +34,7 @@ MendRequest request_of(const Scene& scene, const char* form, double bits) {
     return request;
 }
 
-/// The operations that must be wider alone, without the rewriting that `mend` tries too.
+/// The operations that must be wider, without the rewriting that `mend` tries too.
 struct Search {
     explicit Search(const MendRequest& asked) : request(asked), judge(asked), tape(recorded(asked)) {}
     RowQuality with(const std::vector<NodeId>& wider) {
@@ -58,7 +58,7 @@ bool same(const RowQuality& a, const RowQuality& b) {
 
 }  // namespace
 
-TEST_CASE("the set meets the requirement, and without any of its operations fails it, when measured again", "[mend]") {
+TEST_CASE("measured again, the set meets the requirement, and fails it without any one of its operations", "[mend]") {
     for (const auto& [name, form, bits] :
          {std::tuple("rtg-fig-7-3-4100-oblique", "sphere.half_b", 16.0),
           std::tuple("near-benign", "sphere.schoolbook", 20.0), std::tuple("cylinder-far", "cylinder.crossed", 12.0),
@@ -98,8 +98,8 @@ TEST_CASE("the set meets the requirement, and without any of its operations fail
     }
 }
 
-// Why no rule closes the cracks of a mesh that is far: what both triangles share of an edge are cross products of
-// vectors from the ray's origin, and little is left of those where the vectors are long and nearly alike.
+// No rule closes the cracks of a far mesh: both triangles of an edge share cross products of vectors from the ray's
+// origin, and if these vectors are long and nearly equal, little is left of the products.
 TEST_CASE("edges seen from the ray's origin decide better near a triangle, and far from a mesh much worse", "[mend]") {
     for (const auto& [name, size, is_far] :
          {std::tuple("triangle-edge", 64, false), std::tuple("mesh-icosphere-edges", 24, true)}) {
@@ -125,7 +125,7 @@ TEST_CASE("edges seen from the ray's origin decide better near a triangle, and f
     }
 }
 
-TEST_CASE("a form that is enough has nothing to be wider, and one that double does not help has no set", "[mend]") {
+TEST_CASE("a form that meets the requirement has an empty set, one that double does not help has no set", "[mend]") {
     const Scene scene = scene_named("near-benign", 32);
     const MendRequest easy = request_of(scene, "sphere.half_b", 5);
     const Mended enough = mend(easy);
@@ -251,7 +251,7 @@ TEST_CASE("a set that helps one axis is measured on others, and made symmetric",
     CHECK(probe_rows(result).size() == m.probes.size() * (3 + m.rewriting.found.size()));
 }
 
-TEST_CASE("two floats do what double does here", "[mend]") {
+TEST_CASE("pairs of floats have the same effect as double here", "[mend]") {
     const Scene scene = scene_named("rtg-fig-7-3-4100-oblique", 16);
     MendRequest request = request_of(scene, "sphere.half_b", 16);
     request.two_words = true;
@@ -267,7 +267,7 @@ TEST_CASE("under matrices the operations that lead into the space of the primiti
     for (const bool inverse : {false, true}) {
         CAPTURE(inverse);
         if (inverse) {
-            // The turned sphere as the way back to it: what stands in the file is transposed, and -A^T T.
+            // The rotated sphere as the matrix back to it: the file holds the transpose, and -A^T T.
             auto& placed = *scene.listed.front().placed;
             const auto there = placed.map();
             const Affine<Real> back{{Vec<Real>(there.rows[0].x, there.rows[1].x, there.rows[2].x),
@@ -299,13 +299,13 @@ TEST_CASE("under matrices the operations that lead into the space of the primiti
     CHECK_THROWS_AS(mend(mixed, 0), InputError);
 }
 
-TEST_CASE("a form that decides by itself how far it goes is refused", "[mend]") {
+TEST_CASE("a form that decides by itself how many steps it computes is refused", "[mend]") {
     const Scene scene = scene_named("rtg-fig-7-3-4100-oblique", 32);
     const MendRequest request = request_of(scene, "sphere.filtered", 16);
     CHECK_THROWS_WITH(mend(request), Catch::Contains("decides by itself"));
 }
 
-TEST_CASE("what cannot be compiled has no price, and the message says why", "[mend]") {
+TEST_CASE("a form that cannot be compiled has no cost, and the message says why", "[mend]") {
     const Scene scene = scene_named("near-benign", 8);
     const MendRequest request = request_of(scene, "sphere.half_b", 5);
     const Tape tape = tape::tape_of(*request.row.form, request.row.format);
@@ -317,7 +317,7 @@ TEST_CASE("what cannot be compiled has no price, and the message says why", "[me
                       Catch::Contains("no-such-compiler"));
 }
 
-TEST_CASE("only what is wider, and what takes of it, changes in the code", "[mend]") {
+TEST_CASE("only wider operations, and operations that use their results, change in the code", "[mend]") {
     const auto& form = test::form_named("sphere.half_b");
     const Tape tape = tape::tape_of(form, *find_format("f32"));
     const auto before = output::repair::statements(tape, form);

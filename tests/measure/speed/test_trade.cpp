@@ -95,11 +95,11 @@ TEST_CASE("a row is dominated if another is better in one respect and at least e
         {1, 0, 20},           // on the front
         {2, 0, 20},           // slower, no better
         {2, 0, 22},           // on the front
-        {2, 0, 22},           // its equal: neither beats the other
+        {2, 0, 22},           // equal to it: neither dominates the other
         {1, 0.1, 30},         // more bits, but wrong decisions come first
         {0.5, 0.1, 10},       // the fastest
         {0.5, 0.1, no_bits},  // as fast and as often wrong, without a bit
-        {0.4, 1, no_bits},    // faster still: nothing is as fast
+        {0.4, 1, no_bits},    // faster still: no row is as fast
         {3, 0, no_bits},      // never wrong, but slower than others that are not
     };
     CHECK(dominated(all) == std::vector<bool>{false, true, false, false, true, false, true, false, true});

@@ -15,7 +15,7 @@ inline const std::size_t rays_per_distribution = [] {
     return asked ? std::strtoull(asked, nullptr, 10) : std::size_t{500};
 }();
 
-/// So many of each distribution.
+/// Number of rays of each distribution.
 inline std::vector<HardRay> problems_of(Shape shape, const FloatFormat& storage, std::size_t each) {
     Seeded rng(14);
     std::vector<HardRay> problems;
@@ -33,7 +33,7 @@ inline std::vector<HardRay> random_problems(Shape shape, const FloatFormat& stor
     return problems;
 }
 
-/// True if both are the same, to within their bounds.
+/// True if both truths are the same, to within their bounds.
 inline bool agree(const measure::truth::Truth& a, const measure::truth::Truth& b) {
     return a.decision == b.decision && a.object == b.object && a.touches == b.touches && a.on_surface == b.on_surface &&
            compare(a.t, b.t) == 0 && compare(a.distance, b.distance) == 0;

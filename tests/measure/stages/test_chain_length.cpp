@@ -15,7 +15,7 @@ namespace lostbits::test::test_chain_length {
 
 int longest = 0;  ///< chain of operations that was seen
 
-/// A number of a bound, and how many operations made it, one after the other.
+/// A number of a bound, with the number of consecutive operations that computed it.
 struct Steps {
     double x = 0;
     int count = 0;
@@ -39,7 +39,7 @@ struct Steps {
     friend Steps select(bool mask, const Steps& a, const Steps& b) {
         return {mask ? a.x : b.x, std::max(a.count, b.count)};
     }
-    /// Nothing is known to be 0, so that no operation is left out.
+    /// No number is known to be 0, so no operation is left out.
     static constexpr std::size_t lanes = 1;
     [[nodiscard]] [[gnu::noinline]] std::array<std::uint64_t, 1> words() const {
         return {std::bit_cast<std::uint64_t>(x)};
@@ -49,7 +49,7 @@ private:
     static Steps made(double x, const Steps& a, const Steps& b) { return {x, std::max(a.count, b.count) + 1}; }
 };
 
-/// A word, whose own roundings are no part of its bound.
+/// A word, whose own roundings do not count for its bound.
 struct Word {
     Steps value;
 

@@ -1,4 +1,5 @@
-// Truths of many rays among primitives are those of each ray alone, in doubles and in numbers that double cannot hold.
+// Truths of many rays among primitives equal the truth of each ray alone, in doubles and in numbers that double cannot
+// hold.
 #include <optional>
 
 #include "catch.hpp"
@@ -17,14 +18,14 @@ using measure::truth::Truth;
 
 namespace {
 
-/// A number that no double holds: of two words, and a rest behind them.
+/// A number that no double can hold: two words, and a rest behind them.
 Real between_doubles(Seeded& rng, double x) {
     if (rng.index(4) == 0 || std::fabs(x) < 0x1p-800) return Real(x);
     const double second = x * rng.uniform(-0x1p-54, 0x1p-54), rest = second * rng.uniform(-0x1p-54, 0x1p-54);
     return Real(x) + Real(second) + Real(rest);
 }
 
-/// Such rays, each with its own primitive.
+/// Rays of such numbers, each with its own primitive.
 struct Ideal {
     scene::rays::BasicRayBlock<Real> rays;
     std::vector<Primitive<Real>> primitives;
@@ -82,7 +83,7 @@ TEST_CASE("truths of rays among spheres and boxes equal those of each ray alone"
     for (const HardRay& p : problems_of(Shape::box, binary32, 40)) problems.push_back(p);
     std::vector<Primitive<double>> primitives;
     for (std::size_t i = 0; i < problems.size(); i += 97) primitives.push_back(problems[i].primitive);
-    // Several that no ray can tell apart, and one that does not exist.
+    // Several primitives that no ray can distinguish, and one that does not exist.
     primitives.push_back(primitives[2]);
     primitives.insert(primitives.begin() + 1, Primitive<double>(Sphere<double>{{0, 0, 0}, -1}));
     scene::rays::RayBlock rays;

@@ -1,5 +1,5 @@
-// A stage that was recorded and runs over columns gives every word and bound that its formula gives over one double: of
-// every shape, with and without ranges, matrices and second words, whether columns hold one number or many.
+// A recorded stage that runs over columns gives every word and bound that its formula gives over one double: for every
+// shape, with and without ranges, matrices and second words, with columns of one number and of many.
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -25,8 +25,8 @@ double drawn(std::mt19937_64& from, double low, double high) {
     return low + (high - low) * static_cast<double>(from() >> 11) * 0x1p-53;
 }
 
-/// Rays at a primitive near the origin from everywhere: some begin inside, some pass by, some run along an axis. Every
-/// fifth points away, and so do all of the second block, behind which a program skips what no ray wants.
+/// Rays at a primitive near the origin, from everywhere: some begin inside, some pass by, some run along an axis. Every
+/// fifth ray points away, and so does the whole second block, after which a program skips steps that no ray needs.
 std::vector<std::array<double, stage_inputs>> problems_at(Shape shape) {
     std::mt19937_64 from(23);
     std::vector<std::array<double, stage_inputs>> all(rays);
@@ -133,7 +133,7 @@ Counts compare(const StageTerms& terms, bool one_primitive, const ShapeStage<S>&
     return counts;
 }
 
-/// Each of the things that change a program, alone and with others.
+/// Each feature that changes a program, alone and with others.
 std::vector<StageTerms> terms_of(Shape shape, int words) {
     const StageTerms plain{shape, words, false, {}, false, {}, true, true};
     std::vector<StageTerms> all{plain, plain, plain, plain, plain, plain, plain};

@@ -63,7 +63,7 @@ private:
     OpenEnds open_;
 };
 
-/// One of the numbers of a problem: of its ray, then of its primitive.
+/// One of the numbers of a problem: first those of its ray, then those of its primitive.
 double& number_of(Problem& p, std::size_t k) {
     if (k >= 6) return p.primitive.numbers[k - 6];
     return k < 3 ? p.ray.origin[static_cast<int>(k)] : p.ray.direction[static_cast<int>(k) - 3];
@@ -73,7 +73,7 @@ const measure::truth::Certified& length_of(const Truth& truth, Length length) {
     return length == Length::parameter ? truth.t : truth.distance;
 }
 
-/// Number of rays whose results in columns differ from those alone.
+/// Number of rays whose results in columns differ from those of the ray alone.
 std::size_t count_different(std::span<const Problem> problems, const TruthColumns& found, Length length, bool tight) {
     std::size_t different = 0;
     for (std::size_t i = 0; i < problems.size(); ++i) {
@@ -152,7 +152,7 @@ TEST_CASE("truth columns: every register width gives the same bits") {
             for (const Length length : {Length::parameter, Length::distance}) {
                 std::optional<TruthColumns> floats, doubles;
                 at_every_width([&](intersect::simd::Isa isa) {
-                    if (isa == intersect::simd::Isa::scalar) return;  // which asks rays one by one
+                    if (isa == intersect::simd::Isa::scalar) return;  // which computes rays one by one
                     TruthColumns found;
                     const auto same_as = [&found](std::optional<TruthColumns>& first) {
                         if (!first) first = found;
@@ -224,7 +224,7 @@ TEST_CASE("truth columns: any number of rays works at every register width, and 
                              [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }));
         }
     });
-    // One sphere for all rays, as one number a column and as many.
+    // One sphere for all rays, as one number per column and as many.
     std::vector<Problem> same = problems;
     for (Problem& p : same) p.primitive = Sphere<double>{{1, 2, 3}, 4};
     const Columns<double> columns(same);

@@ -81,7 +81,8 @@ TEST_CASE("verdicts agree with those worked out by hand") {
         Verdict in_f64;
     };
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
-    // In f64 the same lengths are ordinary, but that tiny is 2^-1074 there, and t = 3·2^1074 infinite as well.
+    // In f64 the same lengths are ordinary, but the smallest number is 2^-1074 there, and t = 3·2^1074 is infinite as
+    // well.
     const Expected expected[] = {{"exact", Verdict::right, 0, Verdict::right},
                                  {"radius lost", Verdict::wrong_value, 12, Verdict::right},
                                  {"c overflows", Verdict::false_miss, none, Verdict::right},
@@ -97,7 +98,7 @@ TEST_CASE("verdicts agree with those worked out by hand") {
         CHECK(same(cases[i][0].metrics[0].quantile(1), expected[i].bits));
         CHECK(measure::sweep::verdict_of(cases[i][1], request.metrics, 3) == expected[i].in_f64);
         CHECK(cases[i][0].rays == 1);
-        // One row of one case is the same as that row among all.
+        // One row of one case is the same as this row among all rows.
         const FormSummary alone = measure::sweep::run_cases_together(request, 0, {i});
         CHECK(alone.outcomes == cases[i][0].outcomes);
         CHECK(same(alone.metrics[0].quantile(1), cases[i][0].metrics[0].quantile(1)));
@@ -105,12 +106,12 @@ TEST_CASE("verdicts agree with those worked out by hand") {
     CHECK(cases[1][0].worst.t == 4097);
     CHECK(cases[1][0].worst.size == 2048);
     CHECK(std::isinf(cases[5][0].worst.t));
-    // Far enough from the envelope to be wrong by any limit below; by any above, the inputs allow no better until the
-    // limit is as large as the loss itself.
+    // Far enough from the envelope to be wrong for every limit below the loss. For a limit above it, the inputs allow
+    // no better until the limit is as large as the loss itself.
     const double excess = cases[1][0].metrics[1].quantile(1);
     CHECK(excess > 8);
     CHECK(excess < 12);
-    // All but `excess` of the 12 bits are the inputs' own: not wrong, and not right either.
+    // All but `excess` of the 12 bits are due to the inputs: the answer is not wrong, and not right either.
     CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, excess) == Verdict::within_inputs);
     CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, 12) == Verdict::right);
     CHECK(measure::sweep::verdict_of(cases[1][0], request.metrics, std::nextafter(excess, 0)) == Verdict::wrong_value);
@@ -152,7 +153,7 @@ TEST_CASE("an improper ray or primitive is never a hit") {
         const Primitive<double> bad = Sphere<double>{{0, 0, 0}, radius};
         CHECK_FALSE(measure::truth::is_proper(bad));
         CHECK(measure::truth::find_truth(ray, bad).decision == measure::truth::Truth::Decision::miss);
-        // It does not hide what lies beside it, and is not named.
+        // It does not hide the primitive beside it, and is not named.
         const std::vector<Primitive<double>> both{bad, good};
         CHECK(measure::truth::find_truth(ray, both).is_hit());
         CHECK(measure::truth::find_truth(ray, both).object == 1);

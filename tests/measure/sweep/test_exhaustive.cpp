@@ -40,7 +40,7 @@ std::string ray(const std::string& name, const std::string& origin, const std::s
 const std::string unit_sphere = "[sphere]\ncentre = [0, 0, 0]\nradius = 1";
 const std::string cube = "[box]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]";
 
-/// One form at one float, without packs of anything.
+/// One form at one float, without packs.
 struct Alone {
     Outcome outcome;
     double ulps = truth::missing, padding = 0;
@@ -64,7 +64,7 @@ Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const TestedForm& r
     return found;
 }
 
-/// Everything but the worst, of which another may be next to it, and the errors between.
+/// Compares everything except the worst float, since another may be next to it, and the errors between.
 void check_same(const sweep::FloatTally& packs, const sweep::FloatTally& alone) {
     CHECK(packs.outcomes == alone.outcomes);
     CHECK(packs.first_wrong == alone.first_wrong);
@@ -202,7 +202,7 @@ TEST_CASE("every float of a binade from radius 4096 (a part in short tests) agre
 }
 
 TEST_CASE("the padding that suffices for every float is that of the slabs, also behind a box") {
-    // The ray that parts the slabs further than any other, at the floats around its origin.
+    // The ray that separates the slabs further than any other, at the floats around its origin.
     const ExhaustiveFile boxes(std::filesystem::path(LOSTBITS_DATA_DIR) / "sweeps/exhaustive-padding-origin.toml",
                                LOSTBITS_DATA_DIR);
     const ExhaustiveFile triangles(

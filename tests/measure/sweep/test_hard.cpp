@@ -1,4 +1,4 @@
-// The worst rays that searches found, kept in data/hard. Each still has the measured value in its name.
+// The worst rays that searches found, kept in data/hard. Each ray still has the measured value in its name.
 #include <fmt/format.h>
 
 #include <regex>

@@ -1,4 +1,4 @@
-// Every float across a mesh, compared with its triangles asked one by one.
+// Every float across a mesh, compared with its triangles tested one by one.
 #include <algorithm>
 #include <map>
 
@@ -44,7 +44,7 @@ Counted count_at(const ExhaustiveFile& file, const measure::evaluate::TestedForm
     return counted;
 }
 
-/// Holds every form's counts at 1025 floats against its triangles asked one by one; what each form does.
+/// Compares every form's counts at 1025 floats with its triangles tested one by one; returns the counts of each form.
 std::vector<sweep::FloatTally> check_counts(const ExhaustiveFile& file) {
     REQUIRE(file.floats() == 1025);
     sweep::ExhaustiveRequest request{.sweep = file};
@@ -96,7 +96,7 @@ TEST_CASE("every float of a sweep through a mesh vertex is counted as its triang
     CHECK(at_vertex == 6);
     const auto tallies = check_counts(file);
     CHECK(tallies.front().count(Outcome::crack) > 0);
-    // Six closed triangles each meet the vertex, and of them alone one that decides correctly hits twice.
+    // All six closed triangles meet the vertex. Only there does a form that decides correctly hit twice.
     const sweep::FloatTally& filtered = tallies.back();
     CHECK(filtered.wrong() == 1);
     CHECK(filtered.count(Outcome::double_hit) == 1);

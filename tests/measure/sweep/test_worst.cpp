@@ -48,7 +48,7 @@ bool equal(const std::optional<WorstResult>& a, const std::optional<WorstResult>
 
 bool is_of(double x, const FloatFormat& f) { return rounding::to_format(x, 0, f) == x; }
 
-/// One ray through one form alone, and the truth found anew.
+/// One ray with one form alone, and its truth computed again.
 struct Alone {
     Alone(const TestedForm& row, const Ray<double>& ray, const Primitive<double>& primitive)
         : truth(measure::truth::find_truth(ray, primitive, {}, row.form->info->touching)) {
@@ -120,7 +120,7 @@ TEST_CASE("a search for a minimum reports the metric itself and goes on after a 
     CHECK(found->evaluations == 8 * 16 * 32);
 }
 
-TEST_CASE("a search of hits only goes on where forms decide wrongly") {
+TEST_CASE("a search that counts hits only does not stop at a wrong decision") {
     SearchFile search(folder / "backward-far.toml");
     search.starts = 2;
     search.generations = 16;
@@ -166,7 +166,7 @@ TEST_CASE("a search reports for its worst ray what that ray measures alone") {
     CHECK(wrong > 0);
 }
 
-TEST_CASE("a search over empty ranges finds nothing, and one that meets a wrong decision stops") {
+TEST_CASE("a search over empty ranges finds nothing, and a search stops at a wrong decision") {
     const TextFile none(search_text("distance_radii = [500, 600]\n"));
     const SearchFile empty(none.path());
     CHECK_FALSE(worst_of(empty, row("sphere.press", "f32")).has_value());
@@ -210,7 +210,7 @@ TEST_CASE("the nearest false miss of the schoolbook form respects the error boun
     }
 }
 
-TEST_CASE("a search that aims at a rim starts as near to it as it is told, among rays from everywhere") {
+TEST_CASE("a search that aims at a rim starts at the distance that its file states") {
     const Scratch scratch;
     const auto with = [&](const std::string& distance) {
         return SearchFile(scratch.write(

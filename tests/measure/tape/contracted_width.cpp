@@ -1,4 +1,4 @@
-// Every form over plain numbers as a compiler makes it that may round a product together with the sum it is added to.
+// Every form over plain numbers, compiled so that a product may be rounded together with the sum to which it is added.
 #include "measure/tape/contracted_width.hpp"
 
 #include "intersect/catalogue.hpp"

@@ -73,7 +73,7 @@ TEST_CASE("a product that is only added is fused, and one that is used elsewhere
     CHECK(operations_of([](auto a, auto b, auto c, auto) { return c - a * b; })[TapeOp::fma] == 1);
     CHECK(operations_of([](auto a, auto b, auto c, auto) { return a * b - c; })[TapeOp::fma] == 1);
     CHECK(operations_of([](auto a, auto b, auto c, auto) { return -(a * b) + c; })[TapeOp::fma] == 1);
-    // The same product twice is one, which both sums take in.
+    // The same product used twice is one node, which both sums fuse.
     const auto again = [](auto a, auto b, auto c, auto d) { return (a * b + c) * (b * a + d); };
     CHECK(operations_of(again)[TapeOp::fma] == 2);
     CHECK(operations_of(again)[TapeOp::mul] == 1);
@@ -102,7 +102,7 @@ Hit<double> compiled(EvaluatePlain<F> ask, const Setting& s) {
     return {hit != 0, t, near, far};
 }
 
-/// Rays of a form on which compiled code answers otherwise than its contracted tape, of so many.
+/// Number of rays, of `count` rays of a form, on which compiled code and the contracted tape differ.
 template <class F>
 int differing(const Intersector& form, const Format& format, EvaluatePlain<F> ask, int count) {
     const Intersector& row = contracted_row(form);

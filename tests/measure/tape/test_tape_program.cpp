@@ -1,4 +1,4 @@
-// A program over columns has the bits of the form that its tape was recorded of, and of the tape run node by node.
+// A program over columns has the bits of the form from which its tape was recorded, and of the tape run node by node.
 #include "measure/tape/tape_program.hpp"
 
 #include <cmath>
@@ -25,7 +25,7 @@ bool same_answer(const Hit<double>& a, const Hit<double>& b) {
     return a.hit == b.hit && same_number(a.t, b.t) && same_number(a.near, b.near) && same_number(a.far, b.far);
 }
 
-/// Rays of a form, as many as a block and some more.
+/// Rays of a form: one block and some more.
 std::vector<Setting> draw(const Intersector& form, const Format& format) {
     Random random(41);
     std::vector<Setting> all;
@@ -33,7 +33,7 @@ std::vector<Setting> draw(const Intersector& form, const Format& format) {
     return all;
 }
 
-/// One call over all the rays, to each its own primitive.
+/// One call over all rays, each with its own primitive.
 template <class S>
 std::vector<Hit<double>> in_columns(const TapeProgram& program, const std::vector<Setting>& settings) {
     const std::size_t n = settings.size();

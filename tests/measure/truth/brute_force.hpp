@@ -1,5 +1,5 @@
-// Finite changes of a problem, made and judged exactly: by signs of polynomials, with no root and no quotient, in as
-// many bits as it takes, which MPFR tells.
+// Finite changes of a problem, applied and judged exactly: by signs of polynomials, without roots and quotients, in as
+// many bits as MPFR needs.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@
 
 namespace lostbits::test::textbook {
 
-/// `act` in numbers of 512 bits or, where MPFR rounds one of these, again in so many that products of sums of any
-/// doubles have room. Whether those were exact.
+/// Runs `act` in numbers of 512 bits or, if MPFR rounds one of these, again in enough bits for products of sums of any
+/// doubles. Returns true if all of them were exact.
 template <class Act>
 bool in_exact_numbers(const Act& act) {
     mpfr_clear_inexflag();
@@ -38,7 +38,7 @@ struct Slab {
         std::swap(entry, leave);
         entry = -entry, leave = -leave, speed = -speed;
     }
-    /// Not above 0 where this one is entered no later than the other is left.
+    /// At most 0 if this slab is entered no later than the other is left.
     [[nodiscard]] N against(const Slab& other) const { return entry * other.speed - other.leave * speed; }
 };
 
@@ -88,7 +88,7 @@ bool line_meets(const std::array<Slab<N>, 3>& slabs) {
     return true;
 }
 
-/// True if it is a problem at all: a box does not end before it begins.
+/// True if it is a valid problem: a box does not end before it begins.
 template <class N>
 bool is_problem(Shape shape, const NumbersOf<N>& x) {
     return shape != Shape::box || (x[6] <= x[9] && x[7] <= x[10] && x[8] <= x[11]);
@@ -115,7 +115,7 @@ Side side_of(const N& beyond) {
     return beyond > 0 ? Side::beyond : beyond == 0 ? Side::there : Side::before;
 }
 
-/// On which side of t the answer lies: of a sphere the near root, or the far one.
+/// Side of t on which the answer lies: for a sphere the near root, or the far one.
 template <class N>
 Side side_of(Shape shape, const NumbersOf<N>& x, const N& t, bool is_far) {
     if (shape == Shape::sphere) {
@@ -140,10 +140,10 @@ Side side_of(Shape shape, const NumbersOf<N>& x, const N& t, bool is_far) {
     return side_of<N>(p.det > 0 ? beyond : N(-beyond));
 }
 
-/// For each number of a problem whether it is made larger, +1, or smaller, −1.
+/// For each number of a problem, +1 if it is increased and −1 if it is decreased.
 using Way = std::array<signed char, most_of_problem>;
 
-/// A problem, and others in which every number is off by a part of itself.
+/// A problem, and others in which every number is changed by a fraction of itself.
 template <class N>
 class Problem {
 public:
@@ -160,7 +160,8 @@ public:
         for (std::size_t i = 0; i < count_; ++i) there[i] += way[i] * step(i, by);
         return there;
     }
-    /// For each of the functions the way on which it falls fastest towards 0, found with one number after the other.
+    /// For each of the functions, the signs of the changes for which it falls fastest towards 0, found for one number
+    /// after the other.
     template <class F>
     [[nodiscard]] std::vector<Way> ways_to_zero(const F& functions, double by) const {
         const std::vector<N> here = functions(x);

@@ -40,7 +40,7 @@ private:
     std::int64_t e_ = 0;
 };
 
-/// The first root of |f + t d|² = r² in a range, known by its defining signs alone.
+/// The first root of |f + t d|² = r² in a range, known only by the signs that define it.
 class ExactHit {
 public:
     ExactHit(const Ray<double>& ray, const Sphere<double>& sphere, const Range<double>& range = {}) {
@@ -52,7 +52,7 @@ public:
     [[nodiscard]] bool on_surface() const { return c_.sign() == 0; }
     [[nodiscard]] bool is_inside() const { return c_.sign() < 0; }
     [[nodiscard]] bool is_tangent_line() const { return discriminant_.sign() == 0; }
-    /// True if the range ends where the line enters, for a hit.
+    /// True if, for a hit, the range ends where the line enters.
     [[nodiscard]] bool ends_at_entry(const Range<double>& range) const {
         return !far_ && !std::isinf(range.tmax) && side(Dyadic(range.tmax)) == 0;
     }
@@ -76,7 +76,7 @@ private:
 Dyadic lower_end(const measure::truth::Certified& x);
 Dyadic upper_end(const measure::truth::Certified& x);
 
-/// True if t* lies between both ends; the same for the distance.
+/// True if t* lies between both ends, and the distance too.
 bool encloses(const measure::truth::Certified& t, const ExactHit& exact);
 bool encloses_distance(const measure::truth::Certified& distance, const ExactHit& exact);
 

@@ -1,4 +1,4 @@
-// The rays that were chosen to break something, at spheres, boxes and triangles alike.
+// Rays that were chosen to break an intersection test, at spheres, boxes and triangles alike.
 #pragma once
 
 #include <functional>
@@ -26,7 +26,7 @@ struct HardDistribution {
     std::function<HardRay(Seeded&)> draw;
 };
 
-/// Spheres with exponents of any size, or without.
+/// Spheres whose exponents may have any size, or only ordinary ones.
 enum class Wide { no, yes };
 
 /// The distributions of a shape in these formats; the one first that is random. Triangles are of floats.
@@ -34,7 +34,7 @@ inline std::vector<HardDistribution> hard_distributions(Shape shape, std::initia
                                                         Wide wide = Wide::no) {
     std::vector<HardDistribution> all;
     for (const FloatFormat& storage : formats) {
-        const auto keep = [storage](double x) { return stored(x, storage); };  // some scale what they have rounded
+        const auto keep = [storage](double x) { return stored(x, storage); };  // some scale their rounded numbers
         const auto add_spheres = [&](const auto& distributions) {
             for (const RayDistribution& f : distributions)
                 all.push_back({f.name, storage, [&f, storage](Seeded& rng) {

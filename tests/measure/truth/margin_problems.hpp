@@ -21,7 +21,7 @@ struct MarginProblem {
     [[nodiscard]] bool is_proper() const {
         return measure::truth::is_proper(ray) && measure::truth::is_proper(primitive);
     }
-    /// True if the ray hits; nothing where this is no problem.
+    /// True if the ray hits; empty if the problem is not valid.
     [[nodiscard]] std::optional<bool> hits() const {
         if (!is_proper()) return std::nullopt;
         return measure::truth::find_truth(ray, primitive).is_hit();
@@ -106,7 +106,7 @@ private:
         for (int i = 0; i < 3; ++i) off[i] = static_cast<double>(rng_.integer(-8, 8)) / 4;
         return {centre + off + -4.0 * d, d};
     }
-    /// v·d is 0, or what rounding leaves of it.
+    /// v·d is 0, or the rounding error of 0.
     Ray<double> across_ray(const Primitive<double>& of, const Sphere<double>& ball) {
         Vec<double> axis{0, 0, 1};
         std::vector<Vec<double>> points;

@@ -1,5 +1,4 @@
-// Ranges of rays that are hard for whoever decides them: about the t of a surface, exactly there, and one number
-// beside.
+// Ranges of rays that are hard to decide: near the t of a surface, exactly there, and one number beside it.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +13,7 @@
 
 namespace lostbits::test {
 
-/// An end at one of these t, beside one, between, or anywhere among the numbers of a format.
+/// An end at one of these t, beside one, between two, or anywhere among the numbers of a format.
 inline double end_about(Seeded& rng, std::span<const double> roots, const FloatFormat& storage) {
     const double root = roots[static_cast<std::size_t>(rng.index(static_cast<int>(roots.size())))];
     const double at = stored(root, storage);
@@ -33,7 +32,7 @@ inline double end_about(Seeded& rng, std::span<const double> roots, const FloatF
     }
 }
 
-/// A range about these t: some of one number, some of none, some without end, and any of the ends open.
+/// A range near these t: some ranges contain one number, some none, some have no end, and each end may be open.
 inline Range<double> range_about(Seeded& rng, std::span<const double> roots, const FloatFormat& storage) {
     Range<double> range;
     range.tmin = end_about(rng, roots, storage);
@@ -47,7 +46,7 @@ inline Range<double> range_about(Seeded& rng, std::span<const double> roots, con
     return range;
 }
 
-/// The same about where a ray meets a primitive first and where its line leaves it, or as far again.
+/// A range near the t at which a ray enters a primitive and its line leaves it, or as far again.
 inline Range<double> range_about_primitive(Seeded& rng, const Ray<double>& ray, const Primitive<double>& primitive,
                                            const FloatFormat& storage) {
     const measure::truth::Truth truth = measure::truth::find_truth(ray, primitive);
@@ -59,7 +58,7 @@ inline Range<double> range_about_primitive(Seeded& rng, const Ray<double>& ray, 
     return range_about(rng, roots, storage);
 }
 
-/// As C++ that compiles.
+/// The range as C++ that compiles.
 inline std::string paste(const Range<double>& range) {
     std::ostringstream out;
     out << std::hexfloat << "Range<double> range{" << range.tmin << ", " << range.tmax << ", {" << range.open.tmin

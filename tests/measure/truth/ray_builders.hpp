@@ -31,7 +31,7 @@ RaySample rescaled(RaySample s, int lengths, int direction);
 RaySample shuffled(Seeded& rng, const RaySample& s);
 RaySample stored(const RaySample& s, const FloatFormat& storage);
 
-/// Any unit vector (to rounding), and one at right angles to `d`.
+/// Any unit vector (to rounding), and one perpendicular to `d`.
 Vec<double> unit_vector(Seeded& rng);
 Vec<double> normal_to(Seeded& rng, const Vec<double>& d);
 

@@ -17,8 +17,8 @@ struct RayDistribution {
     RaySample (*make)(Seeded&, const FloatFormat& storage);
     /// Rays per storage format: fewer where exponents are wide and exact arithmetic is dear.
     int rays_binary32, rays_binary64;
-    /// At most so many of the binary32 rays go beyond double-double: a formula that cancels would still be right, but
-    /// would pay for it with precision.
+    /// Limit on the number of binary32 rays that go beyond double-double: a formula that cancels would still be right,
+    /// but would pay for it with precision.
     int most_escalated;
 };
 

@@ -169,7 +169,7 @@ RaySample wide_contact(Seeded& rng, const FloatFormat& storage) {
         const std::int64_t p = rng.integer(-3, 3), q = rng.integer(-3, 3);
         switch (rng.index(4)) {
             case 0: return combine(p == 0 ? 1 : p, e.u, 0, e.v, 0, e.w);
-            case 1: return combine(p, e.u, -g.q, e.v, g.p, e.w);  // at right angles to f, too
+            case 1: return combine(p, e.u, -g.q, e.v, g.p, e.w);  // perpendicular to f, too
             case 2: return combine(1, e.u, p, e.v, q, e.w);
             default: return combine(p, e.u, g.p, e.v, g.q, e.w);
         }

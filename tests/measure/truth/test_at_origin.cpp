@@ -1,4 +1,4 @@
-// Eyes exactly on the surface: the truth by either word on t = 0, and every form against its own.
+// Eyes exactly on the surface: the truth for both values of `at_origin`, and every form by its own value.
 #include <array>
 #include <map>
 #include <set>
@@ -45,7 +45,8 @@ Vec<T> lifted(const Vec<double>& v) {
     return {T(v.x), T(v.y), T(v.z)};
 }
 
-/// True if the contract of a form covers a ray: a form that knows only the near root has no answer if that lies behind.
+/// True if the contract of a form covers a ray: a form that returns only the near root has no answer if that lies
+/// behind.
 bool is_asked(const intersect::Info& info, double h) { return info.roots != intersect::Roots::near_only || h <= 0; }
 
 }  // namespace
@@ -59,8 +60,8 @@ TEST_CASE("only the sphere on which the eye lies is skipped", "[measure][truth]"
     CHECK(closed.t.is_zero());
     CHECK(ahead.object == 1);
     CHECK(round_truth(ahead, ray, two[1], binary64) == 5);
-    // kappa of t = 0 is none. At the far root P = (−1, 2, 2), t = 2: from P·(∂o + ∂t d + t ∂d) = r ∂r with P·d = 1,
-    // ∂t/∂o = −P, ∂t/∂r = 3 and ∂t/∂d.x = 2: (1·1 + 2·2 + 2·2 + 3·3 + 1·2)/2.
+    // t = 0 has no κ. At the far root P = (−1, 2, 2), t = 2: from P·(∂o + ∂t d + t ∂d) = r ∂r with P·d = 1, ∂t/∂o = −P,
+    // ∂t/∂r = 3 and ∂t/∂d.x = 2: (1·1 + 2·2 + 2·2 + 3·3 + 1·2)/2.
     const Ray<double> in{{1, 2, 2}, {-1, 0, 0}};
     CHECK(std::isinf(measure::truth::condition(in, two[0])));
     CHECK(measure::truth::condition(in, two[0], AtOrigin::miss) == Approx(10).epsilon(0x1p-19));
@@ -109,7 +110,7 @@ TEST_CASE("every unrounded sphere form decides eyes on the surface as its contra
         CHECK(count[0] > 15);
         if (undecided.count(name) == 0) CHECK(count[1] > 0);
     }
-    // Along the tangent plane t = c/q is 0/0 in these.
+    // Along the tangent plane, these forms compute t = c/q as 0/0.
     CHECK(undecided == std::set<std::string_view>{"sphere.closest_approach", "sphere.cross_product",
                                                   "sphere.early_exit", "sphere.factored_c", "sphere.kahan_discriminant",
                                                   "sphere.newton_refined", "sphere.unified", "sphere.unified_unit"});

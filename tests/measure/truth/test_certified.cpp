@@ -23,7 +23,7 @@ using measure::truth::scaled_difference;
 
 namespace {
 
-/// Two words and a bound of any size allowed; often words that sit on a boundary of some format.
+/// Two words and a valid bound of any size; the words are often on a boundary of some format.
 Certified any_certified(Seeded& rng, int exponents) {
     Certified x;
     x.hi = rng.signed_magnitude(0, 0);
@@ -45,7 +45,7 @@ Certified any_certified(Seeded& rng, int exponents) {
     return x;
 }
 
-/// Something that differs from x by a few units of its last places.
+/// A number that differs from x by a few units of its last places.
 Certified close_to(Seeded& rng, const Certified& x) {
     Certified y = x;
     if (rng.coin()) y.hi += std::ldexp(rng.sign(), -52);
@@ -97,7 +97,7 @@ TEST_CASE("compare answers only where both bounds allow it, and always where the
         INFO(std::hexfloat << x.hi << ' ' << x.lo << ' ' << x.bound << "; " << y.hi << ' ' << y.lo << ' ' << y.bound);
         if ((order < 0 && !below) || (order > 0 && !above)) FAIL("claims " << order);
         if (order != -lostbits::measure::truth::compare(y, x)) FAIL("depends on the order of its arguments");
-        // Twice the bounds apart is enough for an answer.
+        // If two values are twice their bounds apart, there must be an answer.
         const Dyadic gap = Dyadic(x) - Dyadic(y);
         const Dyadic sum = Dyadic(x.bound).scaled(x.exponent) + Dyadic(y.bound).scaled(y.exponent);
         const Dyadic bounds = sum.scaled(1) + Dyadic(1.0).scaled(-990);

@@ -1,4 +1,4 @@
-// κ against what can be worked out by hand, and gradients against central differences.
+// κ compared with values worked out by hand, and gradients with central differences.
 #include <cmath>
 
 #include "catch.hpp"
@@ -28,8 +28,8 @@ double& number_of(Ray<double>& ray, Primitive<double>& primitive, std::size_t i)
     return i < 3 ? ray.origin[static_cast<int>(i)] : ray.direction[static_cast<int>(i) - 3];
 }
 
-/// Central differences of t, which is known to 2^-72, for steps of 2^-40; nothing where one of them leaves the
-/// primitive.
+/// Central differences of t, which is known to 2^-72, for steps of 2^-40; empty if one of the changed problems misses
+/// the primitive.
 std::vector<double> by_differences(const Ray<double>& ray, const Primitive<double>& primitive) {
     std::vector<double> slopes;
     for (std::size_t i = 0; i < 6 + primitive.used().size(); ++i) {
@@ -141,18 +141,18 @@ TEST_CASE("inherent bits near a tangent are fewer than the condition number says
     const double beside = 1 - 0x1p-40, w = std::sqrt(0x1p-40 * (1 + beside));
     CHECK(by_condition(beside) > 18);
     CHECK(bits_at(beside, 4 - w) == Approx(11.8).margin(0.1));
-    // Well beside it first order is right.
+    // Well beside it the first order is right.
     const double well = 1 - 0x1p-6, far = std::sqrt(0x1p-6 * (1 + well));
     CHECK(bits_at(well, 4 - far) == Approx(by_condition(well)).margin(1.01));
 }
 
 TEST_CASE("an error within the reach of t is excused") {
     using measure::truth::excess_bits;
-    // A tangent at t = 8, which moves by 2^-11 of it for half an ulp: 8.002 is the inputs', 0 loses all bits beyond the
-    // 13.
+    // A tangent at t = 8, which moves by 2^-11 of itself for half an ulp: 8.002 is due to the inputs, 0 loses all bits
+    // beyond the 13.
     CHECK(excess_bits(8.002, exactly(8), binary32, 0x1p-11) == 0);
     CHECK(excess_bits(0, exactly(8), binary32, 0x1p-11) == 24 - 13);
-    // 6 where the origin is on the surface and 0 is right; 1e-7 is what the inputs do.
+    // t = 6 with the origin on the surface, where 0 is right; 1e-7 is due to the inputs.
     CHECK(excess_bits(6, exactly(0), binary32, 0x1p-23) == 24);
     CHECK(excess_bits(1e-7, exactly(0), binary32, 0x1p-23) == 0);
     CHECK(excess_bits(6, exactly(0), binary64, 0) == 53);

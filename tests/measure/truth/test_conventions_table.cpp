@@ -1,4 +1,4 @@
-// The table of conventions: the truth holds it in every combination of properties, and docs/truth.md shows it.
+// The table of conventions: the truth follows it for every combination of properties, and docs/truth.md shows it.
 #include <algorithm>
 #include <fstream>
 #include <sstream>
@@ -213,7 +213,7 @@ TEST_CASE("conventions: the table covers every situation of every kind", "[measu
     }
 }
 
-TEST_CASE("conventions: the origin property matters except for boxes that answer 0 inside", "[measure][truth]") {
+TEST_CASE("conventions: the origin property matters except for boxes that return 0 inside", "[measure][truth]") {
     for (const ShapeRow& shape : shape_rows)
         for (const Inside inside : insides)
             CHECK(intersect::origin_matters(shape.shape, inside) !=

@@ -1,5 +1,5 @@
-// Forms that are not told a range, asked as a renderer asks them: what lies in it counts, and a root that the form does
-// not tell is lost.
+// Forms that do not receive a range, used as a renderer uses them: an answer in the range counts, and a root that the
+// form does not return is lost.
 #include <set>
 #include <string_view>
 
@@ -19,7 +19,7 @@ using scene::rays::RayGroup;
 
 namespace {
 
-/// A ray along an axis, whose roots are 2 and 8, of what is flat 2 alone, in every arithmetic: nothing is rounded.
+/// A ray along an axis, whose roots are 2 and 8, or 2 alone for flat shapes, in every arithmetic: nothing is rounded.
 RayGroup plain_ray(Shape shape, const Range<double>& range) {
     RayGroup group = scene::rays::group_of({{-5, 0, 0}, {1, 0, 0}});
     group.rays.tmin = {range.tmin};
@@ -49,7 +49,7 @@ Outcome outcome_of(const intersect::table::Intersector& form, const char* format
     return Outcome::unresolved;
 }
 
-/// All ranges between these, with every kind of end.
+/// All ranges between these numbers, with every kind of end.
 template <class Use>
 void for_each_range(const Use& use) {
     for (const double tmin : {0.0, 1.0, 2.0, 5.0, 8.0, 9.0})
@@ -81,8 +81,8 @@ void check_equal(const measure::answer::Answers& a, const measure::answer::Answe
     CHECK(std::ranges::equal(a.t, b.t, [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); }));
 }
 
-/// By hand: the surface is at 2 and 8, and all between is the box; what is flat is at 2. Where a touch is a miss a ray
-/// may not end where it enters an inside.
+/// By hand: the surface is at 2 and 8, and a box contains all between; a flat shape is at 2. If a touch is a miss, a
+/// ray may not end where it enters an inside.
 bool meets(Shape shape, bool closed, const Range<double>& r) {
     if (!r.holds_any()) return false;
     const auto in = [&r](double t) { return !r.is_before(t) && !r.is_after(t); };
@@ -95,7 +95,7 @@ bool meets(Shape shape, bool closed, const Range<double>& r) {
 /// Forms that pad a box. A range that begins at the far end, or ends at the near one, keeps the width of the padding,
 /// which makes a false hit.
 const std::set<std::string_view> pads_an_end{"box.max_mult", "box.pbrt_padded", "box.bvh_robust", "box.embree_padded"};
-/// A ray that ends where it enters is no hit by its words.
+/// A ray that ends at its entry is not a hit by the form's properties.
 constexpr std::string_view open_at_the_end = "box.tinybvh";
 
 }  // namespace
@@ -112,18 +112,18 @@ TEST_CASE("forms with both roots decide as the truth in every range, and forms w
             const bool rounds = form.shape == Shape::ellipsoid || form.info->name == "torus.quilez";  // 1/k0
             if (rounds && (is_root(range.tmin) || is_root(range.tmax))) return;
             const bool hit = meets(form.shape, closed, range);
-            // A strict tmin < tmax has no room for a single t, which an open box holds all the same.
+            // A strict tmin < tmax excludes a range of a single t, which an open box can still contain.
             if (open_box && range.tmin == range.tmax) return;
             if (form.info->name == open_at_the_end && range.tmax == 2) return;
-            // If only the far root is in the range, a form that does not return it has nothing to offer. A box has no
-            // such case: its nearest point is the beginning of the range.
+            // If only the far root is in the range, a form that does not return it has no answer. A box has no such
+            // case: its nearest point is the beginning of the range.
             const bool far_alone = !inside_returns_zero(form.shape) && form.shape != Shape::triangle && hit &&
                                    (range.is_before(2) || range.is_after(2));
             const bool loses =
                 far_alone && form.info->roots != Roots::both && form.info->inside != intersect::Inside::near;
             INFO("from " << range.tmin << " to " << range.tmax << ", open " << name_of(range.open));
             const Outcome got = outcome_of(form, "f32", plain_ray(form.shape, range));
-            if (form.info->inside == intersect::Inside::near && far_alone) return;  // by its word there is nothing
+            if (form.info->inside == intersect::Inside::near && far_alone) return;  // by its property there is no hit
             CHECK(got == (loses ? Outcome::false_miss : hit ? Outcome::agree_hit : Outcome::agree_miss));
             (loses ? lost : right) += 1;
         });
@@ -180,7 +180,7 @@ TEST_CASE("answers in a range agree in packs and ray by ray", "[measure][range]"
     });
 }
 
-TEST_CASE("a root beyond the format's largest number is not an entry where a ray ends", "[range]") {
+TEST_CASE("a root beyond the format's largest number is not an entry at the end of a ray", "[range]") {
     for (const Roots roots : {Roots::both, Roots::near_only}) {
         intersect::Info info = *test::form_named("sphere.unified").info;
         info.roots = roots;

@@ -52,7 +52,7 @@ struct Tally {
     }
 };
 
-/// One ray that hits, off the surface.
+/// A ray that hits and does not start on the surface.
 struct Problem {
     const Ray<double>& ray;
     Primitive<double> primitive;

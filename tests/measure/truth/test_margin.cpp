@@ -81,7 +81,7 @@ Seen look(const Problem<N>& problem, double said, std::uint64_t bits, const Func
     return seen;
 }
 
-/// One ray at one primitive: what is said of its problem, and what is seen.
+/// A ray at a primitive: the numbers computed for its problem, and those observed.
 class Trial {
 public:
     Trial(Found& found, const Ray<double>& ray, const Primitive<double>& primitive, Seeded& rng)
@@ -89,13 +89,13 @@ public:
         ++found.rays;
     }
 
-    /// A margin is never above what is found by looking. Of most a change a fifth larger that turns the decision is
-    /// found: not of rays from the surface or at a rim, where two signs decide together, nor where the second order
-    /// does, as of one through the middle of a sphere far away.
+    /// A margin is never above the smallest change that the search finds. For most problems it finds a change that is a
+    /// fifth larger and changes the decision. Exceptions are rays from the surface or at a rim, where two signs decide
+    /// together, and problems of second order, such as a ray through the middle of a sphere far away.
     void check_margin() {
         const double margin = margin_of(ray_, primitive_, CountedChange::decision).proved;
         const double root = margin_of(ray_, primitive_).proved;
-        // Both are searched to 2^(1/16), or to 2 where they are large.
+        // Both are searched to 2^(1/16), or to 2 if they are large.
         const bool in_order = root <= margin * (margin < most_tight ? 1.05 : 2);
         if (!(root >= 0 && in_order && margin <= 0.5)) contradict("margins", margin, root);
         const std::uint64_t bits = rng_.bits(60);
@@ -113,7 +113,7 @@ public:
         if (margin < most_tight) found_.margins.take(seen.is_tight);
     }
 
-    /// The same of the backward error of a t that is off by 2^-3 to 2^-45.
+    /// The same for the backward error of a t that is off by 2^-3 to 2^-45.
     void check_backward() {
         Textbook book;
         const Numbers wide = numbers_of(ray_, primitive_);
@@ -254,7 +254,7 @@ struct Attacked {
     std::vector<std::string> contradictions;
 };
 
-/// The change that a margin names is no larger than twice the margin, and turns the decision, exactly.
+/// The change of a margin is at most twice the margin, and changes the decision, exactly.
 bool is_witness(const test::MarginProblem& problem, const Margin& margin, Perturbed perturbed) {
     Ray<Real> ray = lift_ray<Real>(problem.ray);
     Primitive<Real> primitive = lift_primitive<Real>(problem.primitive);
@@ -306,7 +306,7 @@ void attack(Attacked& seen, const test::MarginProblem& problem, Seeded& rng) {
             contradict("no change is found for the margin", margin.proved);
         if (perturbed == Perturbed::normwise) continue;
         seen.missing += missing, seen.small += margin.proved < most_tight;
-        // No change of each number by a part of itself is smaller, whether or not the margin is told.
+        // No change of each number by a fraction of itself is smaller, whether or not the margin is reported.
         const double found = test::Attack(problem, rng).least(0.5, 3);
         if (found < margin.proved * (1 - 0x1p-30)) contradict("a smaller change turns the decision", found);
     }
@@ -342,7 +342,7 @@ TEST_CASE("margins are the least changes to a factor of two for every shape", "[
 }
 
 TEST_CASE("margins of rays across an axis and of tori at a silhouette do not collapse to zero", "[margin]") {
-    // v·d is 0: its sign decides nothing. The ray passes 1/4 inside of the side: 1/4 over the numbers that move it.
+    // v·d is 0: its sign decides nothing. The ray passes 1/4 inside the side: 1/4 divided by the numbers that move it.
     const Ray<double> across{{-4, 1, 0.75}, {1, 0, 0}};
     for (const Primitive<double>& primitive : {Primitive<double>(Cylinder<double>{{0, 0, 0}, {0, 2, 0}, 1}),
                                                Primitive<double>(Tube<double>{{0, 0, 0}, {0, 2, 0}, 1}),
@@ -418,7 +418,7 @@ TEST_CASE("margins and backward errors agree with those worked out by hand", "[m
     const Box<double> box{{1, -1, 3}, {2, 1, 5}};
     CHECK(decision_margin({{0, 0, 0}, {0, 0, 1}}, box) == 0.5);
     CHECK(decision_margin({{0, 0, 0}, {0, 0, 1}}, box, CountedChange::root, Perturbed::normwise) < 0.25);
-    // A t so small or so large that it has no place beside the other numbers.
+    // A t so small or so large that it is negligible beside the other numbers.
     CHECK(backward_error({{0, 0, 0}, {0, 0, 0x1p-1000}}, front, 0x1p-1074) >= 0);
     CHECK(backward_error({{0, 0, 0}, {0, 0, 0x1p+1000}}, front, 0x1p-1070) >= 0);
     // Nothing is proved where the ray touches.

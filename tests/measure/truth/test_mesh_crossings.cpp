@@ -1,5 +1,5 @@
-// Crossings with meshes and winding numbers, against whole numbers: corners, origins and directions on a small grid, so
-// that edges, vertices, planes and ties are met all the time, and 64 bits hold every polynomial.
+// Crossings with meshes and winding numbers, compared with integers. Corners, origins and directions are on a small
+// grid, so that rays often meet edges, vertices, planes and ties, and 64 bits hold every polynomial.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -88,7 +88,7 @@ private:
     scene::rays::Random random_;
 };
 
-/// The faces of a box, some of them divided otherwise, turned inside out where `turn`.
+/// The faces of a box, some of them divided differently, turned inside out if `turn`.
 void add_box(std::vector<Corners>& mesh, const Point& lo, const Point& size, bool turn, Draw& draw) {
     for (int axis = 0; axis < 3; ++axis)
         for (int end = 0; end < 2; ++end) {
@@ -116,7 +116,7 @@ std::shared_ptr<const BoxTree> tree_of(const PrimitiveList<double>& primitives) 
     return BoxTree::make(primitives, {.origin = 64, .least_direction = 1, .direction = 64}, nullptr);
 }
 
-/// Compares all crossings of a ray with those in whole numbers.
+/// Compares all crossings of a ray with those in integers.
 void check_ray(const Point& o, const Point& d, const std::vector<Corners>& mesh, const Triangles& among) {
     bool in_plane = false;
     const auto expected = brute_force(o, d, mesh, in_plane);
@@ -222,7 +222,7 @@ TEST_CASE("the side from which a line crosses a triangle and its nearest edges a
     CHECK(nearest(0, 0) == 0b110);
 }
 
-TEST_CASE("winding numbers of points agree with the boxes that a mesh is made of") {
+TEST_CASE("winding numbers of points agree with the boxes of which a mesh consists") {
     Draw draw(23);
     std::size_t on_surface = 0, deep = 0;
     for (int scene = 0; scene < 40; ++scene) {

@@ -1,5 +1,5 @@
-// Truth of primitives under matrices: in packs, and of every shape as of one whose numbers were moved; tests/exact
-// holds it against whole numbers.
+// Truth of primitives under matrices: in packs, and for every shape compared with a primitive whose numbers were moved;
+// tests/exact compares it with integers.
 #include <array>
 
 #include "catch.hpp"

@@ -26,7 +26,7 @@ double half_ulp_of(double x, const FloatFormat& format) {
     return std::ldexp(1.0, e - format.precision);
 }
 
-/// One ray at one primitive, its answer, and other problems within the errors.
+/// A ray at a primitive, its answer, and other problems within the errors.
 class Trial {
 public:
     Trial(const Ray<double>& ray, const Primitive<double>& primitive, const FloatFormat& format)
@@ -43,14 +43,14 @@ public:
     }
     /// True if the answer is a root or a face of the textbook, and not where the ray begins inside.
     [[nodiscard]] bool is_of_use() const { return t_.has_value(); }
-    /// True if the ray still hits where t moves most, to both sides.
+    /// True if the ray still hits after the largest changes of t, in both directions.
     [[nodiscard]] bool is_decided() const { return is_decided_; }
 
-    /// The farthest that t was seen to move, over what it can reach; both 0 is 0.
+    /// The largest observed change of t, divided by its reach; 0 if both are 0.
     double worst_of_componentwise(Seeded& rng, int draws) {
         std::array<double, most_of_problem> step{};
         for (std::size_t i = 0; i < count_; ++i) step[i] = half_ulp_of(static_cast<double>(x_[i]), format_);
-        // Zeros of the direction stay: whether they do decides what the ray crosses at all.
+        // Zeros of the direction stay zero, because they decide which surfaces the ray crosses.
         for (std::size_t i = 3; i < 6; ++i)
             if (x_[i] == 0) step[i] = 0;
         Wide most = 0;
@@ -118,7 +118,7 @@ private:
         up[i] += step, down[i] -= step;
         return (residual(primitive_.shape, up, *t_, axis_) - residual(primitive_.shape, down, *t_, axis_)) / (2 * step);
     }
-    /// True if that problem has an answer.
+    /// True if the changed problem has an answer.
     bool take(const Numbers& moved, Wide& most) const {
         const auto t = book_.t(primitive_.shape, moved);
         if (t) most = std::max(most, Wide(abs(Wide(*t - *t_))));
@@ -151,13 +151,13 @@ struct Tally {
 
 const int rays_per_distribution = test::draws(1000);
 
-/// Checks hard rays, with errors of a given format or of the one in which they are stored.
+/// Checks hard rays, with errors of a given format or of the format in which they are stored.
 void check_distributions(const std::vector<test::HardDistribution>& distributions, Tally& all,
                          const std::optional<FloatFormat>& format = {}) {
     for (const test::HardDistribution& distribution : distributions) {
         const FloatFormat& of_errors = format ? *format : distribution.storage;
         INFO(distribution.name << ", " << of_errors.precision << " bits");
-        Tally needles;  // half an ulp turns one into any plane
+        Tally needles;  // half an ulp turns one into a different plane
         Tally& tally = distribution.name == "a needle" ? needles : all;
         Seeded rng(0x7eac);
         for (int i = 0; i < rays_per_distribution; ++i) {

@@ -36,7 +36,7 @@ std::vector<S> numbers_of(const Ray<S>& ray, const Primitive<S>& primitive) {
     return all;
 }
 
-/// A primitive of random numbers, all of which are rounded to `grid` (none where it is 0), that is what its shape asks.
+/// A primitive of random numbers, rounded to `grid` (not rounded if it is 0), that its shape allows.
 std::optional<Primitive<double>> draw_primitive(Seeded& rng, Shape shape, double grid) {
     Primitive<double> primitive(shape);
     const auto on_grid = [grid](double x) { return grid > 0 ? std::round(x / grid) * grid : x; };
@@ -58,9 +58,9 @@ std::optional<Primitive<double>> draw_primitive(Seeded& rng, Shape shape, double
 
 enum class Kind { random, whole, tiny_parts, spread, far };
 
-/// A ray at a primitive. Of `whole` ones all numbers are small whole ones over 4, so that much is exactly equal,
-/// parallel and across; of `tiny_parts` components of the direction and the origin that would be zero are tiny instead;
-/// of `spread` ones they are so tiny that most are 0 in units of the largest component.
+/// A ray at a primitive. For `whole` rays all numbers are small whole numbers over 4, so that much is exactly equal,
+/// parallel and perpendicular. For `tiny_parts`, components of the direction and the origin that would be zero are
+/// tiny. For `spread`, they are so tiny that most are 0 in units of the largest component.
 std::optional<Problem> draw(Seeded& rng, Shape shape, Kind kind) {
     const double grid = kind == Kind::random || kind == Kind::far ? 0 : kind == Kind::spread ? 1 : 0.25;
     const auto primitive = draw_primitive(rng, shape, grid);
@@ -91,7 +91,7 @@ std::optional<Problem> draw(Seeded& rng, Shape shape, Kind kind) {
     return p;
 }
 
-/// Lengths 2^lengths and directions 2^directions times as large; nothing where a number leaves the doubles.
+/// Multiplies lengths by 2^lengths and directions by 2^directions; empty if a number leaves the range of doubles.
 std::optional<Problem> scaled_by(const Problem& p, int lengths, int directions) {
     Problem q = p;
     bool kept = true;
@@ -125,7 +125,7 @@ public:
             const int e = x == 0 ? format.emin : std::max(std::ilogb(x), format.emin);
             step_.push_back(ldexp(Real(1), e - format.precision));
         }
-        // Zeros of the direction stay: whether they do decides what the ray crosses at all.
+        // Zeros of the direction stay zero, because they decide which surfaces the ray crosses.
         for (std::size_t i = 3; i < 6; ++i)
             if (x_[i] == 0) step_[i] = 0;
         precision_ = format.precision;
@@ -138,7 +138,7 @@ public:
         for (int k = 0; k < draws; ++k) {
             std::vector<double> way(x_.size());
             for (std::size_t i = 0; i < way.size(); ++i) way[i] = k % 2 ? rng.sign() : rng.uniform(-1, 1);
-            if (k < 4 && !slopes.empty()) {  // where t moves most, to both sides; along the direction and not
+            if (k < 4 && !slopes.empty()) {  // the largest changes of t, both ways, with changes of d and without
                 for (std::size_t i = 0; i < way.size(); ++i) {
                     const double slope = slopes[i] + (length_ == Length::distance && i >= 3 && i < 6 ? turn(i) : 0);
                     way[i] = normwise_ ? slope : slope < 0 ? -1 : 1;
@@ -198,14 +198,14 @@ private:
     double bound_;
 };
 
-/// Leaves out a problem with others nearby that are met elsewhere: at a rim or an edge, which no bound is about.
+/// Leaves out a problem if nearby problems are hit elsewhere: at a rim or an edge, which no bound covers.
 bool is_of_use(const Truth& truth, Shape shape) {
     if (!truth.is_hit() || truth.t.is_zero() || truth.on_surface) return false;
     const bool smooth = shape == Shape::sphere || shape == Shape::ellipsoid || shape == Shape::capsule;
     return smooth || !truth.touches;
 }
 
-/// A problem within the errors may begin on the other side, and has another root then.
+/// A problem within the errors may begin on the other side, and then has another root.
 bool may_begin_on_surface(const Problem& p) {
     return visit(p.primitive, [&](const auto& s) { return s.distance(p.ray.origin); }) < 0x1p-40;
 }
@@ -215,7 +215,7 @@ struct Tally {
     double worst = 0;
 };
 
-/// Tries problems of a shape: how far they were seen to move, over the bounds.
+/// Tries problems of a shape; returns the observed changes divided by the bounds.
 Tally try_kind(Shape shape, Kind kind, const FloatFormat& format, Perturbed perturbed, int draws, bool scale) {
     Tally tally;
     Seeded rng(0x5ca1ab1e + static_cast<std::uint64_t>(shape) * 16 + static_cast<std::uint64_t>(kind));
@@ -267,7 +267,8 @@ double inherent_bits(const Ray<double>& ray, const Primitive<double>& primitive,
 
 }  // namespace
 
-// A ray in the plane of a face of a box whose direction leaves that plane by 2^-900 of itself enters anywhere between.
+// A ray in the plane of a face of a box whose direction leaves that plane by 2^-900 of itself may enter anywhere along
+// it.
 TEST_CASE("answers at every shape move as far as their reach and no further", "[reach]") {
     for (const ShapeRow& row : shape_rows) {
         for (const Kind kind : {Kind::random, Kind::whole, Kind::far})
@@ -293,8 +294,8 @@ TEST_CASE("answers of rays with exponents far apart move no further than their r
     }
 }
 
-// 3 of 42,000 boxes had a reach of 0, since a component that is 0 in units of the largest one was taken for a ray along
-// the slab.
+// 3 of 42,000 boxes had a reach of 0, because a component that is 0 in units of the largest one was treated as that of
+// a ray along the slab.
 TEST_CASE("a box moves no further than its reach if the crossed component is 0 beside the largest", "[reach]") {
     Seeded rng(0xb0c5);
     int trials = 0;
@@ -341,7 +342,7 @@ TEST_CASE("inherent bits are right for rays across an axis, tiny components and 
                           {0x89adafdb0ebb5p-1071, 0x16bcd0e3a28603p-1074, -0xe6e3ea7ebff1fp-1072}};
     const Sphere<double> least{{0x11fae421b59d93p-1074, 0x45437827c05a5p-1074, -0x1a937274a4e255p-1074},
                                0x9a4f95e1a59ffp-1074};
-    // As exact fractions have it, of the distance's own differences.
+    // Compared with exact fractions of the distance's own differences.
     CHECK(inherent_bits(ray, least, Length::distance) == Approx(1.1836035629).epsilon(1e-9));
 }
 

@@ -1,5 +1,5 @@
-// Truth of spheres against exact integers, and of boxes against exact fractions: every ray of every distribution must
-// agree, in any range, and by either word on touching.
+// Truth of spheres compared with exact integers, and of boxes compared with exact fractions: every ray of every
+// distribution must agree, in any range, and for both values of `touching`.
 #include <span>
 
 #include "catch.hpp"
@@ -119,7 +119,8 @@ std::string disagreement(const Ray<double>& ray, const Primitive<double>& primit
     return "";
 }
 
-/// Too few bits may leave open, and must not get wrong: the inputs themselves are intervals at these precisions.
+/// With too few bits the result may be open, but must not be wrong: the inputs themselves are intervals at these
+/// precisions.
 std::string contradiction(const Ray<double>& ray, const Primitive<double>& primitive, const Exact& closed, bool touches,
                           const Range<double>& range) {
     for (const long bits : {6, 20, 53, 120}) {
@@ -185,7 +186,7 @@ void check(const Distribution& distribution, const FloatFormat& storage, std::ui
     if constexpr (requires { distribution.most_escalated; }) {
         if (storage == binary32) CHECK(found.escalated <= distribution.most_escalated);
     } else {
-        // A distribution that only ever hits or only ever misses tests half of what it seems to.
+        // A distribution that only hits or only misses tests half of what it seems to test.
         using Promise = BoxDistribution::Promise;
         const bool always = distribution.promise == Promise::inside || distribution.promise == Promise::on_boundary ||
                             distribution.promise == Promise::at_end;
@@ -253,7 +254,7 @@ TEST_CASE("truth decides rays without length and rays that end before they start
         const bool closed = touching == Touching::hit;
         CHECK(shoot(0, 0));             // the origin inside is enough
         CHECK(shoot(-1, 0) == closed);  // on the boundary it is for the closed box alone
-        CHECK(shoot(-1, 0x1p-1074));    // the least bit of length is inside
+        CHECK(shoot(-1, 0x1p-1074));    // the smallest length reaches inside
         CHECK(shoot(1, 5) == closed);   // leaving
         CHECK_FALSE(shoot(0, -0x1p-1074));
         CHECK_FALSE(shoot(0, -HUGE_VAL));

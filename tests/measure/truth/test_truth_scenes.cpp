@@ -1,4 +1,4 @@
-// Truth of several spheres, of inputs beyond double, and at its limit.
+// Truth of several spheres, of inputs beyond double, and at its precision limit.
 #include <vector>
 
 #include "catch.hpp"
@@ -80,7 +80,7 @@ TEST_CASE("a tangent goes on to what lies behind where touching is a miss") {
     CHECK(open.object == 1);
     CHECK(open.t.hi * std::exp2(open.t.exponent) == 38);
     CHECK(!find_truth(ray, both[0], {}, intersect::Touching::miss).is_hit());
-    // From a point of the surface: along the tangent plane it touches, into the sphere it does not.
+    // From a point of the surface: a ray along the tangent plane touches, a ray into the sphere does not.
     const Sphere<double> unit{{0, 0, 0}, 1};
     CHECK(find_truth(Ray<double>{{1, 0, 0}, {0, 1, 0}}, unit).touches);
     CHECK(!find_truth(Ray<double>{{1, 0, 0}, {0x1p-80, 1, 0}}, unit).touches);
@@ -150,7 +150,7 @@ TEST_CASE("truth agrees with exact integers on 256-bit inputs") {
     int escalated = 0, hits = 0, beyond = 0;
     for (int i = 0; i < 20'000; ++i) {
         const RaySample s = distributions[rng.index(9)](rng, binary64);
-        // One factor for all lengths: exact contacts become contacts to 256 bits, which only 512 can settle.
+        // One factor for all lengths: exact contacts become contacts to 256 bits, which need 512 bits to settle.
         const int over = rng.coin() ? 3 + rng.index(1000) : 1, under = rng.coin() ? 3 + rng.index(1000) : 1;
         const Real factor = Real(1) / over, stretch = Real(1) / under;
         const Ray<Real> ray{lifted(s.ray.origin, factor), lifted(s.ray.direction, stretch)};
@@ -196,7 +196,7 @@ TEST_CASE("a decision that no precision within the limit proves is not guessed")
     CHECK(find_truth(along, touched).decision == Truth::Decision::unresolved);
     CHECK(find_truth(along, touched, TruthLimit{200'000}).is_hit());
 
-    // t lies 2^-60000 below a tie: known to 2^-72, and nothing says which side.
+    // t lies 2^-60000 below a tie: known to 2^-72, which does not show the side.
     const Ray<Real> ray{{Real(-1), Real(0), Real(0)}, {Real(1), Real(0), Real(0)}};
     const Sphere<Real> point{{ldexp(Real(1), 53) + 2, Real(0), Real(0)}, tiny};
     const Truth t = find_truth(ray, point);

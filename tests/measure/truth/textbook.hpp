@@ -1,5 +1,5 @@
-// Spheres, boxes and triangles by the textbook, in numbers of 2048 bits: an independent computation of what a small
-// change of a problem does to its answer.
+// Spheres, boxes and triangles by the textbook, in numbers of 2048 bits: an independent computation of how a small
+// change of a problem changes its answer.
 #pragma once
 
 #include <array>
@@ -41,7 +41,7 @@ struct Quadratic {
     }
 };
 
-/// Line and the plane through three points: where they meet, on which sides of the edges, and t = n/det.
+/// Line and the plane through three points: their intersection, the sides of the edges on which it lies, and t = n/det.
 template <class N>
 struct Crossing {
     N u, v, w, det, n;
@@ -56,7 +56,7 @@ struct Crossing {
     }
 };
 
-/// A shape by the textbook: the t of a root or a face, if the line meets it, and what is 0 there.
+/// A shape by the textbook: the t of a root or a face if the line meets it, and a residual that is 0 there.
 struct Textbook {
     int which = 0;                     ///< of a sphere −1 and 1: the near root and the far one
     std::array<bool, 3> crossed = {};  ///< of a box: the axes along which the ray moves
@@ -70,7 +70,7 @@ struct Textbook {
         const Crossing p(x);
         return p.is_inside() ? std::optional(Wide(p.n / p.det)) : std::nullopt;
     }
-    /// The last of the entries, where no exit comes before it, and where it is of a face that is crossed.
+    /// The last of the entries, if no exit comes before it and if it belongs to a face that is crossed.
     [[nodiscard]] std::optional<Wide> entry(const Numbers& x) const {
         bool same = true;
         std::optional<Wide> last, first;
@@ -89,7 +89,7 @@ struct Textbook {
     }
 };
 
-/// P(t) of a sphere, else n − t m of the face: what moves when t moves.
+/// P(t) of a sphere, otherwise n − t m of the face: the residual that changes with t.
 template <class N>
 N residual(Shape shape, const NumbersOf<N>& x, const N& t, std::size_t axis) {
     if (shape == Shape::sphere) {

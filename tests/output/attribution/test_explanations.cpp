@@ -1,5 +1,5 @@
-// Explanations of rays of every kind: text, JSON and table say the same of a ray, and nothing that is not finite stands
-// in a sentence.
+// Explanations of rays of every kind: text, JSON and table say the same about a ray, and sentences contain only finite
+// numbers.
 #include <nlohmann/json.hpp>
 
 #include <cmath>
@@ -42,7 +42,7 @@ struct Asked {
     }
 };
 
-/// An explained ray, every way it is shown.
+/// An explained ray in each of its outputs.
 struct Shown {
     OneRay ray;
     Explanation x;
@@ -65,7 +65,7 @@ std::size_t below(Random& random, std::size_t n) {
     return static_cast<std::size_t>(random.between(0, static_cast<long>(n) - 1));
 }
 
-/// Numbers with degenerate ones among them: zeros, far ones, very small ones. One in three at two primitives.
+/// Numbers, some of them degenerate: zeros, very far, very small. One ray in three has two primitives.
 Asked draw(Random& random, const Intersector& form, const Format& format) {
     constexpr std::array far{1.0, 1.0, 30.0, 2000.0};
     Setting s = draw_setting(random, form, format, far[below(random, far.size())]);
@@ -105,8 +105,8 @@ Range<double> draw_range(Random& random, const Explanation& x) {
     return range;
 }
 
-/// `see(asked, shown)` of many rays: each as it is, and with two ranges. Every form in every format where the tests are
-/// long; else a form in one format, a third of the forms in each.
+/// Calls `see(asked, shown)` for many rays: each as it is, and with two ranges. The long tests take every form in every
+/// format; the short tests take a third of the forms in each format.
 template <class See>
 void on_explained_rays(int rays, std::uint64_t seed, const See& see) {
     Random random(seed);
@@ -143,7 +143,7 @@ std::vector<std::string> lines_of(const std::string& text) {
     return lines;
 }
 
-/// The decision without rounding, by the tape that is told no range and the function that batches are asked with.
+/// The decision without rounding, by the tape, which has no range, and the function that batches call.
 std::optional<bool> exact_decision(const Asked& asked, const Explanation& x) {
     const OneRay ray = asked.ray();
     const OneRay::Inputs in = ray.inputs(*asked.form, asked.format);
@@ -152,7 +152,7 @@ std::optional<bool> exact_decision(const Asked& asked, const Explanation& x) {
     asked.form->record(asked.format, in.ray(*asked.form->info), aim, x.range.tmax, tape);
     const auto found = measure::attribution::attribute(tape, {.full = true});
     double t = found[tape.outputs.t].exact, near = found[tape.outputs.near].exact, far = found[tape.outputs.far].exact;
-    for (const double root : {t, near, far})  // rounded to a double it may have changed sides
+    for (const double root : {t, near, far})  // rounded to a double, it may be on the other side
         for (const double end : {x.range.tmin, x.range.tmax})
             if (std::fabs(root - end) <= 0x1p-50 * std::fabs(end)) return {};
     std::uint8_t hit = found.exact_hit;
@@ -192,7 +192,7 @@ TEST_CASE("explained rays have the same verdict as text, JSON and table for ever
         const auto has = [&blame](const char* words) { return blame.find(words) != std::string::npos; };
         if (starred.empty()) CHECK_FALSE(has("The culprit is"));
         if (has("o operation is to blame") || has("No operation rounded")) CHECK(starred.empty());
-        // The words on decisions are what the two runs decided, and what the table shows.
+        // The words about decisions agree with the two runs, and with the table.
         const bool hit = s.json["hit"], exact = s.json["attribution"]["exact_hit"], cut = s.x.attribution.cut_short;
         if (has("is the same without rounding") || has("Rounding changed no decision")) CHECK((cut || hit == exact));
         if (has("The decision is the same")) CHECK_FALSE(s.x.result.is_right());
@@ -266,7 +266,7 @@ TEST_CASE("an explanation never prints an infinity or a NaN as a number") {
 }
 
 TEST_CASE("shares, roundings and errors that are not finite are reported as missing") {
-    // Whatever of these overflows on a way that the tests do not find.
+    // These may overflow in ways that the tests do not find.
     int said = 0;
     on_explained_rays(1, 69, [&](const Asked&, const Shown& s) {
         if (s.x.attribution.culprit == no_node) return;

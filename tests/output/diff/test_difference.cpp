@@ -231,7 +231,7 @@ TEST_CASE("diff: rows of claims are matched by their id, wherever they stand", "
     CHECK(says(c, "\"c\": measured: 3 != 4 (abs 1, rel 0.25)"));
     CHECK(says(c, "\"b\": missing in the second"));
     CHECK(says(c, "\"new\": added in the second"));
-    // An id that occurs twice names no row.
+    // An id that occurs twice does not identify a row.
     CHECK(says(compare(table("id,x\na,1\na,2\n"), table("id,x\na,1\n"), {}), "rows: 2 != 1; the first 1 are compared"));
 }
 
@@ -265,7 +265,7 @@ TEST_CASE("diff: the largest differences and their places are shown, up to the r
         CHECK(c.columns[1].count == 0);
         CHECK(c.columns[1].absolute.at.empty());
     }
-    // A tolerated difference is measured all the same.
+    // A difference within the tolerance is measured all the same.
     const output::diff::Comparison c = compare(table(a), table(b), within({"x=60"}));
     CHECK(c.same());
     CHECK(c.columns[0].absolute.value == 60);

@@ -24,7 +24,7 @@ using namespace lostbits::output::test;
 
 namespace {
 
-/// The message of the EnvironmentError that `work` ends in; empty when it ends in none.
+/// The message of the EnvironmentError that ends `work`; empty if there is none.
 template <class Work>
 std::string refusal(Work work) {
     try {
@@ -265,7 +265,7 @@ TEST_CASE("a folder is marked as unfinished from the first result to the last", 
     }
     CHECK(unfinished().empty());
     CHECK(folder.entries() == 3);  // with the list
-    // One that ends by an exception.
+    // A folder whose run ends by an exception.
     CHECK_THROWS_AS(
         [&] {
             ResultFolder mine(folder.path(), second, {});

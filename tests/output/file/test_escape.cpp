@@ -52,7 +52,7 @@ std::vector<char32_t> code_points(const std::string& text) {
     return all;
 }
 
-/// Bytes, characters and pieces that some reader obeys, in random order.
+/// Bytes, characters and pieces that some reader interprets, in random order.
 std::string random_text(std::mt19937& random) {
     static const std::vector<std::string> pieces = [] {
         std::vector<std::string> all{"::error file=x,line=1::", "\xC2\xA0", "\n", "\r\n", "\r", "\t", " ", "\x1b[31m"};

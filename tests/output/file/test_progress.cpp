@@ -16,7 +16,7 @@ using namespace lostbits::output::file;
 
 namespace {
 
-/// Text that `work` writes to the descriptor that it is given.
+/// Text that `work` writes to its descriptor.
 template <class Work>
 std::string written(Work work) {
     int ends[2];
@@ -92,12 +92,12 @@ TEST_CASE("the progress bar counts from all threads and erases itself", "[progre
 TEST_CASE("a time estimate comes from the first part of the work, and on long runs only") {
     CHECK(estimate_text("s", {1, 1}, {2, 3}, 100) == "lostbits: s will take about 3m19s: its first 2 % took 3s");
     CHECK(estimate_text("s", {1, 0}, {2, 2}, 16) == "lostbits: s will take about 30s: its first 12 % took 2s");
-    // A slow start is none of the pace: once, or once a band.
+    // A slow start does not count for the pace: once, or once a band.
     CHECK_FALSE(estimate_text("s", {1, 10}, {5, 12}, 40));
     CHECK(estimate_text("s", {1, 10}, {5, 12}, 41) == "lostbits: s will take about 30s: its first 12 % took 12s");
     CHECK(estimate_text("s", {1, 10}, {5, 12}, 41, 3) == "lostbits: s will take about 50s: its first 12 % took 12s");
     CHECK_FALSE(estimate_text("s", {1, 50}, {1, 50}, 100));    // no pace is known yet
-    CHECK_FALSE(estimate_text("s", {1, 10}, {2, 11.9}, 100));  // nor for sure
+    CHECK_FALSE(estimate_text("s", {1, 10}, {2, 11.9}, 100));  // and it is not certain
     CHECK_FALSE(estimate_text("s", {1, 0}, {2, 2}, 14));       // over in 26 s
     CHECK_FALSE(estimate_text("s", {1, 0}, {100, 90}, 100));   // over
 }

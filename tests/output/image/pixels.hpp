@@ -1,4 +1,4 @@
-// Finding what a picture shows: rectangles of one colour, single pixels.
+// Searches in pictures: rectangles of one colour, single pixels.
 #pragma once
 
 #include <algorithm>

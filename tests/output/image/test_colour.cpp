@@ -1,5 +1,5 @@
-// Colours: scales and their ticks, and that classes are told apart by every eye. Between any two of one picture
-// CIEDE2000 is at least 25, for an ordinary eye, a deuteranope's and a protanope's.
+// Colours: scales and their ticks, and classes that every eye can tell apart. Between any two classes of one picture,
+// CIEDE2000 is at least 25 for an ordinary eye, a deuteranope's and a protanope's.
 #include <array>
 #include <cmath>
 #include <limits>
@@ -231,7 +231,7 @@ TEST_CASE("CIEDE2000 agrees with its authors' test data", "[colour]") {
 TEST_CASE("people with any kind of colour vision can tell the classes of a picture apart", "[colour]") {
     const auto meshes = outcome_colours.begin() + lostbits::measure::answer::outcomes_without_mesh;
     check_apart("outcomes", {outcome_colours.begin(), meshes});
-    // No colours are left that are as far from all of the ramp and from each other for all eyes.
+    // No colours are left that are as far from the whole ramp and from each other for all eyes.
     for (const Eye& eye : eyes) {
         const double near = eye.name == eyes.front().name ? 20 : 10;
         for (auto colour = meshes; colour != outcome_colours.end(); ++colour) {

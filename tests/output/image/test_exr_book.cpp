@@ -1,4 +1,4 @@
-// EXR files of several parts: what OpenImageIO, which did not write them, reads back.
+// EXR files of several parts, read back by OpenImageIO, which did not write them.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ namespace {
 constexpr int width = 37, height = 41;  // no multiple of the 16 lines of a block
 constexpr auto f32 = Channel::Type::f32, u32 = Channel::Type::u32;
 
-/// Three parts of different channels, in no order that a sort would give; the last belongs to a later run.
+/// Three parts with different channels, in an order that sorting would not give; the last belongs to a later run.
 std::vector<ExrPart> three_parts() {
     const auto part = [](const char* name, std::vector<Channel> channels, int run) {
         return ExrPart{
@@ -34,8 +34,8 @@ std::vector<ExrPart> three_parts() {
             part("truth", {{"of_a_name_longer_than_31_letters.hi", f32}, {"truth.word0", u32}}, 1)};
 }
 
-/// The samples of a part: special values first, then smooth or random ones by the line, for blocks that get smaller
-/// and blocks that do not.
+/// The samples of a part: special values first, then smooth or random ones, line by line, for blocks that compress and
+/// blocks that do not.
 std::vector<std::uint32_t> samples_of(const ExrPart& part) {
     constexpr std::uint32_t special[] = {0x00000000, 0x80000000, 0x7F800000, 0xFF800000, 0x7FC00000, 0xFFC00001,
                                          0x7F800001, 0x00000001, 0x807FFFFF, 0x3F800000, 0xFFFFFFFF, 0x7F7FFFFF};

@@ -141,7 +141,7 @@ TEST_CASE("exponents are raised within the line, and names of forms and files ar
             CHECK(drawn(name).width == flat_width(name));
         }
         CHECK(drawn("box.a^box.b").width == drawn("box.a").width + drawn("^").width + drawn("box.b").width);
-        // A dot that ends a sentence stands on the line, and so does what follows a number.
+        // A full stop stands on the line, and so does the text after a number.
         CHECK(drawn("2^10.").width == drawn("2^10").width + drawn(".").width);
         CHECK(drawn("2^10-3").width == drawn("2^10").width + drawn("-3").width);
         CHECK(drawn("^").width > 0);
@@ -155,7 +155,7 @@ TEST_CASE("a line of text may be longer than any picture", "[text]") {
     CHECK(text.coverage.size() == static_cast<std::size_t>(text.width) * static_cast<std::size_t>(text.height));
 }
 
-// Hidden: it needs a process in which no test has loaded the module yet. The next test starts one.
+// Hidden, because it needs a process in which no test has loaded the module yet. The next test starts one.
 TEST_CASE("a missing image module says what to do in a child process", "[.missing_module]") {
     std::string text;
     try {

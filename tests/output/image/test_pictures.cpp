@@ -26,7 +26,7 @@ std::vector<LegendEntry> legend_of(const std::string& count) {
     return entries;
 }
 
-/// No two samples of a small field alike, and none a colour of the page.
+/// All samples of a small field have different colours, none of them that of the page.
 std::vector<Rgb8> numbered(int width, int height) {
     std::vector<Rgb8> out;
     for (int y = 0; y < height; ++y) {
@@ -120,7 +120,7 @@ TEST_CASE("text is wrapped and shortened between letters of any size", "[text]")
         CHECK(sum == all);  // a `?` would be of another width
         const TextBitmap fitted = fit_text(text, 9, false, width);
         CHECK((fitted.width <= width || width == 1));
-        // Letters that are whole: some from the head, some from the tail.
+        // Whole letters: some from the beginning, some from the end.
         bool found = fitted.coverage == backend().render_text(text, 9).coverage;
         for (std::size_t head = 1; head <= 20; ++head) {
             for (std::size_t tail = 0; tail <= 20; ++tail) {

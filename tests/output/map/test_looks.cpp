@@ -36,14 +36,14 @@ TEST_CASE("a line keeps its own style, and no two lines share one", "[looks]") {
     const auto look_of = [](const plot::PlotLine& line) {
         return Look{line.colour.r, line.colour.g, line.colour.b, line.marker, {line.dashes.begin(), line.dashes.end()}};
     };
-    // Beside whatever stands before it, after it, or asks for nothing.
+    // Next to lines before it, lines after it, or lines without a style.
     const Look alone = look_of(plot::plot_lines(std::vector{with_look(1, 19)})[0]);
     const auto among = plot::plot_lines(std::vector{level("a", 2), with_look(3, 0), with_look(1, 19), level("b", 4)});
     CHECK(look_of(among[2]) == alone);
     CHECK(look_of(plot::plot_lines(std::vector{with_look(1, 0), level("a", 2)})[1]) ==
           look_of(plot::plot_lines(std::vector{with_look(2, 1)})[0]));
 
-    // Every look and pattern that there is, whether asked for or not.
+    // Every style and pattern, whether requested or not.
     for (const int asked : {0, 1, 5, 1000}) {
         std::vector<plot::Series> many;
         for (int k = 0; k < 240; ++k) {
@@ -66,7 +66,7 @@ TEST_CASE("lines that want the same style get different ones while there are col
     CHECK(colours.size() == lines.size());
     CHECK(lines[0].colour == plot::look_colour(3));
     CHECK(lines[2].colour == plot::look_colour(0));
-    CHECK(lines[1].marker == 1);  // of the look that it asks for
+    CHECK(lines[1].marker == 1);  // of the style that it asks for
 }
 
 TEST_CASE("the style of a form follows from its place in the catalogue, or from its name if external", "[looks]") {
@@ -76,9 +76,9 @@ TEST_CASE("the style of a form follows from its place in the catalogue, or from 
         CAPTURE(form.info->name);
         CHECK(look < plot::look_count);
         CHECK(looks[form.shape].insert(look).second);
-        CHECK(plot::form_look(Intersector(form)) == look);  // whichever copy of the row it is
+        CHECK(plot::form_look(Intersector(form)) == look);  // the same for every copy of the row
     }
-    // Marches stand beside the forms of either shape.
+    // Marches appear beside the forms of both shapes.
     for (const std::size_t look : looks[Shape::sdf]) {
         CHECK_FALSE(looks[Shape::sphere].contains(look));
         CHECK_FALSE(looks[Shape::box].contains(look));

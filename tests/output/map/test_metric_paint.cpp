@@ -38,7 +38,7 @@ FormSummary summary_of(double lost, std::initializer_list<std::pair<Outcome, std
     return s;
 }
 
-/// So many pixels of an outcome and a value.
+/// A number of pixels with an outcome and a value.
 struct Pixels {
     Outcome outcome;
     double value;
@@ -76,7 +76,7 @@ TEST_CASE("the colour of lost bits is a share of the significand in every format
     CHECK(single.map(6) == single.at(0.5));  // a quarter of the significand is half of the ramp
     CHECK(single.map(1) != single.map(0));
     CHECK(wide.map(23) != wide.map(53));  // not as bad as it gets: 30 are kept
-    // Bits that are kept are not a loss, so their scale is even.
+    // Kept bits are not a loss, so their scale is even.
     CHECK(metric_scale(*find_metric("correct_bits"), binary32).map(12) == single.at(0.5));
     CHECK_FALSE(MetricPaint(lost, binary32).shares_with(*find_metric("correct_bits")));
 }
@@ -114,7 +114,7 @@ TEST_CASE("captions begin with decisions and count the hits behind a quantile", 
     CHECK(MetricPaint(*find_metric("lost_bits"), binary32)
               .caption(summary_of(1, {{Outcome::agree_hit, 999}, {Outcome::not_a_number, 1}}), 0) ==
           "0.1% NaN; 99 of 100 hits: at most 1.0 of 24 lost, 23 kept; of 999 agreed hits");
-    // Withheld, it is not explained.
+    // A value that is withheld is not explained.
     CHECK(MetricPaint(*find_metric("lost_bits"), binary32)
               .caption(summary_of(0.7, {{Outcome::agree_hit, 5}, {Outcome::false_miss, 995}}), 0) ==
           ">99% false miss; no p99: 5 of 1000 hits agree");
@@ -190,7 +190,7 @@ TEST_CASE("shares of culprits are of the rays that have a culprit, and the pictu
     REQUIRE(legend.size() == 4);
     CHECK(legend[0].count == "150 (75.0%)");
     CHECK(legend[1].count == "50 (25.0%)");
-    CHECK(legend[2].count == "100");  // of another whole: no share
+    CHECK(legend[2].count == "100");  // a share of another whole, so there is none
     CHECK(legend[3].count == "700");
     CHECK(has_word(paint.note(), "of the rays that have a culprit"));
 }
@@ -240,7 +240,7 @@ TEST_CASE("a sheet is sorted by fewest wrong decisions, then by smallest 99th pe
     // The second cell of the first form, in another format, does not count.
     const std::vector<SheetCell> cells{{0, &bad}, {0, &better}, {1, &good}, {2, &blind}, {3, &better}, {4, &good}};
     CHECK(best_first(5, cells, 0) == std::vector<std::size_t>{3, 1, 4, 0, 2});
-    // With as many wrong decisions, and too few hits for a p99: behind.
+    // With as many wrong decisions but too few hits for a 99th percentile, a form comes later.
     const FormSummary few = summary_of(0, {{Outcome::agree_miss, 900}});
     CHECK(best_first(2, std::vector<SheetCell>{{0, &few}, {1, &good}}, 0) == std::vector<std::size_t>{1, 0});
 
@@ -273,7 +273,7 @@ TEST_CASE("a sheet is sorted by fewest wrong decisions, then by smallest 99th pe
     // Rays of a file have no scene to name.
     CHECK_FALSE(has_word(above(""), "--pixel"));
     CHECK(has_word(above(""), "in the column worst_explain"));
-    // The second sheet of a run names the one that explains.
+    // The second sheet of a run refers to the one that explains.
     CHECK(has_word(above("mine.toml", "other/contact"), "as explained in other/contact"));
     CHECK_FALSE(has_word(above("mine.toml", "other/contact"), "--pixel"));
     CHECK_FALSE(has_word(cell_note(MetricPaint(*find_metric("iterations"), binary32), seen, 0), "worst"));

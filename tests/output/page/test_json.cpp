@@ -31,7 +31,7 @@ TEST_CASE("JSON of the page is safe inside a script element and keeps the order 
     CHECK(page::text_of(Json("\xff")) == "\"\xEF\xBF\xBD\"");
 }
 
-TEST_CASE("what stands between backquotes is code on the page", "[text]") {
+TEST_CASE("text between backquotes is code on the page", "[text]") {
     CHECK(prose("For `lostbits offsets`: a < b") == "For <code>lostbits offsets</code>: a &lt; b");
     CHECK(prose("one ` alone") == "one ` alone");
     CHECK(prose("`a<` and `b`") == "<code>a&lt;</code> and <code>b</code>");

@@ -43,7 +43,7 @@ TEST_CASE("ticks are round values at their positions", "[plot]") {
           Labels{"2^-3", "2^-2", "2^-1", "2^0", "2^1", "2^2"});
     CHECK(labels(AxisRange({"", Scale::log10, {}, {}}, {1e-3, 2e2}), 8) ==
           Labels{"10^-3", "10^-2", "10^-1", "10^0", "10^1", "10^2"});
-    // Less than two powers between the ends: the numbers themselves, at their places on the log scale.
+    // Less than two powers between the ends: the ticks are plain numbers, at their positions on the log scale.
     const AxisRange narrow({"", Scale::log2, 2.2, 3.9}, {});
     CHECK(labels(narrow, 4) == Labels{"2.5", "3", "3.5"});
     CHECK(narrow.ticks(4)[1].position == Approx(narrow.position(3)));
@@ -67,7 +67,7 @@ TEST_CASE("on a log axis 0 has a position below the low end, and times are decim
     CHECK_FALSE(shares.has_place(-1e-9));
     CHECK_FALSE(shares.has_place(no_value));
     CHECK(shares.position(0) == 0);
-    // The first miss of a thousand rays is seen to be one: well above nothing.
+    // The first miss of a thousand rays is visible: well above zero.
     CHECK(shares.position(1e-3) > 0.05);
     CHECK(shares.position(1) == 1);
     CHECK(labels(shares, 8) == Labels{"0", "10^-3", "10^-2", "10^-1", "10^0"});
@@ -91,7 +91,7 @@ TEST_CASE("an axis fits its data, and reaches the largest possible value only if
     CHECK(high.position(24) == 1);
     CHECK(high.limit_position() == 1.0);
     CHECK(labels(high, 8) == Labels{"0", "5", "10", "15", "20", "24"});
-    // A round value that would touch the limit's label gives way.
+    // A round value that would touch the label of the limit is left out.
     CHECK(labels(AxisRange({"", AxisSpec::Scale::linear, 0.0, {}, false, false, 53}, {50}), 6) ==
           Labels{"0", "10", "20", "30", "40", "53"});
 }
@@ -125,11 +125,11 @@ TEST_CASE("labels keep their order and do not overlap", "[plot]") {
     using Places = std::vector<double>;
     const Places tens(3, 10.0);
     CHECK(places_near(Places{5, 40, 90}, tens, 0, 200) == Places{5, 40, 90});
-    // Three that want the same place: the middle one has it.
+    // Three labels that want the same position: the middle one gets it.
     CHECK(places_near(Places{50, 50, 50}, tens, 0, 200) == Places{40, 50, 60});
     CHECK(places_near(Places{0, 0, 100}, tens, 0, 200) == Places{0, 10, 100});
     CHECK(places_near(Places{500, 500, 500}, tens, 0, 100) == Places{70, 80, 90});
-    // Too little room for all: one below the other from the top.
+    // Too little space for all: one below the other from the top.
     CHECK(places_near(Places{3, 3, 3}, tens, 0, 20) == Places{0, 10, 20});
     CHECK(places_near(Places{}, Places{}, 0, 20).empty());
 }
@@ -154,7 +154,7 @@ TEST_CASE("coverage is exact on the pixel grid and not doubled at joints", "[plo
         CHECK(pixel_at(canvas, x, 2) == Rgb8{255, 255, 255});
         CHECK(pixel_at(canvas, x, 3) == pixel_at(canvas, 0, 3));  // at the joint as elsewhere
     }
-    // Painting forgets: a second coat of nothing changes nothing.
+    // A second coat of nothing changes nothing.
     const std::vector<Rgb8> before = canvas.pixels();
     stroke.paint(canvas, {255, 0, 0});
     CHECK((before == canvas.pixels()));

@@ -43,7 +43,7 @@ PlotFrame frame_of(const image::PngImage& image) {
     return out;
 }
 
-/// True if the first line is there: all but the other lines is grey.
+/// True if the first line is there; all other lines are grey.
 bool tinted(image::Rgb8 p) { return p.b > p.r + 70; }
 
 /// Tinted pixels within the frame.
@@ -95,7 +95,7 @@ TEST_CASE("a horizontal line has its colour in the row of its value", "[line_plo
     for (const double value : {0.0, 5.0, 10.0, 26.5, 31.0, 42.0, 53.0}) {
         const auto image = plotted(folder, spec_of({level("schoolbook", value)}));
         const auto frame = frame_of(image);
-        // Not by PlotFrame::up: its ends are the middles of the tenth pixels from the frame.
+        // Without PlotFrame::up: its ends are the middles of the tenth pixels from the frame.
         const double place = frame.y + 9.5 + (1 - value / 53) * (frame.height - 19);
         const int row = static_cast<int>(std::floor(place));
         INFO(value << " in row " << row);
@@ -103,7 +103,7 @@ TEST_CASE("a horizontal line has its colour in the row of its value", "[line_plo
         const bool full = std::fabs(place - row - 0.5) < 0.39;
         exact += full;
         int wrong = 0;
-        // But for its first and its last pixel, of which a round end leaves the corners.
+        // Except for its first and last pixel, whose corners a round end leaves out.
         for (int x = frame.x + frame.pad + 1; x < frame.x + frame.width - frame.pad - 1; ++x) {
             wrong += full && pixel_at(image, x, row) != first_colour;
             wrong += pixel_at(image, x, row - 2) == first_colour || pixel_at(image, x, row + 2) == first_colour;

@@ -40,7 +40,7 @@ PngImage plotted(const Scratch& folder, const ScatterPlotSpec& spec) {
     return backend().read_png(folder / "s.png");
 }
 
-/// The leftmost column that has at least so many pixels of a colour, above the legend.
+/// The leftmost column that has at least this many pixels of a colour, above the legend.
 int column_of(const PngImage& image, Rgb8 colour, int least) {
     for (int x = 0; x < image.width; ++x) {
         int n = 0;
@@ -109,7 +109,7 @@ TEST_CASE("a label is beside its point where it covers least, and left out where
     const auto left = place_labels({&request, 1}, {limits, {}, {&right, 1}});
     REQUIRE(left[0].has_value());
     CHECK_FALSE(left[0]->overlaps(right));
-    // A grey point everywhere within 60 pixels: the name goes where there is none, far as it is.
+    // A grey point everywhere within 60 pixels: the name goes to a free place, however far away.
     std::vector<Box2> points;
     for (int x = 60; x < 240; x += 8) points.push_back({static_cast<double>(x), 0, 8, 100});
     const LabelRequest narrow{{150, 50}, 20, 14};

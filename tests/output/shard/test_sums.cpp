@@ -1,4 +1,4 @@
-// Results of parts of a study add up to those of the whole, whatever the parts, and in bits as well.
+// Results of parts of a study add up to the bits of the whole, whatever the parts.
 #include <random>
 
 #include "catch.hpp"

@@ -60,7 +60,7 @@ std::string cell(const output::file::CsvTable& table, const char* column, std::s
 
 }  // namespace
 
-TEST_CASE("cases.csv and matrix.png show what each form makes of each case") {
+TEST_CASE("cases.csv and matrix.png show the result of each form for each case") {
     const Scratch folder;
     const TextFile text(cases_text);
     const scene::sweep::CaseFile file(text.path());
@@ -138,7 +138,7 @@ TEST_CASE("cases.csv and matrix.png show what each form makes of each case") {
         CHECK(corner(0, i) == colours[i]);
         CHECK(corner(2 * pitch + 14, i) == colours[0]);  // f64, in a group of its own
     }
-    // All rays alike: the colour alone. One of two, or a value: a number in the cell.
+    // If all rays are alike, only the colour is shown. For one of two, or a value, a number is in the cell.
     const auto flat = [&](int line) {
         for (int y = 0; y < 21; ++y) {
             for (int x = 0; x < pitch - 1; ++x) {

@@ -1,4 +1,4 @@
-// Pictures of sweeps over every float: what is drawn, and what has no place.
+// Pictures of sweeps over every float: what is drawn, and what is left out.
 #include "output/sweep/exhaustive_files.hpp"
 
 #include <algorithm>
@@ -58,7 +58,7 @@ TEST_CASE("a plot has one flat segment per binade, limited to what was tried, an
     CHECK(wrong[0].x == std::vector<double>{0x1.fp-1, 0x1.fffffep-1, 1, 0x1.08p0});
     CHECK(wrong[0].y == std::vector<double>{0, 0, 64.0 / 262145, 64.0 / 262145});
     CHECK(wrong[1].y == std::vector<double>(4, 0));
-    // One wrong float of a whole binade stands above the foot.
+    // One wrong float in a whole binade is visible above the base line.
     CHECK(plots->wrong.y.zero);
     CHECK(plots->wrong.y.low == 0x1p-23);
     CHECK(plots->wrong.y.scale == AxisSpec::Scale::log2);

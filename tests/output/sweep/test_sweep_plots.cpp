@@ -87,7 +87,7 @@ Found find(const image::PngImage& image, image::Rgb8 colour) {
 
 }  // namespace
 
-TEST_CASE("a single false miss among a thousand rays is visible apart from none and from a false hit") {
+TEST_CASE("a plot of one false miss in a thousand rays differs from that of none, and of a false hit") {
     const Scratch folder;
     Made made;
     const image::Rgb8 line = plot::look_colour(plot::form_look(*made.request.rows[0].form));

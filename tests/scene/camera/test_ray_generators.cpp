@@ -201,7 +201,7 @@ TEST_CASE("shared inputs round the camera itself to binary32") {
     CHECK(own.camera.eye.x == scene::test::real("0.1"));
 }
 
-TEST_CASE("no ray is made where w is 0: an infinite far plane, or z = 0 with reversed depth") {
+TEST_CASE("no ray is generated where w is 0: an infinite far plane, or z = 0 with reversed depth") {
     for (const auto& [planes_text, name] : {std::pair("near = 2\ndepth = \"reversed\"", "dxr"),
                                             {"near = 2\ndepth = \"reversed\"", "glm"},
                                             {"near = 2", "glm"}}) {

@@ -94,7 +94,8 @@ inline std::string as_stl_text(const Mesh& mesh) {
     return text + "endsolid ball\n";
 }
 
-/// The JSON of a mesh whose buffer begins with the places (uint32), then has the vertices; `buffer` says where it is.
+/// The JSON of a mesh whose buffer begins with the indices (uint32) and then has the vertices; `buffer` says where it
+/// is.
 inline std::string as_gltf(const Mesh& mesh, const std::string& buffer, const std::string& node = "") {
     const std::size_t places = 12 * mesh.faces.size(), vertices = 12 * mesh.vertices.size();
     return fmt::format(

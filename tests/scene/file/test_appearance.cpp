@@ -1,4 +1,4 @@
-// Light, paint and shadows in scene files; the camera of pixels at z = 0.
+// Light, paint and shadows in scene files; the camera with pixels at z = 0.
 #include "scene/file/appearance.hpp"
 
 #include "catch.hpp"

@@ -1,4 +1,4 @@
-// The scenes that come with the program: every one loads and shows what it is there to show.
+// The scenes of the program: every scene loads and shows what it is meant to show.
 #include <algorithm>
 #include <cmath>
 
@@ -25,8 +25,8 @@ std::vector<Scene> all_scenes() {
     return all;
 }
 
-/// Every eighth pixel each way is plenty for a fraction of the picture. Of a mesh, whose triangles are asked one by
-/// one, it is every sixteenth.
+/// Every eighth pixel in each direction is enough for a fraction of the picture. For a mesh, whose triangles are tested
+/// one by one, it is every sixteenth.
 double hit_fraction(const Scene& scene) {
     const auto frame = make_frame<double>(scene);
     std::vector<Primitive<double>> primitives;

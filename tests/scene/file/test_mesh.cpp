@@ -1,4 +1,4 @@
-// Meshes and flakes that are made, how edges are shared, and what the tables of a scene may say of them and of a march.
+// Generated meshes and flakes, the sharing of edges, and the tables of a scene about meshes and about a march.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -51,7 +51,7 @@ struct Edges {
     }
 };
 
-/// Six times the volume that it encloses, positive where faces are counterclockwise from outside.
+/// Six times the enclosed volume, positive if faces are counterclockwise from outside.
 double six_volumes(const Mesh& mesh) {
     double sum = 0;
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
@@ -243,7 +243,7 @@ TEST_CASE("a mesh that cannot be made is refused with the reason", "[mesh]") {
     CHECK(has(error_of_mesh("make = \"fan\"\nfile = \"a.obj\"\n"), "mesh[0].make is given together with file"));
 }
 
-TEST_CASE("a sphereflake has nine times as many spheres a level") {
+TEST_CASE("each level of a sphereflake has nine times as many spheres as the level before") {
     CHECK(Sphereflake{.levels = 0}.size() == 1);
     CHECK(Sphereflake{.levels = 2}.size() == 91);
     CHECK(Sphereflake{.levels = 5}.size() == 66430);

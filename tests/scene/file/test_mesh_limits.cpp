@@ -1,4 +1,4 @@
-// Files of meshes that are none, or say of themselves what they do not have: time and memory go with their bytes.
+// Files that are not meshes, or that declare more than they contain: time and memory are proportional to their bytes.
 #include <sys/stat.h>
 
 #include <atomic>
@@ -138,7 +138,7 @@ TEST_CASE("a glTF file is read in time and memory proportional to its bytes", "[
     std::string nodes = "[";  // 2^40 ways lead to the last
     for (int i = 1; i <= 40; ++i) nodes += fmt::format(R"({{"children": [{}, {}]}}, )", i, i);
     CHECK(has(error(small_gltf("[{\"mesh\": 0}]", nodes + "{\"mesh\": 0}]")), "names node 40 again; nodes form trees"));
-    // Twenty thousand nodes below each other take no stack.
+    // Twenty thousand nested nodes use no stack.
     std::string chain = "[";
     for (int i = 1; i <= 20'000; ++i) chain += fmt::format(R"({{"children": [{}]}}, )", i);
     CHECK(error(small_gltf("[{\"mesh\": 0}]", chain + "{\"mesh\": 0}]")) == "no error");
@@ -188,7 +188,7 @@ TEST_CASE("a glTF file opens files in its own folder only", "[mesh]") {
     CHECK(has(error_with("none.bin"), "buffers[0].uri: "));
     CHECK(has(error_with("sub"), "is a folder"));
     CHECK(has(error_with("a%00.bin"), "is not the name of a file"));
-    // A picture is never wanted: a pipe in its place would keep whoever opens it waiting.
+    // Pictures are never read: a pipe in place of one would block whoever opens it.
     const fs::path pipe = folder / "in/pipe.png";
     REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
     for (const std::string& image : {std::string("pipe.png"), pipe.string()}) {

@@ -1,5 +1,5 @@
-// Every key of scenes and sweeps, wrong in every way that holds for any: told at its place, by its name, and
-// documented.
+// Every key of scenes and sweeps, wrong in each way that applies to any key: the error names its place and the key, and
+// the key is documented.
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -38,7 +38,7 @@ struct Sample {
         }
     }
 
-    /// Message of the error if another line replaces one.
+    /// Message of the error after one line is replaced by another.
     [[nodiscard]] std::string error_with(std::size_t place, const std::string& line) const {
         const Scratch folder;
         std::string all;
@@ -62,7 +62,7 @@ private:
     }
 };
 
-/// `check` is called with each key of each sample; between them they have every key there is.
+/// Calls `check` with each key of each sample; together the samples have every key.
 template <class Check>
 void for_each_key(const Check& check) {
     const fs::path folder = fs::path(LOSTBITS_DATA_DIR).parent_path() / "tests/scene/mistakes";
@@ -92,7 +92,7 @@ TEST_CASE("a wrong value is reported with its position, its key and advice") {
     for_each_key([&](const Sample& sample, std::size_t i) {
         const auto& [text, key, table] = sample.lines[i];
         for (const std::string value : {"nan", "-inf", "1979-05-27", "[[]]", "\"1e400 !\"", "\"\\u009b\""}) {
-            // The numbers of cases are of any format, nan among them, and told by their place alone.
+            // The numbers of cases may be of any format, including nan, so a message has their place alone.
             const bool is_quantity = table.starts_with("[[case");
             if (is_quantity && table == "[[case.rays]]" && (value == "nan" || value == "-inf")) continue;
             const std::string error = sample.error_with(i, key + " = " + value);
@@ -106,7 +106,7 @@ TEST_CASE("a wrong value is reported with its position, its key and advice") {
 }
 
 TEST_CASE("a missing, misspelt or repeated key is reported or has a default") {
-    // Without these nothing else has a meaning, or keys beside them have none and are told first.
+    // Without these keys nothing else has a meaning, or keys beside them are missing and are reported first.
     const std::set<std::string> leading{"schema", "make", "kind", "all"};
     for_each_key([&](const Sample& sample, std::size_t i) {
         const auto& [text, key, table] = sample.lines[i];
@@ -129,7 +129,7 @@ TEST_CASE("every key of a scene or a sweep is documented in data/README.md") {
     std::set<std::string> of_scene, of_sweep;
     for_each_key([&](const Sample& sample, std::size_t i) {
         auto& known = has(sample.lines[0].text, "sweep") ? of_sweep : of_scene;
-        // An unknown key ends in the names of all that are known there, where they are a dozen at most.
+        // An error about an unknown key ends with all names that are known there, if they are at most a dozen.
         const std::string error = sample.error_with(i, sample.lines[i].text + "\nqqqqqqqq = 1");
         static const std::regex name("\"([a-z_]+)\"");
         for (std::sregex_iterator at(error.begin(), error.end(), name), last; at != last; ++at) known.insert((*at)[1]);

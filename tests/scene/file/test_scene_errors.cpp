@@ -105,7 +105,7 @@ TEST_CASE("a triangle must have an area") {
     CHECK(
         read("[0.1, 0.2, 0.3]") ==
         "scene.toml:16:5: triangle[0].c is on one line with a and b; a triangle has an area, so move one of the three");
-    // 2^-30 beside 1 is gone in binary32, and what is left is a line.
+    // 2^-30 beside 1 is lost in binary32, and the triangle becomes a line.
     const std::string thin = "[[triangle]]\na = [1, 1, 1]\nb = [2, 2, 2]\nc = [3, 3, \"0x1.8000001p1\"]\n";
     const std::string ball = "[[sphere]]\ncentre = [0, 0, -10]\nradius = 1\n";
     CHECK(broken(ball, thin) ==

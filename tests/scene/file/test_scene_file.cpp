@@ -67,7 +67,7 @@ TEST_CASE("a file gives one scene per variant in order, or one scene without var
     CHECK(all[0].id == "scene.small");
     CHECK(all[1].id == "scene.big");
     CHECK(all[0].listed[0].sphere().radius == Real(0.5));
-    CHECK(all[0].camera.eye.x == 0);  // one variant leaves the next alone
+    CHECK(all[0].camera.eye.x == 0);  // one variant does not affect the next
     CHECK(all[1].listed[0].sphere().radius == 2);
     CHECK(all[1].camera.eye.z == 3);
 }
@@ -223,7 +223,7 @@ TEST_CASE("primitives of all shapes are numbered in the order of the file") {
     const Scene changed = loaded(text, set("sphere[1].radius=7"));
     CHECK(shapes_of(changed) == written);
     CHECK(changed.listed[3].sphere().radius == 7);
-    // Primitives that are written again stay at their place; those of a new kind come last.
+    // Primitives that are written again keep their index; those of a new kind come last.
     CHECK(shapes_of(loaded(text, set("sphere=[{centre=[0,0,0],radius=3}]"))) ==
           std::vector{Shape::box, Shape::sphere, Shape::triangle, Shape::box});
     CHECK(shapes_of(loaded(text, set("plane=[{through=[0,0,0],normal=[0,0,1]}]"))).back() == Shape::plane);

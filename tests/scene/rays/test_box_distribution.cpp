@@ -55,7 +55,7 @@ TriangleDistribution distribution_of(const std::string& text) {
     return TriangleDistribution::read(scene::toml::TableReader(root));
 }
 
-/// FNV-1a, a number at a time, so that no ray may be another, nor stand elsewhere.
+/// FNV-1a, one number at a time, so that every ray and its position count.
 std::uint64_t digest(const std::vector<RayGroup>& groups) {
     std::uint64_t out = 0xcbf29ce484222325;
     for (const RayGroup& group : groups) {
@@ -104,8 +104,8 @@ TEST_CASE("at edges and corners of a box, an inward gap is a hit of about that d
                 const auto [from, to] = clipped(ray, primitives.front().box());
                 if (gap < 0) REQUIRE(from < to);
                 else REQUIRE(from > to);
-                // The stretch inside (or missing) is as long as the gap allows: directions have components from 0.1
-                // to 1.
+                // The length inside the box (or of the miss) is as long as the gap allows: directions have components
+                // from 0.1 to 1.
                 REQUIRE(abs(to - from) < 0.3);
                 REQUIRE(abs(to - from) > 0x1p-12);
             });

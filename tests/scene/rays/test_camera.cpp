@@ -123,7 +123,7 @@ TEST_CASE("the vertical field of view runs from the top edge to the bottom edge"
     CHECK(equal(inner.origin, 0, 0, 0));
 }
 
-TEST_CASE("a shift moves the window in picture widths, right and up, and turns nothing") {
+TEST_CASE("a shift moves the window right and up, in picture widths, and does not turn it") {
     const std::string shifted = replaced(good_scene, "width = 2.5", "width = 2.5\nshift = [0.5, 0.25]");
     const Ray<double> before = ray(make_frame<double>(loaded(good_scene)), 3, 2);
     const Ray<double> after = ray(make_frame<double>(loaded(shifted)), 3, 2);

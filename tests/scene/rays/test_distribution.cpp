@@ -82,7 +82,7 @@ TEST_CASE("tilted views differ from an axis by the given angle and stay centred"
                 CHECK(at.impact < 0.9901);
                 CHECK(at.along < -0.98 * distance + 1);
             }
-            CHECK(distances.size() > 16);  // or all views would share the rounding of c
+            CHECK(distances.size() > 16);  // otherwise all views would share the rounding of c
         }
     }
 }
@@ -110,7 +110,7 @@ TEST_CASE("a silhouette gap g puts every line at 1 - g radii, computed from both
             }
         }
     }
-    // Without one the impacts are spread.
+    // Without a gap the impacts are spread.
     double least = 1, most = 0;
     for (const RayGroup& g : distribution_of("impact_to = 0.99").draw()) {
         for (std::size_t i = 0; i < g.rays.size(); ++i) {

@@ -233,7 +233,7 @@ TEST_CASE("the lengths of a scene are listed by their --set paths: primitives an
     CHECK(of(tiny, "f64").empty());
     CHECK(of(replaced(good_scene, "eye = [0, 0, 0]", "eye = [0, 1e6, 0]"), "fp16") ==
           Lines{"a coordinate of the eye = 1e+06 rounds to infinity (camera)"});
-    // Own inputs are rounded to each format from what the file says, and binary32 has no part in it.
+    // Own inputs are rounded to each format from the numbers of the file, without binary32 in between.
     const std::string own = replaced(tiny, "inputs = \"shared\"", "inputs = \"own\"");
     CHECK(of(own, "fp16") == Lines{"radius = 1e-09 rounds to 0 (sphere[0])"});
     const std::string beyond = replaced(own, "radius = 1e-9", "radius = \"1e-60\"");

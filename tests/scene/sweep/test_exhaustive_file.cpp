@@ -1,4 +1,4 @@
-// Sweeps over every float: the order of floats, what a file may say, and what is wrong with the others.
+// Sweeps over every float: the order of floats, valid files, and errors of other files.
 #include <cmath>
 #include <limits>
 #include <set>
@@ -96,7 +96,7 @@ TEST_CASE("a narrowed sweep visits the floats between two others") {
 }
 
 TEST_CASE("errors in a sweep over every float are reported with their line and advice") {
-    // An axis that is not of one format, and a range without floats.
+    // An axis that does not fit the format, and a range without floats.
     CHECK(has(
         error("from = 1", "from = 1.1"),
         "s.toml:9:8: axis.from is not representable in binary32, and rounding it would test another value; the nearest "
@@ -128,7 +128,7 @@ TEST_CASE("errors in a sweep over every float are reported with their line and a
     CHECK(has(error("[sphere]", "[box]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n[sphere]"), "one primitive"));
     CHECK(has(error("[[ray]]", "[[axis]]\n[[ray]]", replaced(good_sweep, "[axis]", "[[axis]]")),
               "s.toml:4:1: axis must be one [[axis]] table"));
-    // Primitives that are none: of the file, or made so by the axis.
+    // Invalid primitives: those of the file, and those that the axis makes invalid.
     CHECK(has(error("radius = 1", "radius = 0"), "s.toml:17:10: sphere.radius is not greater than 0"));
     CHECK(has(error("hi = [1, 1, 1]", "hi = [1, -2, 1]", good_box), ": box.hi is below lo in a component"));
     CHECK(
@@ -139,7 +139,7 @@ TEST_CASE("errors in a sweep over every float are reported with their line and a
 }
 
 TEST_CASE("each bit pattern has one index, and indices rise with values") {
-    constexpr std::uint32_t stride = 65521;  // a prime, so that all mantissas and exponents get their turn
+    constexpr std::uint32_t stride = 65521;  // a prime, so that all mantissas and exponents occur
     float before = float_at(0);
     for (std::uint64_t p = 0; p < (std::uint64_t{1} << 32); p += stride) {
         const auto place = static_cast<std::uint32_t>(p);

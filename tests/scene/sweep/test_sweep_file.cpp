@@ -75,7 +75,7 @@ TEST_CASE("every axis in data has a label, and other labels follow from name and
         ++axes;
         CHECK(axis.label != axis.name);
         CHECK(axis.label.find('_') == std::string::npos);
-        // A unit is said in words, after "in"; `r` is none.
+        // A unit is given in words, after "in"; `r` is not a unit.
         if (!axis.unit.empty()) {
             const std::string unit = axis.unit == "r" ? "radii" : axis.unit;
             CHECK(has(axis.label, ", in " + unit));

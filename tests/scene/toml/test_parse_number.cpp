@@ -1,4 +1,4 @@
-// Numbers as people write them, and rounded once to a format.
+// Numbers as people write them, rounded once to a format.
 #include <cmath>
 #include <cstdlib>
 #include <random>
@@ -40,7 +40,7 @@ int compare_with_text(const Real& x, const std::string& text) {
 constexpr FloatFormat formats[] = {binary16, bfloat16,         tensor_float32,    binary32,
                                    binary64, {2, -1022, 1023}, {27, -1022, 1023}, {4, -6, 7}};
 
-/// The independent twin: MPFR's own emulation of a format, by exponent range and `mpfr_subnormalize`.
+/// The independent implementation: MPFR's own emulation of a format, by exponent range and `mpfr_subnormalize`.
 double by_emulation(const Real& x, const FloatFormat& f) {
     const mpfr_exp_t emin = mpfr_get_emin(), emax = mpfr_get_emax();
     mpfr_t y;
@@ -91,7 +91,7 @@ TEST_CASE("a decimal is rounded once to a format, without a step through double"
 }
 
 TEST_CASE("Real rounds only once") {
-    // Nearer to the middle than Real can tell: read to nearest, these would be the middle, which goes to even.
+    // Nearer to the middle than Real can resolve: rounded to nearest, these would be the middle, which rounds to even.
     const std::string zeros(300, '0');
     const std::string nines(300, '9');
     CHECK(round_to_format(real("1.000000059604644775390625" + zeros + "1"), binary32) == 1 + 0x1p-23);
@@ -146,7 +146,7 @@ TEST_CASE("the exact text of a number reads back as the same number") {
         CAPTURE(text);
         CHECK(real(exact_text(real(text))) == real(text));
     }
-    // As C's %a writes it, and the tables: the digit before the point is 1.
+    // Written as by C's %a and in the tables: the digit before the point is 1.
     const std::pair<const char*, const char*> texts[] = {
         {"1344", "0x1.5p+10"},    {"-4100", "-0x1.004p+12"},
         {"0x0.fp-1", "0x1.ep-2"}, {"1", "0x1p+0"},

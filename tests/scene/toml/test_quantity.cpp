@@ -1,4 +1,4 @@
-// Numbers and exponents in a format's own measure.
+// Numbers and exponents in units of a format.
 #include "scene/toml/quantity.hpp"
 
 #include <cmath>
@@ -118,7 +118,7 @@ TEST_CASE("a number is scaled exactly and rounded once") {
     CHECK(quantity("0.1", bfloat16) == 0x1.9ap-4);
     CHECK(!std::signbit(quantity("0", binary32, 99)));
     CHECK(std::signbit(quantity("-0", binary32, -99)));
-    // Into the subnormals: tiny is the last place there, and a tie goes to even.
+    // Into the subnormals: tiny is the last place there, and a tie rounds to even.
     for (const FloatFormat& f : every_format) {
         const double tiny = quantity("tiny", f);
         const int last = f.emin - f.precision + 1;
@@ -178,7 +178,7 @@ TEST_CASE("a wrong quantity is refused with its position, and a primitive must b
     CHECK(primitive_error("inf - ulp").starts_with("t.toml:3:7: is inf"));
     CHECK(primitive_error("max") == "no error");
     CHECK(ray_error("-nan") == "no error");
-    // TOML's own words arrive as floats.
+    // TOML's own words for infinity and NaN are read as floats.
     const Scratch folder;
     const Node root = read_toml(folder.write("t.toml", "a = [nan, -inf, inf, 1e-3]\n"));
     const std::vector<Node>& items = root.find("a")->items;

@@ -24,7 +24,7 @@ using namespace lostbits::scene::test;
 
 namespace {
 
-/// A parsed text, alive as long as its readers.
+/// A parsed text that lives as long as its readers.
 struct Text {
     explicit Text(const std::string& text) : root(read_toml(folder.write("t.toml", text))) {}
     [[nodiscard]] TableReader reader() const { return TableReader(root); }
@@ -65,7 +65,7 @@ TEST_CASE("a file that cannot be read is refused with the reason") {
 }
 
 TEST_CASE("many numbers in one line are read in time proportional to their bytes") {
-    // Two hundred thousand: counting the characters in front of each takes a minute.
+    // Two hundred thousand numbers: counting the characters before each takes a minute.
     std::string text = "x = [0.5";
     for (int i = 0; i < 200'000; ++i) text += i % 1000 == 0 ? ", 1.25" : ", 1.5";
     const Scratch folder;
@@ -87,7 +87,7 @@ TEST_CASE("reading from a silent pipe stops when it is asked to") {
     std::atomic<bool> asked{true};
     CHECK_THROWS_AS(read_toml(path, intersect::process::StopToken(asked)), Interrupted);
     asked = false;
-    const int writer = ::open(path.c_str(), O_RDWR);  // opened for both it waits for nobody
+    const int writer = ::open(path.c_str(), O_RDWR);  // opened for both, it does not block
     const std::string text = "a = 1\n";
     REQUIRE(::write(writer, text.data(), text.size()) == static_cast<ssize_t>(text.size()));
     // The signal comes while the reader waits for more: it wakes up, and the token says why.
