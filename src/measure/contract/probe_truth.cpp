@@ -101,6 +101,22 @@ std::vector<Question> aimed(const Trial& trial, const Aim& aim, bool upright) {
     return all;
 }
 
+/// Names an optional length, such as an inner radius, if all answers are right for primitives without it.
+std::string ignored_length(const Trial& trial, const std::vector<Question>& questions) {
+    std::string words;
+    for_each_key(trial.shape, [&](const Key& key, std::size_t k) {
+        if (!key.optional || !words.empty()) return;
+        std::vector<Known> without = with_truth(trial, questions);
+        for (Known& one : without) {
+            Question q = one.question;
+            q.primitive[k] = 0;
+            one.right = trial.truth(q);
+        }
+        if (Wrong(trial, without).wrong == 0) words = fmt::format("; it seems to ignore the {}", key.name);
+    });
+    return words;
+}
+
 std::string words_about(const Wrong& found, const Aim& aim) {
     return std::to_string(found.wrong) + " of " + std::to_string(found.asked) + " rays " + aim.words +
            " are answered wrongly, none of them near an edge; the first: " + found.first;
@@ -259,8 +275,9 @@ void try_rays(Trial& trial) {
             asked += found.asked;
             if (found.wrong == 0) continue;
             const bool oblique = !upright && has_axis(trial.shape);
-            if (found.is_many() && !oblique) return trial.broken(words_about(found, aim));
-            trial.told(words_about(found, aim) + (oblique ? "; where axes lie along x, y or z it is right" : ""));
+            const std::string words = words_about(found, aim) + ignored_length(trial, questions);
+            if (found.is_many() && !oblique) return trial.broken(words);
+            trial.told(words + (oblique ? "; where axes lie along x, y or z it is right" : ""));
             if (oblique) return;
         }
     }
