@@ -20,55 +20,63 @@ template <template <class> class Of, class E>
 requires requires(const Of<E>& shape, const Ray<E>& ray) { shape.along(ray); }
 inline constexpr bool is_quartic_along<Of<E>> = true;
 
-/// The value and the slope of the polynomial at the origin of one ray, exactly: dyadic numbers of any length. `in`
-/// holds the ray and the primitive; `out` receives the two words of the value and their bound, or of the slope if
-/// `of_slope`. The words are {0, NaN} if a number of the problem is outside [2^-300, 2^300], where the sums might be
-/// too long, or if the result is outside the range of `is_close`.
+/// Two words of a dyadic number of any length, and their bound. They are {0, NaN}, of which nothing is known, if the
+/// number is outside the range of `is_close`.
 ///
 /// `Scaled` is off by less than 2^-51 of itself: it has the three highest limbs, 64 bits or more, rounded at each step.
 /// So is the second word, the rest of the first one.
+inline constexpr std::array<double, 3> unknown_words{0, NAN, HUGE_VAL};
+template <class P>
+std::array<double, 3> words_of(const number::wide::Dyadic<P>& exact) {
+    if (exact.sign() == 0) return {0, 0, 0};
+    const double high = exact.scaled().value();
+    if (!(std::fabs(high) >= least_result && std::fabs(high) <= largest_result)) return unknown_words;
+    const double low = (exact - number::wide::Dyadic<P>(high)).scaled().value(), sum = high + low;
+    return {sum, low - (sum - high), std::fabs(low) * 0x1p-50 + 0x1p-1000};
+}
+
+/// The value and, if `with_slope`, the slope of the polynomial at the origin of one ray, exactly. `in` holds the ray
+/// and the primitive. Nothing is known if a number of these is outside [2^-300, 2^300], where sums might be too long.
 template <template <class> class Of, class P, std::size_t count>
-[[gnu::noinline]] static void find_exact_start(const std::array<double, count>& in, bool of_slope,
-                                               std::array<double, 3>& out) {
+[[gnu::noinline]] static void find_exact_start(const std::array<double, count>& in, bool with_slope,
+                                               std::array<std::array<double, 3>, 2>& out) {
     using D = number::wide::Dyadic<P>;
-    out = {0, NAN, HUGE_VAL};
+    out = {unknown_words, unknown_words};
     for (const double x : in)
         if (x != 0 && !(std::fabs(x) >= 0x1p-300 && std::fabs(x) <= 0x1p+300)) return;
     const auto at = [&](std::size_t k) { return D(in[k]); };
-    // The value does not depend on the direction. Products with zero take no time.
-    const D none(0.0);
-    const Vec<D> origin(at(0), at(1), at(2)),
-        direction(of_slope ? at(3) : none, of_slope ? at(4) : none, of_slope ? at(5) : none);
-    const auto g = primitive_from<Of, D>([&](std::size_t k) { return at(6 + k); }).along({origin, direction});
-    const D& exact = g.c[of_slope ? 1 : 0];
-    if (exact.sign() == 0) {
-        out = {0, 0, 0};
-        return;
-    }
-    const double high = exact.scaled().value();
-    if (!(std::fabs(high) >= least_result && std::fabs(high) <= largest_result)) return;
-    const double low = (exact - D(high)).scaled().value(), sum = high + low;
-    out = {sum, low - (sum - high), std::fabs(low) * 0x1p-50 + 0x1p-1000};
+    // The value does not depend on the direction, and products with zero take no time.
+    const auto way = [&](std::size_t k) { return with_slope ? at(k) : D(0.0); };
+    const auto g = primitive_from<Of, D>([&](std::size_t k) {
+                       return at(6 + k);
+                   }).along({{at(0), at(1), at(2)}, {way(3), way(4), way(5)}});
+    out[0] = words_of(g.c[0]);
+    if (with_slope) out[1] = words_of(g.c[1]);
 }
 
-/// Replaces numbers in the lanes of a mask by exact ones.
+/// Replaces the value and the slope of a polynomial at the origin by exact ones, in the lanes of two masks.
 template <template <class> class Of, class P, std::size_t count>
-void make_exact(const std::array<P, count>& in, bool of_slope, const mask_t<P>& wanted, Running<TwoWords<P>>& number) {
-    if (!any_of(wanted)) return;
-    bool lanes[P::lanes];
-    wanted.store(lanes);
-    double numbers[count][P::lanes], words[3][P::lanes] = {};
+void make_exact(const std::array<P, count>& in, const mask_t<P>& value, const mask_t<P>& slope,
+                Polynomial<Running<TwoWords<P>>>& g) {
+    if (!any_of(value || slope)) return;
+    bool lanes[P::lanes], with_slope[P::lanes];
+    (value || slope).store(lanes), slope.store(with_slope);
+    double numbers[count][P::lanes], words[2][3][P::lanes] = {};
     for (std::size_t k = 0; k < count; ++k) in[k].store(numbers[k]);
     for (std::size_t lane = 0; lane < P::lanes; ++lane) {
         if (!lanes[lane]) continue;
         std::array<double, count> problem;
         for (std::size_t k = 0; k < count; ++k) problem[k] = numbers[k][lane];
-        std::array<double, 3> exact;
-        find_exact_start<Of, P>(problem, of_slope, exact);
-        for (std::size_t k = 0; k < 3; ++k) words[k][lane] = exact[k];
+        std::array<std::array<double, 3>, 2> exact;
+        find_exact_start<Of, P>(problem, with_slope[lane], exact);
+        for (std::size_t power = 0; power < 2; ++power)
+            for (std::size_t k = 0; k < 3; ++k) words[power][k][lane] = exact[power][k];
     }
-    const Running<TwoWords<P>> exact(TwoWords<P>(P::load(words[0]), P::load(words[1])), P::load(words[2]));
-    number = select(wanted, exact, number);
+    for (std::size_t power = 0; power < 2; ++power) {
+        const auto word = [&](std::size_t k) { return P::load(words[power][k]); };
+        g.c[power] = select(power == 0 ? value : slope, Running<TwoWords<P>>(TwoWords<P>(word(0), word(1)), word(2)),
+                            g.c[power]);
+    }
 }
 
 /// Roots of g(t) = g₀ + g₁ t + … + g₄ t⁴, g₄ > 0, between 0 and a `reach` T, where g or its slope is monotone:
@@ -201,8 +209,8 @@ private:
 /// first one of `span` behind it. A slope that nearly vanishes is needed exactly, too: the ray lies in the tangent
 /// plane.
 template <template <class> class Of, class P, std::size_t count>
-TieFinding<P> settle_start(const std::array<P, 6>& ray, const std::array<P, count>& primitive,
-                           const RequestedResults& asked) {
+[[gnu::noinline]] TieFinding<P> settle_start(const std::array<P, 6>& ray, const std::array<P, count>& primitive,
+                                             const RequestedResults& asked) {
     using W = TwoWords<P>;
     using E = Running<W>;
     using lostbits::abs;
@@ -220,8 +228,7 @@ TieFinding<P> settle_start(const std::array<P, 6>& ray, const std::array<P, coun
 
     Polynomial<E> g = shape.along(line);
     const auto is_rough = [](const E& x, double most) { return !(x.radius() <= P(most) * abs(x.first())); };
-    make_exact<Of>(all, false, is_rough(g.c[0], 0x1p-78), g.c[0]);
-    make_exact<Of>(all, true, is_rough(g.c[1], 0x1p-60), g.c[1]);
+    make_exact<Of>(all, is_rough(g.c[0], 0x1p-78), is_rough(g.c[1], 0x1p-60), g);
     const auto at_origin = (g.c[0] <= zero).yes() && (g.c[0] >= zero).yes();
     const RootsFromStart<P> near(g, span.bound.first() / span.a.first());
     const auto touches = at_origin && (g.c[1] <= zero).yes() && (g.c[1] >= zero).yes() && near.turns();
