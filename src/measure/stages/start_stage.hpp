@@ -87,9 +87,9 @@ void make_exact(const std::array<P, count>& in, const mask_t<P>& value, const ma
 ///              has none. Nor has it any if h(m) > h′(m)²/(2|g₂|) at some m of [0, T], since h(t) ≥ h(m) + h′(m)(t − m)
 ///              + |g₂|(t − m)²/2
 ///
-/// Two points of [0, T], where g has the sign of g₀ at the lower one and the other sign at the upper one, have the
-/// first root between them if it is the only one, or if h falls up to the upper point (it is convex, so it falls before
-/// it).
+/// Let g have the sign of g₀ at a point of [0, T], and the other sign at a later one. Then the first root lies between
+/// them: it is the only one, or g (h > 0 at first) leaves the sign of g₀ at the first of two roots and returns to it at
+/// the second.
 template <class P>
 class RootsFromStart {
 public:
@@ -111,9 +111,9 @@ public:
     }
 
     [[nodiscard]] const P& reach() const { return reach_; }
-    /// The sign of g, of g′ or of g″ at the origin is known.
-    [[nodiscard]] Mask turns() const { return rise_ || fall_; }
+    /// Where the sign of g′ at the origin is known to be + or −, and where that of g″ is.
     [[nodiscard]] Mask crosses() const { return up_ || down_; }
+    [[nodiscard]] Mask bends() const { return rise_ || fall_; }
 
     /// Proves that g has no root in [0, T].
     [[nodiscard]] Mask none() const {
@@ -135,13 +135,11 @@ public:
         const E low_end{(x - away).words()}, high_end{(x + away).words()}, zero(0);
         const E to_low = x - low_end, to_high = high_end - x;
         const P radius = max(abs(to_low.first()) + to_low.radius(), abs(to_high.first()) + to_high.radius());
-        const E before = g_.at(low_end), behind = g_.at(high_end), slope = slope_.at(high_end);
+        const E before = g_.at(low_end), behind = g_.at(high_end);
         const auto changes = (above_ && (before > zero).yes() && (behind < zero).yes()) ||
                              (below_ && (before < zero).yes() && (behind > zero).yes());
-        const auto falls = (rise_ && (slope < zero).yes()) || (fall_ && (slope > zero).yes());
         const auto inside = (low_end > zero).yes() && (high_end <= E(W(reach_))).yes();
-        const auto found = known_ && changes && inside && (steady_ || low() || (high() && falls));
-        return {found, none(), low_end, high_end, E(x.words(), radius * P(1 + 0x1p-40))};
+        return {known_ && changes && inside, none(), low_end, high_end, E(x.words(), radius * P(1 + 0x1p-40))};
     }
 
 private:
@@ -231,7 +229,7 @@ template <template <class> class Of, class P, std::size_t count>
     make_exact<Of>(all, is_rough(g.c[0], 0x1p-78), is_rough(g.c[1], 0x1p-60), g);
     const auto at_origin = (g.c[0] <= zero).yes() && (g.c[0] >= zero).yes();
     const RootsFromStart<P> near(g, span.bound.first() / span.a.first());
-    const auto touches = at_origin && (g.c[1] <= zero).yes() && (g.c[1] >= zero).yes() && near.turns();
+    const auto touches = at_origin && (g.c[1] <= zero).yes() && (g.c[1] >= zero).yes() && near.bends();
     const FirstRoot<E> start = near.first();
     const E begin{span.place(E(W(P(0.5) * near.reach()))).words()};
     const auto behind = start.none && (begin > span.b).yes() && (begin < span.place(E(W(near.reach())))).yes();
