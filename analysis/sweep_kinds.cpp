@@ -131,6 +131,18 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
     return unresolved;
 }
 
+namespace {
+
+/// Keys of a search that may leave no ray, in words for the message.
+std::string what_excludes_rays(const scene::sweep::SearchFile& search) {
+    if (search.aim) return "distance may move all origins out of the range of origin; widen origin, or narrow distance";
+    if (search.at_edge) return "origin may exclude all rays to the edges of the boxes";
+    if (search.is_round()) return "distance_radii and impact_radii may exclude all rays of the other ranges";
+    return "the ranges of the primitive may hold none that is valid, or none that a ray meets";
+}
+
+}  // namespace
+
 void run_search(const std::filesystem::path& path, const SweepSelection& chosen) {
     scene::sweep::SearchFile search(path, selection::read_changes(chosen.o).set);
     search.title += chosen.o.in_title();
@@ -152,9 +164,8 @@ void run_search(const std::filesystem::path& path, const SweepSelection& chosen)
                                        measure::sweep::find_worst);
     if (!found) return;
     if (std::ranges::none_of(*found, [](const auto& w) { return w.has_value(); })) {
-        throw NothingSelected(path.string() +
-                              ": no form hit anything with a ray of these ranges; distance_radii and impact_radii may "
-                              "exclude all rays of the other ranges");
+        throw NothingSelected(path.string() + ": no form hit anything with a ray of these ranges; " +
+                              what_excludes_rays(search));
     }
     output::sweep::write_worst(folder, request, *found);
     complete(owner);

@@ -185,12 +185,14 @@ TEST_CASE("contract: one mistake in t has one explanation, and a halved t is not
         broken_sphere(with_t([](double x, const auto& ray) { return x * length(ray.direction) + 1; }));
     CHECK(subjects_of(distance) == std::set<std::string>{"t", "direction"});
     CHECK(distance.at("direction").find("say LB_UNIT") != std::string::npos);
-    // The form is right for unit directions but returns no distance for others, so unit_direction would be the wrong
-    // property.
-    const auto odd =
-        broken_sphere(with_t([](double x, const auto& ray) { return x * std::sqrt(length(ray.direction)); }));
-    REQUIRE(odd.contains("direction"));
-    CHECK(odd.at("direction").find("LB_UNIT") == std::string::npos);
+    // Right for unit directions, and no distance for others: the property says that it takes no others.
+    ForeignForm odd = solved_by(Shape::sphere,
+                                with_t([](double x, const auto& ray) { return x * std::sqrt(length(ray.direction)); }));
+    const auto broken = broken_of(odd);
+    REQUIRE(broken.contains("direction"));
+    CHECK(broken.at("direction").find("if so, say LB_UNIT") != std::string::npos);
+    odd.contract.direction = intersect::Direction::unit;
+    CHECK(broken_of(odd).empty());
 }
 
 TEST_CASE("contract: twice a radius and its square are told apart", "[external]") {
@@ -200,6 +202,31 @@ TEST_CASE("contract: twice a radius and its square are told apart", "[external]"
     CHECK(words(with_radius([](double r) { return r / 2; })).starts_with("the radius is taken for a diameter"));
     CHECK(words(with_radius([](double r) { return std::sqrt(r); })).starts_with("the radius is taken for its square"));
     CHECK(words(with_radius([](double r) { return r + 2; })).starts_with("t is wrong"));
+}
+
+TEST_CASE("contract: a wrong radius of a disc is named, and an inner radius that is ignored", "[external]") {
+    const auto changed_disc = [](std::size_t number, const auto& change) {
+        return solved_by(Shape::disc, [number, change](const Ray<double>& ray, const Primitive<double>& primitive) {
+            Primitive<double> other = primitive;
+            other.numbers[number] = change(primitive.numbers[number]);
+            return right(ray, other);
+        });
+    };
+    const auto of_radius = [&](const auto& change) {
+        const auto broken = broken_of(changed_disc(6, change));
+        CHECK(subjects_of(broken) == std::set<std::string>{"t"});
+        return broken.contains("t") ? broken.at("t") : std::string();
+    };
+    CHECK(of_radius([](double r) { return 2 * r; }).starts_with("the outer_radius is taken twice (a diameter?)"));
+    CHECK(of_radius([](double r) { return r * r; }).starts_with("the outer_radius is squared once too often"));
+    CHECK(of_radius([](double r) { return r / 2; }).starts_with("the outer_radius is taken for a diameter"));
+    CHECK(of_radius([](double r) { return std::sqrt(r); }).starts_with("the outer_radius is taken for its square"));
+    const auto full = broken_of(changed_disc(7, [](double) { return 0.0; }));
+    REQUIRE(subjects_of(full) == std::set<std::string>{"rays"});
+    CHECK(full.at("rays").find("it seems to ignore the inner_radius") != std::string::npos);
+    ForeignForm silent = changed_disc(6, [](double r) { return std::sqrt(r); });
+    silent.contract.roots = intersect::Roots::none;
+    CHECK(subjects_of(broken_of(silent)) == std::set<std::string>{"hit"});
 }
 
 TEST_CASE("contract: a NaN answer comes with advice on how to mark a miss", "[external]") {

@@ -137,33 +137,55 @@ constexpr LengthMisuse length_misuses[]{
     {[](double x) { return 2 * x; }, "the {0} is taken twice (a diameter?)", "; hand over {0}, not 2 * {0}"},
     {[](double x) { return x / 2; }, "the {0} is taken for a diameter", "; hand over 2 * {0}"}};
 
-/// Rays whose answers tell mistakes about a length apart: the plainest ray and one beside it, at two lengths. One
-/// length is not enough, since twice 2 is its square.
+/// Rays whose answers tell mistakes about a length apart: the plainest ray and some beside it, at two lengths. One
+/// length is not enough, since twice 2 is its square. A length of a flat shape only decides how far from the middle it
+/// is hit.
 std::vector<Question> rays_at_lengths(Shape shape, std::size_t number) {
-    Question aside = entering(shape, 8);
-    aside.ray[0] = 0.5, aside.ray[1] = 0.25;
-    std::vector<Question> all{entering(shape), aside};
-    for (Question q : {all[0], all[1]}) {
+    std::vector<Question> all{entering(shape), entering(shape, 8)};
+    all[1].ray[0] = 0.5, all[1].ray[1] = 0.25;
+    for (const double x : {0.9, 1.25, 1.75, 2.5, 3.5}) {
+        if (!is_flat(shape)) continue;
+        all.push_back(entering(shape));
+        all.back().ray[0] = x;
+    }
+    for (std::size_t i = 0, count = all.size(); i < count; ++i) {
+        Question q = all[i];
         q.primitive[number] *= 0.75;
         all.push_back(q);
     }
     return all;
 }
 
-/// The mistake about the length that explains all answers of a form; null if none does.
-const LengthMisuse* find_taken_length(const Trial& trial, std::size_t number) {
+/// A mistake about the length of a shape, in words, and what to write in place of it.
+struct TakenLength {
+    std::string words, mend;
+};
+
+/// The mistake about a length that explains all answers of a form.
+std::optional<TakenLength> find_taken_length(const Trial& trial) {
+    const auto length = length_key(trial.shape);
+    if (!length) return std::nullopt;
     std::vector<std::pair<Question, Reply>> asked;
-    for (const Question& q : rays_at_lengths(trial.shape, number)) asked.emplace_back(q, trial.ask(q));
+    for (const Question& q : rays_at_lengths(trial.shape, length->number)) asked.emplace_back(q, trial.ask(q));
     const auto explains = [&](const LengthMisuse& mistake) {
         return std::ranges::all_of(asked, [&](const auto& one) {
             auto [q, r] = one;
-            q.primitive[number] = mistake.change(q.primitive[number]);
+            q.primitive[length->number] = mistake.change(q.primitive[length->number]);
             const auto ends = ends_of(q, trial.shape);
-            return ends ? r.hit == 1 && is_answer(r.near, ends->near) : r.hit == 0;
+            if (!ends) return r.hit == 0;
+            return r.hit == 1 && (!trial.tells_t || is_answer(r.near, ends->near));
         });
     };
     const auto found = std::ranges::find_if(length_misuses, explains);
-    return found == std::end(length_misuses) ? nullptr : &*found;
+    if (found == std::end(length_misuses)) return std::nullopt;
+    const auto text = [&](const char* words) { return fmt::format(fmt::runtime(words), length->key->name); };
+    return TakenLength{text(found->words), text(found->mend)};
+}
+
+/// Tests if a flat shape is hit as far from its middle as its length says.
+void try_size(Trial& trial) {
+    const auto taken = is_flat(trial.shape) ? find_taken_length(trial) : std::nullopt;
+    if (taken) trial.broken(taken->words + ", which decides where it is hit" + taken->mend);
 }
 
 /// Tests near, as answered to a ray from outside.
@@ -177,12 +199,7 @@ void try_t(Trial& trial) {
         return trial.kept("the plainest ray gets t = " + text_of(right) + ", which is right");
     const auto where = " (" + plainest_ray_text(trial.shape, ", ") + ": " + text_of(right) + " is right, it answers " +
                        text_of(plain.near) + ")";
-    if (const auto length = length_key(trial.shape)) {
-        if (const LengthMisuse* const found = find_taken_length(trial, length->number)) {
-            const auto text = [&](const char* words) { return fmt::format(fmt::runtime(words), length->key->name); };
-            return trial.broken(text(found->words) + where + text(found->mend));
-        }
-    }
+    if (const auto taken = find_taken_length(trial)) return trial.broken(taken->words + where + taken->mend);
     if (is_far(plain.near)) return trial.broken("the far root comes first" + where + "; write near before far");
     if (is_answer(plain.near, -right) || is_far(-plain.near))
         return trial.broken("t has the wrong sign" + where + "; is the direction reversed?");
@@ -194,11 +211,13 @@ void try_t(Trial& trial) {
 /// Compares t with the form's own t for length 1: a wrong t may still halve as it should, or be a distance.
 void try_direction(Trial& trial) {
     if (trial.contract.direction == Direction::unit) return trial.kept("takes unit directions; others are not tried");
+    const std::string say_unit = "say LB_UNIT (unit_direction, direction=unit)";
     const Question q = entering(trial.shape);
     const Reply plain = trial.ask(q), twice = trial.ask(entering(trial.shape, 5, 2));
     if (twice.hit != 1)
         return trial.broken("a direction twice as long misses; it should hit" +
-                            std::string(trial.tells_t ? " at half the t" : "") + ". The formula may assume length 1");
+                            std::string(trial.tells_t ? " at half the t" : "") +
+                            ". The formula may assume length 1; if so, " + say_unit);
     if (!trial.tells_t) return trial.kept("takes directions of any length: one twice as long hits too");
     if (is_answer(twice.near, plain.near / 2))
         return trial.kept("takes directions of any length: one twice as long gets half the t");
@@ -206,14 +225,16 @@ void try_direction(Trial& trial) {
     const bool is_unchanged = is_answer(twice.near, plain.near),
                is_distance = is_unchanged && further.hit == 1 && is_answer(further.near, plain.near + 3);
     if (is_distance)
-        return trial.broken(
-            "t is a distance: a direction twice as long changes nothing. Divide t by its length, or "
-            "say LB_UNIT (unit_direction, direction=unit)");
+        return trial.broken("t is a distance: a direction twice as long changes nothing. Divide t by its length, or " +
+                            say_unit);
     const std::string gives = "a direction twice as long gives t = " + text_of(twice.near);
     const double right = ends_of(q, trial.shape)->near;
     if (!is_answer(plain.near, right)) return trial.noted(gives + "; the t for length 1 is wrong already");
     trial.broken(gives + " where " + text_of(right / 2) + " is right" +
-                 (is_unchanged ? "" : ": its length changes t, but not as a divisor; the formula may assume length 1"));
+                 (is_unchanged ? ""
+                               : ": its length changes t, but not as a divisor; the formula may assume length 1; "
+                                 "if so, " +
+                                     say_unit));
 }
 
 void try_far(Trial& trial) {
@@ -378,7 +399,8 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     });
     if (!hits) return std::move(trial.findings);
     if (trial.tells_t) trial.probe("t", try_t);
-    const bool t_is_right = !trial.breaks("t");
+    if (!trial.breaks("t")) trial.probe(trial.tells_t ? "t" : "hit", try_size);
+    const bool t_is_right = !trial.breaks("t") && !trial.breaks("hit");
     std::string held_back;
     const auto probe_of_t = [&](const char* name, const auto& probe, bool asked = true) {
         if (!asked) return;
@@ -400,9 +422,13 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     probe_of_t("range", try_range, trial.says(LB_RANGE));
     probe_of_t("scale", try_scale);
     if (!trial.says_broken()) trial.probe("rays", try_rays);  // otherwise the mistake is known already
-    probe_of_t("edges", try_edges, !trial.breaks("facing"));  // half of its rays come from behind
+    // Half of its rays come from behind.
+    probe_of_t("edges", try_edges, !trial.breaks("facing") && !trial.breaks("rays"));
     if (!held_back.empty())
-        trial.probe("t", [&](Trial& t) { t.noted("what follows from a wrong t is not judged: " + held_back); });
+        trial.probe("t", [&](Trial& t) {
+            t.noted(std::string(t.breaks("t") ? "what follows from a wrong t" : "what follows from wrong hits") +
+                    " is not judged: " + held_back);
+        });
     try_odd_numbers(trial);
     return std::move(trial.findings);
 }

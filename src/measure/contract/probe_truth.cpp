@@ -101,6 +101,22 @@ std::vector<Question> aimed(const Trial& trial, const Aim& aim, bool upright) {
     return all;
 }
 
+/// Names an optional length, such as an inner radius, if all answers are right for primitives without it.
+std::string ignored_length(const Trial& trial, const std::vector<Question>& questions) {
+    std::string words;
+    for_each_key(trial.shape, [&](const Key& key, std::size_t k) {
+        if (!key.optional || !words.empty()) return;
+        std::vector<AnsweredQuestion> without = with_truth(trial, questions);
+        for (AnsweredQuestion& one : without) {
+            Question q = one.question;
+            q.primitive[k] = 0;
+            one.right = trial.truth(q);
+        }
+        if (WrongCount(trial, without).wrong == 0) words = fmt::format("; it seems to ignore the {}", key.name);
+    });
+    return words;
+}
+
 std::string wrong_count_text(const WrongCount& found, const Aim& aim) {
     return std::to_string(found.wrong) + " of " + std::to_string(found.asked) + " rays " + aim.words +
            " are answered wrongly, none of them near an edge; the first: " + found.first;
@@ -259,8 +275,9 @@ void try_rays(Trial& trial) {
             asked += found.asked;
             if (found.wrong == 0) continue;
             const bool oblique = !upright && has_axis(trial.shape);
-            if (found.is_many() && !oblique) return trial.broken(wrong_count_text(found, aim));
-            trial.noted(wrong_count_text(found, aim) + (oblique ? "; where axes lie along x, y or z it is right" : ""));
+            const std::string words = wrong_count_text(found, aim) + ignored_length(trial, questions);
+            if (found.is_many() && !oblique) return trial.broken(words);
+            trial.noted(words + (oblique ? "; where axes lie along x, y or z it is right" : ""));
             if (oblique) return;
         }
     }

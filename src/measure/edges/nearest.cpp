@@ -246,9 +246,7 @@ private:
             return eye;
         }
         Eye eye = anywhere();
-        const double low = std::min(high, file_.distance.low);
-        const int octave = random_.below(std::ilogb(high / low) + 1);
-        eye.distance = std::min(high, std::ldexp(low * (1 + random_.unit()), octave));
+        eye.distance = random_.in_octaves(std::min(high, file_.distance.low), high);
         return eye;
     }
 

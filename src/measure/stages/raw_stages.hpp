@@ -105,8 +105,9 @@ struct ColumnKernels {
 struct RawStages {
     ColumnKernels columns;
     void (*unit_directions)(const RawDirections&);
-    /// Functions that settle rays that touch, by exact sums, for each shape that lies flat between points, in the order
-    /// of the list: one word for each number, no matrix, no range. Null for the other shapes.
+    /// Functions that use exact sums, in the order of the list of shapes: for a shape that lies flat between points, of
+    /// rays that touch; for a surface of degree four, of rays that begin near it. One word for each number, no matrix,
+    /// no range. Null for the other shapes.
     std::array<void (*)(const RawProblems<double>&), shape_rows.size()> ties;
 };
 

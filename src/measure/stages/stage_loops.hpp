@@ -9,6 +9,7 @@
 #include "measure/stages/problem.hpp"
 #include "measure/stages/raw_stages.hpp"
 #include "measure/stages/span_stages.hpp"
+#include "measure/stages/start_stage.hpp"
 #include "measure/stages/tie_stage.hpp"
 #include "number/pack.hpp"
 
@@ -72,9 +73,8 @@ template <class P>
     store(found.distance, out.distance);
 }
 
-template <template <class> class Of, class P>
+template <template <class> class Of, class P, auto settle_pack>
 [[gnu::flatten]] void settle_ties(const RawProblems<double>& raw) {
-    using Shape = Of<Multiple<P>>;
     const RawProblems<double> p = raw;  // as above
     const RequestedResults asked{false, p.out.t.hi != nullptr, p.out.distance.hi != nullptr};
     for (std::size_t i = 0; i < p.size; i += P::lanes) {
@@ -82,8 +82,8 @@ template <template <class> class Of, class P>
         const auto load_all = [&]<std::size_t... k>(const RawColumn<double>* c, std::index_sequence<k...>) {
             return std::array<P, sizeof...(k)>{load(c[k])...};
         };
-        const auto tie = settle_tie<Of>(load_all(p.ray, std::make_index_sequence<6>()),
-                                        load_all(p.primitive, std::make_index_sequence<numbers_of<Shape>>()), asked);
+        const auto tie = settle_pack(load_all(p.ray, std::make_index_sequence<6>()),
+                                     load_all(p.primitive, std::make_index_sequence<numbers_of<Of<P>>>()), asked);
         store(tie.found, p.out, i);
         store_lanes<P>(tie.touches, p.out.touches + i);
         store_lanes<P>(tie.on_surface, p.out.on_surface + i);
@@ -105,8 +105,11 @@ template <class P>
 void fill_stages(RawStages& kernels) {
     kernels = {column_kernels<P>(), settle_unit_directions<P>, {}};
     Primitives::each([&]<template <class> class Of>() {
-        if constexpr (is_flat_between_points<Of<Multiple<P>>>)
-            kernels.ties[static_cast<std::size_t>(shape_as<Of>)] = settle_ties<Of, P>;
+        constexpr std::size_t count = numbers_of<Of<P>>;
+        auto& ties = kernels.ties[static_cast<std::size_t>(shape_as<Of>)];
+        if constexpr (is_flat_between_points<Of<Multiple<P>>>) ties = settle_ties<Of, P, settle_tie<Of, P, count>>;
+        else if constexpr (is_quartic_along<Of<Running<TwoWords<P>>>>)
+            ties = settle_ties<Of, P, settle_start<Of, P, count>>;
     });
 }
 

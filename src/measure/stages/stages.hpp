@@ -29,8 +29,10 @@ extern template void ShapeStage<double>::operator()(const RawProblems<double>&) 
 struct Stages {
     ShapeStage<float> binary64;        ///< binary32 inputs
     ShapeStage<double> double_double;  ///< inputs of one word or two
-    /// Settles also rays that touch: one word a number, no matrix and no range.
+    /// Settles also rays that touch a flat shape, or that begin near a surface of degree four: one word a number, no
+    /// matrix and no range.
     ShapeStage<double> ties;
+    bool ties_first;                                ///< `ties` takes less time than `double_double`
     void (*unit_directions)(const RawDirections&);  ///< the same for every shape
     std::size_t lanes;
 };

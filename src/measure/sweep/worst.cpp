@@ -209,9 +209,9 @@ private:
         for (std::size_t i = 0; i < 3; ++i) p.x[3 + i] = to[i] / largest * size;
     }
 
-    /// Aims at a rim, an edge, an apex or a line of the primitive. The distance of the eye is uniform in its logarithm,
-    /// and the direction keeps the size of its largest component. The numbers of the primitive are rounded first, so
-    /// that the place is on the primitive that the form receives.
+    /// Aims at a rim, an edge, an apex or a line of the primitive. The distance of the eye is from every octave equally
+    /// often, and the direction keeps the size of its largest component. The numbers of the primitive are rounded
+    /// first, so that the place is on the primitive that the form receives.
     void aim_at_place(SearchPoint& p) {
         const FloatFormat& format = row_.format.parameters;
         for (std::size_t i = 6; i < file_.ranges.size(); ++i) p.x[i] = rounding::to_format(p.x[i], 0, format);
@@ -219,9 +219,8 @@ private:
         if (broken_limit(primitive)) return;
         const scene::rays::AimedPlace place = aimed_at_(random_, primitive, *file_.aim);
         const Vec<double> any = scene::rays::draw_direction(random_), d = place.along.value_or(any);
-        const double low = std::log2(file_.distance.low), high = std::log2(file_.distance.high);
         const double half = visit(primitive, [](const auto& shape) { return shape.half_extent(); });
-        const double away = half * std::exp2(low + random_.unit() * (high - low));
+        const double away = half * random_.in_octaves(file_.distance.low, file_.distance.high);
         const double size = std::max({std::fabs(p.x[3]), std::fabs(p.x[4]), std::fabs(p.x[5])}),
                      largest = std::max({std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)});
         for (std::size_t i = 0; i < 3; ++i) {

@@ -197,10 +197,7 @@ bool Band::may_differ(std::size_t i, Convention convention) const {
 
 bool Band::needs_special_truth(std::size_t i, Convention convention) const {
     if (convention.by_shape)
-        return std::ranges::any_of(all_shapes, [&](Shape shape) {
-            const Convention own = convention.of(shape);
-            return truths_.may_differ(i, own) || needs_special_truth(i, own);
-        });
+        return std::ranges::any_of(all_shapes, [&](Shape shape) { return may_differ(i, convention.of(shape)); });
     const bool ranged = ideal_ ? ideal_->have_ranges() : shared_.have_ranges();
     if (convention.endless && ranged) return true;
     if (convention.at_origin == AtOrigin::exit && truths_.on_surface[i] != 0) return true;

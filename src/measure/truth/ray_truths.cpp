@@ -248,12 +248,18 @@ private:
         std::vector<std::size_t> left(together.size);
         std::iota(left.begin(), left.end(), std::size_t{0});
         // Without an index, columns in two words with bounds were tried before, and the pairs that they leave open are
-        // often ties.
-        if (!problems_.index) settle_ties(shape, left);
-        if (!left.empty()) settle_gathered(shape, left);
-        if (problems_.index) settle_ties(shape, left);
+        // often ties. A pair that is the only one of its ray would stay open in them again.
+        const bool ties_first = !problems_.index && stages::stages_of(shape, isa_).ties_first;
+        if (ties_first) settle_ties(shape, left);
+        if (!left.empty() && !are_tried()) settle_gathered(shape, left);
+        if (!ties_first) settle_ties(shape, left);
         for (const std::size_t k : left) settle_alone(pairs_[places(shape)[k]]);
         together.size = 0;
+    }
+    /// True if columns in two words with bounds left all gathered pairs open.
+    [[nodiscard]] bool are_tried() const {
+        if (problems_.index) return false;
+        return problems_.paired ? !problems_.primitives[begin_].placed : problems_.primitives.size() == 1;
     }
     /// Settles the gathered pairs of one shape that are in `left`. Pairs that stay open remain in `left`.
     void settle_gathered(Shape shape, std::vector<std::size_t>& left) {

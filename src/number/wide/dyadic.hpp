@@ -43,6 +43,12 @@ template <class For>
 class Dyadic {
 public:
     Dyadic() = default;
+    Dyadic(const Dyadic& x) : first_(x.first_), size_(x.size_), negative_(x.negative_) { copy_limbs(x); }
+    Dyadic& operator=(const Dyadic& x) {
+        first_ = x.first_, size_ = x.size_, negative_ = x.negative_;
+        copy_limbs(x);
+        return *this;
+    }
     /// Infinity is taken as the largest number, NaN as zero.
     explicit Dyadic(double x) : negative_(std::signbit(x)) {
         if (!(std::fabs(x) > 0)) return;
@@ -103,6 +109,11 @@ public:
 
 private:
     static constexpr int most_limbs = 272;
+
+    /// Most numbers have a few limbs.
+    void copy_limbs(const Dyadic& x) {
+        for (int i = 0; i < x.size_; ++i) limbs_[i] = x.limbs_[i];
+    }
 
     [[nodiscard]] int end() const { return first_ + size_; }
     /// The limb at 2^(32 place).

@@ -246,15 +246,16 @@ void Layout::require_whole(const Complain& complain) const {
         return;
     }
     if (const auto names = lacks(0, slot::tmax, {}); !names.empty()) {
-        // Every word of two letters is one edit away from many others, so ask only about columns that are known to be
-        // missing.
+        // Every word of two letters is one edit away from many others, so ask only if one alone is known to be missing.
         for (const LayoutColumn& column : columns_) {
+            std::vector<std::string_view> near;
             for (std::size_t s = 0; s < slot::tmax; ++s) {
                 const std::string_view name = name_of_slot(s, {});
-                if (!has(s) && !column.slot && toml::edit_distance(column.name, name) == 1)
-                    complain(static_cast<std::size_t>(&column - columns_.data()),
-                             fmt::format("a ray has no {}; is \"{}\" meant to be \"{}\"?", names, column.name, name));
+                if (!has(s) && !column.slot && toml::edit_distance(column.name, name) == 1) near.push_back(name);
             }
+            if (near.size() == 1)
+                complain(static_cast<std::size_t>(&column - columns_.data()),
+                         fmt::format("a ray has no {}; is \"{}\" meant to be \"{}\"?", names, column.name, near[0]));
         }
         complain(0, fmt::format("a ray has no {}: the columns are \"{}\"; name ox,oy,oz,dx,dy,dz, and optionally tmin, "
                                 "tmax, hit and t (docs/judge.md lists these columns and those of a primitive)",

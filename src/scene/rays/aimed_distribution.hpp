@@ -58,19 +58,29 @@ inline Vec<double> draw_on_surface(Random& random, const Primitive<double>& prim
     });
 }
 
+/// Start of the rays of a distribution: away from the primitive, or on the surface of a second primitive of the same
+/// kind, as rays to a light and reflected rays do. Rounded to binary32, they begin just inside of it or just outside.
+enum class Begin : std::uint8_t { away, on_other };
+inline constexpr std::pair<std::string_view, Begin> begins[] = {{"away", Begin::away}, {"other", Begin::on_other}};
+
+/// Draws a ray from the surface of a primitive to a point, or in the direction `any` if the two are equal.
+template <class F>
+Ray<double> ray_from_surface(Random& random, const F& distribution, const Primitive<double>& other,
+                             const Vec<double>& to, const Vec<double>& any) {
+    const Vec<double> from = stored(draw_on_surface(random, other));
+    const double apart = length(to - from);
+    return {from, stored(direction_length(distribution) * (apart > 0 ? (to - from) / apart : any))};
+}
+
 /// Base of the ray distribution of a shape: a struct F with a table's name that is derived from this and has
 ///     static Primitive<double> drawn(Random&, const Vec<double>& middle, double size)
 /// It may also have targets:
 ///     static constexpr std::pair<std::string_view, int> aims[]    by the words of the key `aim`; else the first is 0
 ///     static AimedPlace aimed_at(Random&, const Primitive<double>&, int aim)
 /// Rays come from any direction that the target leaves open, from `distance` sizes away. If they begin on another
-/// primitive, its middle is that far away in any direction, and they begin anywhere on its surface, as rays to a light
-/// and reflected rays do. Rounded to binary32, they begin just inside of it or just outside.
+/// primitive, its middle is that far away in any direction, and they begin anywhere on its surface.
 template <class F>
 struct AimedDistribution {
-    enum class Begin { away, on_other };
-    static constexpr std::pair<std::string_view, Begin> begins[] = {{"away", Begin::away}, {"other", Begin::on_other}};
-
     int aim = 0;
     Begin begin = Begin::away;
     double size = 1;                 ///< approximate size of the primitive, world units
@@ -110,10 +120,7 @@ struct AimedDistribution {
                 const AimedPlace target = F::aimed_at(random, primitive, f.aim);
                 const Vec<double> at = target.point + away;
                 if (f.begin == Begin::on_other) {
-                    const Vec<double> from = stored(draw_on_surface(random, group.primitives[1]));
-                    const double apart = length(at - from);
-                    const Vec<double> d = apart > 0 ? (at - from) / apart : any;
-                    group.rays.push({from, stored(direction_length(f) * d)});
+                    group.rays.push(ray_from_surface(random, f, group.primitives[1], at, any));
                     continue;
                 }
                 const Vec<double> d = target.along.value_or(any);

@@ -1,6 +1,8 @@
 // Seeded random numbers, the same on every machine.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <random>
 
@@ -13,6 +15,12 @@ public:
     /// In [0, 1), 53 bits.
     double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
     double between(double a, double b) { return a + unit() * (b - a); }
+    /// Draws from every octave between two positive numbers equally often, with + × and comparisons alone: logarithms
+    /// differ between machines.
+    double in_octaves(double low, double high) {
+        const int octave = below(std::ilogb(high / low) + 1);
+        return std::min(high, std::ldexp(low * (1 + unit()), octave));
+    }
     /// Draws from 0 … n − 1.
     int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
     double sign() { return below(2) == 0 ? 1 : -1; }

@@ -80,6 +80,20 @@ struct Torus {
                 .bound = T(2) * (sqrt(a) * outer),
                 .d2 = a};
     }
+    /// The polynomial of `span` in t itself: n² (p² + R² − r²)² − 4 R² |n × p|² with p = f + t d, since x = a t + d·f
+    /// and |n × p|² = n² p² − (n·p)². It is computed by + − × alone, so numbers without a root or a quotient can hold
+    /// it.
+    [[nodiscard]] Polynomial<T> along(const Ray<T>& ray) const {
+        const auto by = [](const Vec<T>& u, const Vec<T>& v) { return u.x * v.x + u.y * v.y + u.z * v.z; };
+        const Vec<T>&o = ray.origin, &d = ray.direction;
+        const Vec<T> f(o.x - centre.x, o.y - centre.y, o.z - centre.z);
+        const T n = by(axis, axis), u = by(axis, f), v = by(axis, d), f2 = by(f, f), h = by(f, d), a = by(d, d);
+        const T s = f2 + (major_radius + minor_radius) * (major_radius - minor_radius);
+        const T four_r2 = T(4) * (major_radius * major_radius), ns = n * s, nh = n * h, na = n * a;
+        return {{ns * s - four_r2 * (n * f2 - u * u), T(4) * (ns * h) - T(2) * (four_r2 * (nh - u * v)),
+                 T(4) * (nh * h) + T(2) * (na * s) - four_r2 * (na - v * v), T(4) * (nh * a), na * a},
+                4};
+    }
     /// Relative distance of a point outside the surface, in units of `unit()`.
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return distance(p) / minor_radius; }
     [[nodiscard]] T unit() const { return minor_radius; }

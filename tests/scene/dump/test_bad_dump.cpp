@@ -112,6 +112,8 @@ const BadFile bad_files[] = {
     {"a.csv", "px,py,inside\n", "a.csv:1:1: a point has no pz", "px,py,pz,inside", of_mesh},
     {"a.csv", "px,py,pz,inside\n0,0,inf,1\n", "a.csv:2:5: pz is inf", "three finite numbers", of_mesh},
     {"a.csv", "px,py,pz,inside\n0,0,0,\n", "a.csv:2:7: inside is empty", "1 for a point inside", of_mesh},
+    {"a.csv", "ox,oy,oz,dx,dy,dq\n", "a.csv:1:16: a ray has no dz", "is \"dq\" meant to be \"dz\"?"},
+    {"a.csv", "dq\n", "a.csv:1:1: a ray has no ox, oy, oz, dx, dy, dz", "the columns are \"dq\""},
     {"a.csv", "ox," + std::string(3 << 20, 'x'), "a.csv:1:1:", "million"},
     {"a.dat", "", "a.dat: a file of rays ends in", "--columns"},
     {"a.bin",

@@ -160,7 +160,6 @@ TEST_CASE("rays of every shape may begin on the surface of another primitive") {
     const Scratch folder;
     std::size_t shapes = 0;
     for (const sweep::DistributionRow& row : sweep::distributions()) {
-        if (row.shape == Shape::sphere || row.shape == Shape::box) continue;  // they have tables of their own
         INFO(row.table);
         const Node root = read_toml(folder.write("f.toml", "begin = \"other\"\ndistance = 8\nviews = 16\nrays = 4\n"));
         std::size_t rays = 0;
@@ -170,15 +169,42 @@ TEST_CASE("rays of every shape may begin on the surface of another primitive") {
                 const Vec<double> o = group.rays[i].origin, d = group.rays[i].direction;
                 CHECK(std::fabs(visit(group.primitives[1], [&o](const auto& shape) { return shape.distance(o); })) <
                       1e-5);
-                // It passes a point of the first primitive, whose middle is at the origin, up to its size.
-                CHECK(length(cross(o, d)) < 4 * length(d));
-                CHECK(dot(o, d) < 0);
+                // It passes a point of the first primitive, whose size is about 1.
+                const Vec<double> from = o - ball_around(group.primitives[0]).centre;
+                CHECK(length(cross(from, d)) < 4 * length(d));
+                CHECK(dot(from, d) < 0);
             }
         }
         CHECK(rays == 64);
         ++shapes;
     }
-    CHECK(shapes == 9);
+    CHECK(shapes == 11);
+}
+
+TEST_CASE("rays that begin on another box are aimed at its features, and those of spheres keep their impact") {
+    const Scratch folder;
+    const auto drawn = [&](Shape shape, std::string_view keys) {
+        const Node root =
+            read_toml(folder.write("f.toml", "begin = \"other\"\nviews = 16\nrays = 4\n" + std::string(keys)));
+        return std::ranges::find(sweep::distributions(), shape, &sweep::DistributionRow::shape)
+            ->read(TableReader(root))(0);
+    };
+    for (const RayGroup& group : drawn(Shape::sphere, "silhouette_gap = 0.25\n"))
+        for (std::size_t i = 0; i < group.rays.size(); ++i) {
+            const Sphere<double> sphere = group.primitives[0].sphere();
+            const Vec<double> from = group.rays[i].origin - sphere.centre, d = group.rays[i].direction;
+            CHECK(length(cross(from, d)) / length(d) == Approx(0.75 * sphere.radius).epsilon(1e-5));
+        }
+    for (const RayGroup& group : drawn(Shape::box, "aim = \"corner\"\nadjoining = true\n")) {
+        REQUIRE(group.primitives.size() == 9);
+        const Vec<double> corner = group.primitives[0].box().hi;  // shared by all eight
+        for (std::size_t i = 0; i < group.rays.size(); ++i) {
+            const Vec<double> from = group.rays[i].origin - corner, d = group.rays[i].direction;
+            CHECK(length(cross(from, d)) / length(d) < 1e-5);
+        }
+    }
+    CHECK(distribution_error("begin = \"other\"\nprojection = \"point\"")
+              .starts_with("f.toml:1:9: begin is \"other\", but"));
 }
 
 }  // namespace test_distribution

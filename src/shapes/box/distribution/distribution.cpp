@@ -13,12 +13,11 @@ using rays::stored;
 
 namespace {
 
-/// Draws a box. Each side is between half of the size and all of it, and one side has the stated thickness. The centre
-/// is not a special point.
-Box<double> draw_box(Random& random, const BoxDistribution& f) {
+/// Draws a box near `away`. Each side is between half of the size and all of it, and one side has the stated thickness.
+/// The centre is not a special point.
+Box<double> draw_box(Random& random, const BoxDistribution& f, const Vec<double>& away) {
     Box<double> box;
     const int thin = random.below(3);
-    const Vec<double> away = offset_of(f);
     for (int i = 0; i < 3; ++i) {
         const double side = f.size * (i == thin && f.thickness < 1 ? f.thickness : random.between(0.5, 1));
         box.lo[i] = stored(away[i] + f.size * random.between(-0.75, -0.25));
@@ -81,12 +80,16 @@ Vec<double> draw_direction(Random& random, const Feature& feature) {
 }
 
 RayGroup box_rays(Random& random, const BoxDistribution& f) {
-    const Box<double> box = draw_box(random, f);
+    const Box<double> box = draw_box(random, f, offset_of(f));
     Vec<double> middle(0, 0, 0);
     for (int i = 0; i < 3; ++i) middle[i] = stored(box.lo[i] + random.between(0.3, 0.7) * (box.hi[i] - box.lo[i]));
     RayGroup group;
     if (f.adjoining) group.primitives = cut(box, middle);
     else group.primitives.emplace_back(box);
+    const bool on_other = f.begin == rays::Begin::on_other;
+    if (on_other)
+        group.primitives.emplace_back(
+            draw_box(random, f, offset_of(f) + (f.distance * f.size) * rays::draw_direction(random)));
     const double magnitude = rays::direction_length(f);
     for (int i = 0; i < f.rays; ++i) {
         Feature feature = draw_feature(random, f, box);
@@ -99,6 +102,10 @@ RayGroup box_rays(Random& random, const BoxDistribution& f) {
             }
         }
         const Vec<double> moved = feature.point + (f.gap * f.size) * feature.outward;
+        if (on_other) {
+            group.rays.push(rays::ray_from_surface(random, f, group.primitives.back(), moved, d));
+            continue;
+        }
         group.rays.push({stored(moved - (f.distance * f.size) * d), stored(magnitude * d)});
     }
     return group;
@@ -119,6 +126,7 @@ BoxDistribution BoxDistribution::read(toml::TableReader table) {
         {"face", A::face}, {"edge", A::edge}, {"corner", A::corner}, {"inside", A::inside}};
     BoxDistribution f;
     f.aim = table.optional_one_of<A>("aim", aims).value_or(f.aim);
+    table.read("begin", f.begin, rays::begins);
     f.adjoining = table.optional_boolean("adjoining").value_or(false);
     table.read_number("size", f.size, 0x1p-100, 0x1p+100);
     table.read_number("thickness", f.thickness, 0, 1);

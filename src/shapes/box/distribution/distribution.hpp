@@ -13,12 +13,14 @@ namespace lostbits::scene::box {
 
 /// A box of random sides, and rays that touch it in one point of an edge or a corner, or run along a face, and are
 /// then moved away from it by `gap`. With `adjoining`, the box is one of eight that share three planes, and the rays
-/// are aimed at the shared points: no ray can slip between.
+/// are aimed at the shared points: no ray can slip between. Rays that begin on another box are aimed at the same
+/// points, but come from any direction.
 struct BoxDistribution {
     static constexpr std::string_view table = "box_rays";
     enum class Aim { face, edge, corner, inside };
 
     Aim aim = Aim::edge;
+    rays::Begin begin = rays::Begin::away;
     bool adjoining = false;
     double size = 1;                 ///< longest side, world units
     double thickness = 1;            ///< shortest side, in sizes; 0: flat

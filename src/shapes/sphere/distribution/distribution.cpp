@@ -111,6 +111,28 @@ Impact draw_impact(Random& random, const SphereDistribution& f, const View& view
     return {s, across / length(across)};
 }
 
+/// Direction, of length 1, of a line that passes the centre at s radii from a point along w from it: it makes the angle
+/// asin(s r/distance) with w.
+Vec<double> line_past(const Impact& impact, const Vec<double>& w, double radius, double distance) {
+    const double sine = std::clamp(impact.s * radius / distance, -1.0, 1.0);
+    return sine * impact.across + std::sqrt((1 - sine) * (1 + sine)) * w;
+}
+
+/// Adds rays from the surface of a second sphere.
+void add_rays_from_other(Random& random, const SphereDistribution& f, RayGroup& group) {
+    const Sphere<double> sphere = group.primitives[0].sphere();
+    const Sphere<double> other{stored(sphere.centre + (f.distance * sphere.radius) * rays::draw_direction(random)),
+                               sphere.radius};
+    group.primitives.emplace_back(other);
+    for (int i = 0; i < f.rays; ++i) {
+        const Vec<double> from = stored(rays::draw_on_surface(random, other)), to = sphere.centre - from;
+        const double distance = length(to);
+        const Vec<double> w = distance > 0 ? to / distance : rays::draw_direction(random);
+        const Impact impact = draw_impact(random, f, {w, 1});
+        group.rays.push({from, stored(direction_length(f) * line_past(impact, w, sphere.radius, distance))});
+    }
+}
+
 RayGroup view_rays(Random& random, const SphereDistribution& f) {
     const View view = draw_view(random, f);
     const Vec<double> w(view.w.x / view.n, view.w.y / view.n, view.w.z / view.n);
@@ -124,6 +146,10 @@ RayGroup view_rays(Random& random, const SphereDistribution& f) {
 
     RayGroup group;
     group.primitives.push_back(Sphere<double>{stored(centre), stored(radius)});
+    if (f.begin == rays::Begin::on_other) {
+        add_rays_from_other(random, f, group);
+        return group;
+    }
     for (int i = 0; i < f.rays; ++i) {
         const Impact impact = draw_impact(random, f, view);
         if (parallel) {
@@ -131,10 +157,7 @@ RayGroup view_rays(Random& random, const SphereDistribution& f) {
             const double scale = magnitude * std::ldexp(1.0, -std::ilogb(view.n));
             group.rays.push({stored(away + (impact.s * radius) * impact.across), stored(scale * view.w)});
         } else {
-            // From height h, a line that passes the centre at s·r makes the angle asin(s r/(r + h)) with the vertical.
-            const double sine = std::clamp(impact.s * radius / (radius + f.height), -1.0, 1.0);
-            const double cosine = std::sqrt((1 - sine) * (1 + sine));
-            const Vec<double> towards = sine * impact.across - (f.away ? -cosine : cosine) * w;
+            const Vec<double> towards = line_past(impact, f.away ? w : -w, radius, radius + f.height);
             group.rays.push({stored(away + f.height * w), stored(magnitude * towards)});
         }
     }
@@ -153,6 +176,11 @@ SphereDistribution SphereDistribution::read(toml::TableReader table) {
     static constexpr std::pair<std::string_view, W> weightings[] = {{"disc", W::disc}, {"silhouette", W::silhouette}};
     SphereDistribution f;
     f.projection = table.optional_one_of<P>("projection", projections).value_or(f.projection);
+    table.read("begin", f.begin, rays::begins);
+    if (f.begin == rays::Begin::on_other && f.projection == P::point)
+        table.fail_at("begin",
+                      "is \"other\", but with projection = \"point\" the rays begin above the sphere itself; "
+                      "leave one of the two out");
     f.directions = table.optional_one_of<V>("directions", views).value_or(f.directions);
     f.weighting = table.optional_one_of<W>("weighting", weightings).value_or(f.weighting);
     table.read_number("radius", f.radius, 0x1p-126, 0x1p+126);

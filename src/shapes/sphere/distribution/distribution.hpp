@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/rays/distribution_parts.hpp"
+#include "scene/rays/aimed_distribution.hpp"
 #include "scene/toml/toml_reader.hpp"
 
 namespace lostbits::scene::sphere {
@@ -29,9 +29,10 @@ struct SphereDistribution {
     Projection projection = Projection::parallel;
     Views directions = Views::oblique;
     Weighting weighting = Weighting::disc;
-    double radius = 1;               ///< world units
-    double distance = 4;             ///< parallel: eye to centre, in radii
-    double height = 1;               ///< point: eye to surface, world units
+    rays::Begin begin = rays::Begin::away;  ///< on_other: the other sphere is `distance` radii from the first
+    double radius = 1;                      ///< world units
+    double distance = 4;                    ///< parallel: eye to centre, in radii
+    double height = 1;                      ///< point: eye to surface, world units
     double impact_from = 0;          ///< distance of the line from the centre, in radii: disc: uniform in area between
     double impact_to = 0.999;        ///< these; silhouette: uniform in log2(1 − impact)
     double silhouette_gap = 0;       ///< > 0: all lines pass at 1 − gap radii, in place of the impacts above
