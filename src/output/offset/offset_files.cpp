@@ -163,7 +163,7 @@ pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::
             spec.formats.push_back(fmt::format("{} {} {} {}", map::short_name(*row.row.form->info), row.row.format.name,
                                                name_of(row.point), name_of(side)));
     }
-    return {file, std::move(spec), true};
+    return {file, std::move(spec)};
 }
 
 std::vector<study::Note> OffsetView::notes(const OffsetStudy& study, const std::vector<OffsetSummary>& summaries) {
