@@ -78,8 +78,9 @@ std::string fault_in_words(const FormSummary& s) {
 std::string finding_in_words(const EvaluationRequest& request, const std::vector<FormSummary>& summaries) {
     const auto forms = forms_of(request, summaries);
     if (forms.empty()) return "";
-    const auto [first, last] = std::ranges::minmax_element(forms, {}, rank_of);
-    const FoundForm &best = *first, &worst = *last;
+    // Of forms that are equally good the first is named, as on the sheet, where the others share its column.
+    const FoundForm &best = *std::ranges::min_element(forms, {}, rank_of),
+                    &worst = *std::ranges::max_element(forms, {}, rank_of);
     const auto& format = request.rows.front().format;
     if (best.kept < 0) return "";
     const std::string kept = fmt::format("{} of {} bits in {}", bits_text(best.kept), format.parameters.precision,

@@ -67,10 +67,10 @@ std::string faults_of(const FormSummary& s) {
     return text;
 }
 
-/// `22.7 of 53 lost, 30 kept`
+/// `22.7 of 53 lost, 30.3 kept`. Bits that are kept are rounded down, as in tables, and lost ones up.
 std::string lost_and_kept(double lost, int precision) {
-    const double kept = precision - lost;
-    return fmt::format("{:.1f} of {} lost, {:.{}f} kept", lost, precision, kept, kept < 9.95 ? 1 : 0);
+    const std::string kept = file::kept_text(precision - lost);
+    return fmt::format("{:.1f} of {} lost, {} kept", precision - file::number_in(kept).value(), precision, kept);
 }
 
 /// Colour of a value that is one of the metric's categories.
@@ -263,7 +263,7 @@ std::string MetricPaint::widest_caption(std::uint64_t pixels) const {
         return fmt::format("median 1.23×10^-10 {0}; largest 1.23×10^-10 {0}; of {1} rays that both forms hit",
                            metric_->unit, pixels);
     return fmt::format(
-        "99% false miss, 99% false hit; 99 of 100 hits: at most 22.7 of 53 lost, 30 kept; of {} agreed hits", pixels);
+        "99% false miss, 99% false hit; 99 of 100 hits: at most 22.7 of 53 lost, 30.3 kept; of {} agreed hits", pixels);
 }
 
 }  // namespace lostbits::output::map

@@ -97,9 +97,12 @@ TEST_CASE("scales of magnitudes fit the format", "[metric_paint]") {
 
 TEST_CASE("captions begin with decisions and count the hits behind a quantile", "[metric_paint]") {
     CHECK(glance(summary_of(12, {{Outcome::agree_hit, 400}, {Outcome::agree_miss, 600}})) ==
-          "p99 12.0 of 24 lost, 12 kept\nof 400 agreed hits");
+          "p99 12.0 of 24 lost, 12.0 kept\nof 400 agreed hits");
+    // Kept bits are rounded down, and both numbers add up.
+    CHECK(glance(summary_of(2.0625, {{Outcome::agree_hit, 400}, {Outcome::agree_miss, 600}})) ==
+          "p99 2.1 of 24 lost, 21.9 kept\nof 400 agreed hits");
     CHECK(glance(summary_of(22.75, {{Outcome::agree_hit, 400}, {Outcome::agree_miss, 600}}), binary64) ==
-          "p99 22.8 of 53 lost, 30 kept\nof 400 agreed hits");
+          "p99 22.8 of 53 lost, 30.2 kept\nof 400 agreed hits");
     // Shares are of all pixels, for every kind of wrong decision, with the most frequent first.
     CHECK(glance(summary_of(18, {{Outcome::agree_hit, 200},
                                  {Outcome::false_miss, 50},
@@ -113,7 +116,7 @@ TEST_CASE("captions begin with decisions and count the hits behind a quantile", 
     CHECK(glance(summary_of(0, {{Outcome::agree_miss, 1000}})) == "no ray hits");
     CHECK(MetricPaint(*find_metric("lost_bits"), binary32)
               .caption(summary_of(1, {{Outcome::agree_hit, 999}, {Outcome::not_a_number, 1}}), 0) ==
-          "0.1% NaN; 99 of 100 hits: at most 1.0 of 24 lost, 23 kept; of 999 agreed hits");
+          "0.1% NaN; 99 of 100 hits: at most 1.0 of 24 lost, 23.0 kept; of 999 agreed hits");
     // Withheld, it is not explained.
     CHECK(MetricPaint(*find_metric("lost_bits"), binary32)
               .caption(summary_of(0.7, {{Outcome::agree_hit, 5}, {Outcome::false_miss, 995}}), 0) ==
@@ -295,6 +298,8 @@ TEST_CASE("a map says in a sentence which form is best and which is worst", "[fi
     CHECK(says(right(2), right(2.5)) == "Both forms keep 21.5 of 24 bits in f32");
     CHECK(says(right(9), right(2), right(5)) == "schoolbook keeps 22 of 24 bits in f32; unified keeps 15");
     CHECK(says(right(2)) == "unified keeps 22 of 24 bits in f32");
+    // Of equals the first is named, which is the one whose name stands above their column of the sheet.
+    CHECK(says(right(2), right(9), right(9)) == "unified keeps 22 of 24 bits in f32; schoolbook keeps 15");
     CHECK(says(right(2), summary_of(1, {{O::agree_hit, 500}, {O::agree_miss, 275}, {O::false_hit, 225}})) ==
           "unified keeps 22 of 24 bits in f32; schoolbook hits 45 % of the empty rays");
     CHECK(says(right(2), summary_of(1, {{O::false_miss, 500}, {O::agree_miss, 500}})) ==
