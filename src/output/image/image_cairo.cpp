@@ -14,7 +14,6 @@
 #include <mutex>
 #include <span>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "number/error.hpp"
@@ -238,14 +237,14 @@ public:
         cairo_scale(pen_, points_per_pixel, points_per_pixel);
         set_colour(canvas.paper());
         cairo_paint(pen_);
-        for (const CanvasMark& mark : canvas.marks()) {
+        canvas.draw_with([this](const auto& shape, const CanvasMark& mark) {
             cairo_save(pen_);
             cairo_rectangle(pen_, mark.seen.x, mark.seen.y, mark.seen.width, mark.seen.height);
             cairo_clip(pen_);
             set_colour(mark.colour);
-            std::visit([&](const auto& shape) { put(shape, mark); }, mark.shape);
+            put(shape, mark);
             cairo_restore(pen_);
-        }
+        });
         const cairo_status_t drawn = cairo_status(pen_);
         cairo_surface_finish(surface_.get());
         if (failure_) std::rethrow_exception(failure_);
