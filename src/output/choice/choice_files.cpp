@@ -10,22 +10,21 @@
 
 namespace lostbits::output::choice {
 
-using file::number_or_missing;
 using measure::choice::Candidate;
 using measure::choice::GrowthMargin;
 using measure::choice::Input;
 using measure::choice::RowQuality;
+using table::or_missing;
 using table::Table;
 using table::when;
 
 Table<RowQuality> quality_columns() {
-    return {
-        {"rays", "integer", "", "rays whose truth is known", &RowQuality::rays},
-        {"true_hits", "integer", "", "rays that truly hit", &RowQuality::hits},
-        {"wrong", "integer", "", "false hits, false misses, NaNs and hits of another primitive", &RowQuality::wrong},
-        {"wrong_fraction", "number", "1", "wrong/rays", &RowQuality::wrong_fraction},
-        {"kept_bits", "number", "bits", "significand bits less the lost bits, at the required share of the agreed hits",
-         [](const RowQuality& w) { return number_or_missing(w.kept_bits); }}};
+    return {{"rays", "rays whose truth is known", &RowQuality::rays},
+            {"true_hits", "rays that truly hit", &RowQuality::hits},
+            {"wrong", "false hits, false misses, NaNs and hits of another primitive", &RowQuality::wrong},
+            {"wrong_fraction", "1", "wrong/rays", &RowQuality::wrong_fraction},
+            {"kept_bits", "bits", "significand bits less the lost bits, at the required share of the agreed hits",
+             or_missing(&RowQuality::kept_bits)}};
 }
 
 Table<CandidateRow> candidate_table() {
@@ -36,13 +35,13 @@ Table<CandidateRow> candidate_table() {
                                   "per ray and primitive; "),
               &R::time);
     table.add(quality_columns(), &R::quality);
-    table.add({{"distance_error", "number", "length",
+    table.add({{"distance_error", "length",
                 "distance of the hit point from the true one along the ray, at the same share; missing: the "
                 "requirement has no tolerance",
-                [](const R& r) { return number_or_missing(r.quality->off); }},
-               {"meets", "boolean", "", "true if it meets the requirement", &R::meets},
-               {"chosen", "boolean", "", "true for the cheapest that meets the requirement", &R::chosen},
-               {"mended", "string", "", "the form that was repaired, and how; missing for a form as it is",
+                or_missing([](const R& r) { return r.quality->off; })},
+               {"meets", "true if it meets the requirement", &R::meets},
+               {"chosen", "true for the cheapest that meets the requirement", &R::chosen},
+               {"mended", "the form that was repaired, and how; missing for a form as it is",
                 [](const R& r) { return r.mended ? r.mended->how : ""; }}});
     return table;
 }
@@ -50,30 +49,26 @@ Table<CandidateRow> candidate_table() {
 Table<GrowthMargin> margin_table() {
     using measure::choice::End;
     Table<GrowthMargin> table{
-        {"way", "string", "", "the quantity that grows: distance, radius, offset or view",
+        {"way", "the quantity that grows: distance, radius, offset or view",
          [](const GrowthMargin& r) { return measure::choice::growth_names[static_cast<std::size_t>(r.way)]; }},
-        {"holds", "number", "1",
-         "the largest factor at which the requirement was met; 0: not even by the scene as it is",
+        {"holds", "1", "the largest factor at which the requirement was met; 0: not even by the scene as it is",
          &GrowthMargin::holds},
-        {"value", "number", "",
-         "the quantity at that factor, in world units or, for view, degrees; missing if holds is 0",
+        {"value", "the quantity at that factor, in world units or, for view, degrees; missing if holds is 0",
          [](const GrowthMargin& r) { return when(r.holds != 0, r.value); }},
-        {"beyond", "number", "1", "the smallest larger factor that was tried; missing: none",
+        {"beyond", "1", "the smallest larger factor that was tried; missing: none",
          [](const GrowthMargin& r) { return when(r.beyond != 0, r.beyond); }},
-        {"end", "string", "",
+        {"end",
          "state at that factor: fails (the requirement), nothing_hit, other_scene (rounding stores another scene), "
          "none (as far "
          "as was "
          "tried)",
          [](const GrowthMargin& r) { return measure::choice::end_names[static_cast<std::size_t>(r.end)]; }}};
     return table.add<RowQuality>(
-        {{"wrong", "integer", "", "rays decided wrongly at the failing factor", &RowQuality::wrong},
-         {"rays", "integer", "", "number of rays at the failing factor", &RowQuality::rays},
-         {"kept_bits", "number", "bits", "bits kept at the failing factor",
-          [](const RowQuality& w) { return number_or_missing(w.kept_bits); }},
-         {"distance_error", "number", "length",
-          "distance error at the failing factor; missing: the requirement has no tolerance",
-          [](const RowQuality& w) { return number_or_missing(w.off); }}},
+        {{"wrong", "rays decided wrongly at the failing factor", &RowQuality::wrong},
+         {"rays", "number of rays at the failing factor", &RowQuality::rays},
+         {"kept_bits", "bits", "bits kept at the failing factor", or_missing(&RowQuality::kept_bits)},
+         {"distance_error", "length", "distance error at the failing factor; missing: the requirement has no tolerance",
+          or_missing(&RowQuality::off)}},
         [](const GrowthMargin& r) { return r.end == End::fails ? &r.broken : nullptr; });
 }
 
@@ -81,16 +76,14 @@ namespace {
 
 Table<SafeOffsetRow> offset_table() {
     using R = SafeOffsetRow;
-    return {{"side", "string", "", "outside: right for every ray away from the primitive; both: also for rays into it",
-             &R::side},
-            {"strategy", "string", "", "rule for the start of the next ray",
-             [](const R& r) { return r.safe.strategy->name; }},
-            {"operations", "integer", "", "operations per new ray, as the rule is written",
-             [](const R& r) { return r.safe.operations; }},
-            {"oversize_p50", "number", "1",
-             "how many times longer than the smallest safe offset, median; the larger of the sides; missing: no offset "
-             "is needed",
-             [](const R& r) { return number_or_missing(r.safe.oversize); }}};
+    return {
+        {"side", "outside: right for every ray away from the primitive; both: also for rays into it", &R::side},
+        {"strategy", "rule for the start of the next ray", [](const R& r) { return r.safe.strategy->name; }},
+        {"operations", "operations per new ray, as the rule is written", [](const R& r) { return r.safe.operations; }},
+        {"oversize_p50", "1",
+         "how many times longer than the smallest safe offset, median; the larger of the sides; missing: no offset "
+         "is needed",
+         or_missing([](const R& r) { return r.safe.oversize; })}};
 }
 
 std::vector<SafeOffsetRow> offset_rows(const measure::choice::SafeOffsets& offsets) {
@@ -110,29 +103,26 @@ Table<InputRow> input_table() {
     };
     const auto exact = [](const R& r) -> const RowQuality& { return r.trial->exact; };
     const auto form = [](const R& r) -> const std::optional<RowQuality>& { return r.trial->form; };
-    const auto kept_bits = [](const RowQuality& w) { return number_or_missing(w.kept_bits); };
-    Table<R> table{
-        {"origin", "string", "", "format of the ray origins; exact: not rounded", format_of(Input::origin)},
-        {"direction", "string", "", "format of the ray directions", format_of(Input::direction)},
-        {"place", "string", "", "format of the centres of spheres and the corners of boxes", format_of(Input::place)},
-        {"radius", "string", "", "format of the radii of spheres", format_of(Input::radius)}};
+    const auto kept_bits = or_missing(&RowQuality::kept_bits);
+    Table<R> table{{"origin", "format of the ray origins; exact: not rounded", format_of(Input::origin)},
+                   {"direction", "format of the ray directions", format_of(Input::direction)},
+                   {"place", "format of the centres of spheres and the corners of boxes", format_of(Input::place)},
+                   {"radius", "format of the radii of spheres", format_of(Input::radius)}};
     return table
         .add<RowQuality>(
-            {{"rays", "integer", "", "rays whose truth is known", &RowQuality::rays},
-             {"exact_wrong", "integer", "",
-              "rays on which the truth of these inputs decides differently from that of the ideal ones",
+            {{"rays", "rays whose truth is known", &RowQuality::rays},
+             {"exact_wrong", "rays on which the truth of these inputs decides differently from that of the ideal ones",
               &RowQuality::wrong},
-             {"exact_kept_bits", "number", "bits",
+             {"exact_kept_bits", "bits",
               "bits, of 53, that exact arithmetic on these inputs keeps of the ideal truth, at the required share of "
               "the hits",
               kept_bits}},
             exact)
-        .add<RowQuality>({{"f64_wrong", "integer", "",
-                           "rays that the form nearest to the requirement decides wrongly, in f64 on these inputs",
-                           &RowQuality::wrong},
-                          {"f64_kept_bits", "number", "bits",
-                           "bits that this form keeps on them; missing: not measured", kept_bits}},
-                         form);
+        .add<RowQuality>(
+            {{"f64_wrong", "rays that the form nearest to the requirement decides wrongly, in f64 on these inputs",
+              &RowQuality::wrong},
+             {"f64_kept_bits", "bits", "bits that this form keeps on them; missing: not measured", kept_bits}},
+            form);
 }
 
 }  // namespace

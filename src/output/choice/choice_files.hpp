@@ -101,7 +101,7 @@ struct InputRow {
 
 struct RequirementRow {
     std::string_view form, format;
-    file::Cell time_ns;
+    std::optional<double> time_ns;
     std::uint64_t met, required, pixels;
 };
 table::Table<RequirementRow> requirement_table();

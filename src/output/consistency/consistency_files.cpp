@@ -137,21 +137,22 @@ Table<study::PixelInBand<ConsistencyBand>> ConsistencyView::pixel_table(const Co
     Table<R> table = study::place_columns<ConsistencyBand>();
     for (std::size_t c = 0; c < study.checks.size(); ++c) {
         const Check& check = *study.checks[c];
-        table.add({std::string(check.name), "string", "", fmt::format("{}: {}", check.title, known), [c](const R& r) {
+        table.add({std::string(check.name), fmt::format("{}: {}", check.title, known), [c](const R& r) {
                        return check_result_names[static_cast<std::size_t>(r.band->checks[c].results[r.i])];
                    }});
         if (!check.numbers) continue;
         const auto number = [c](std::vector<double> PixelCheckResults::*numbers) {
             return [c, numbers](const R& r) {
                 const PixelCheckResults& pixels = r.band->checks[c];
-                return pixels.excess.empty() ? file::Cell() : file::number_or_missing((pixels.*numbers)[r.i]);
+                return file::number_or_missing(pixels.excess.empty() ? measure::truth::missing
+                                                                     : (pixels.*numbers)[r.i]);
             };
         };
-        table.add({{fmt::format("{}_apart", check.name), "number", "ulp",
+        table.add({{fmt::format("{}_apart", check.name), "ulp",
                     "|near + far from the other end - length| in ulps of the length; for placed |t - the other t| in "
                     "ulps of t",
                     number(&PixelCheckResults::apart)},
-                   {fmt::format("{}_excess", check.name), "number", "ulp",
+                   {fmt::format("{}_excess", check.name), "ulp",
                     "difference between that and the same for the exact answers", number(&PixelCheckResults::excess)}});
     }
     return table;
@@ -159,8 +160,7 @@ Table<study::PixelInBand<ConsistencyBand>> ConsistencyView::pixel_table(const Co
 
 Table<CheckRow> ConsistencyView::summary_table() {
     using R = CheckRow;
-    Table<R> table{{"check", "string", "", "the check: which two questions are compared",
-                    [](const R& r) { return r.check->name; }}};
+    Table<R> table{{"check", "the check: which two questions are compared", [](const R& r) { return r.check->name; }}};
     table.add(table::subject_columns("form that is asked", "format that everything is computed in"), &R::row);
     for (const auto& column : measure::consistency::consistency_columns())
         table.add(table::measured_column<R>(column, [](const auto& c, const R& r) { return c.value(*r.summary); }));
@@ -172,15 +172,16 @@ Table<CheckRow> ConsistencyView::summary_table() {
                        : std::string();
         };
     };
+    const auto shown_at = [](auto part) {
+        return [part](const R& r) { return r.summary->shown ? std::optional(part(*r.summary->shown)) : std::nullopt; };
+    };
     using Rays = decltype(CheckSummary{}.shown->rays);
     return table.add(
-        {{"first_x", "integer", "", "column of the first pixel whose difference the form causes",
-          [](const R& r) { return r.summary->shown ? file::Cell(r.summary->shown->x) : file::Cell(); }},
-         {"first_y", "integer", "", "its row",
-          [](const R& r) { return r.summary->shown ? file::Cell(r.summary->shown->y) : file::Cell(); }},
-         {"first_explain", "string", "", "command that explains the ray of the first question there",
-          explain(&Rays::first)},
-         {"second_explain", "string", "", "command that explains the ray of the second", explain(&Rays::second)}});
+        {{"first_x", "column of the first pixel whose difference the form causes",
+          shown_at([](const auto& shown) { return shown.x; })},
+         {"first_y", "its row", shown_at([](const auto& shown) { return shown.y; })},
+         {"first_explain", "command that explains the ray of the first question there", explain(&Rays::first)},
+         {"second_explain", "command that explains the ray of the second", explain(&Rays::second)}});
 }
 
 std::vector<CheckRow> ConsistencyView::summary_rows(const ConsistencyStudy& study, const std::vector<RowChecks>& rows) {

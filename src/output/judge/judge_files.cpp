@@ -62,15 +62,15 @@ bool has_hit(const JudgedRay& r) { return !r.chunk->hit.empty() && r.chunk->hit[
 Table<JudgedRay> given_columns(const Dump& dump) {
     using R = JudgedRay;
     const Layout& layout = dump.layout();
-    Table<R> table{{"ray", "integer", "", "index of the ray in the file, from 0",
-                    [](const R& r) { return r.chunk->first + r.found.i; }}};
+    Table<R> table{
+        {"ray", "index of the ray in the file, from 0", [](const R& r) { return r.chunk->first + r.found.i; }}};
     // Numbers of files of floats are written as short as floats allow.
     const bool narrow = dump.format().engine == Format::Engine::native32;
     const auto number = [narrow](double x) { return narrow ? Cell(static_cast<float>(x)) : Cell(x); };
     const auto add = [&](std::size_t s, const char* type, const char* meaning, table::CellOf<R> value) {
         if (layout.has(s))
             table.add(
-                {std::string(scene::dump::name_of_slot(s, layout.primitive())), type, "", meaning, std::move(value)});
+                {{std::string(scene::dump::name_of_slot(s, layout.primitive())), type, "", meaning}, std::move(value)});
     };
     const auto add_number = [&](std::size_t s, const char* meaning, const auto& value) {
         add(s, "number", meaning, [=](const R& r) { return number(value(*r.chunk, r.found.i)); });
@@ -101,15 +101,15 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
                            bool decides = false) {
     using Found = map::BandRay;
     Table<Found> found{map::outcome_column()};
-    found.add_exact({"answer", "number", "t", "the answer that was judged, in its own unit",
-                     [decides](const Found& r) { return r.hit() && !decides ? r.t() : Cell(); }});
+    found.add_exact({"answer", "t", "the answer that was judged, in its own unit",
+                     [decides](const Found& r) { return table::when(r.hit() && !decides, r.t()); }});
     found.add(map::found_columns(metrics));
     Table<JudgedRay> table = given_columns(dump);
     const std::size_t kept = dump.layout().kept().size();
     for (std::size_t k = 0; k < kept; ++k) {
         std::string name = file::without_formula(dump.layout().kept()[k]);  // a column may have the name of a formula
         while (name.empty() || table.find(name) || found.find(name)) name = "file_" + name;
-        table.add({name, "string", "", "this column of the file, unchanged",
+        table.add({name, "this column of the file, unchanged",
                    [k, kept](const JudgedRay& r) { return r.chunk->kept[r.found.i * kept + k]; }});
     }
     return table.add(found, &JudgedRay::found);

@@ -21,7 +21,7 @@ struct SummaryRow {
     measure::evaluate::TestedForm row;
     const measure::evaluate::FormSummary* summary;
     NameOfRay name_of_ray;
-    file::Cell group = {};  ///< missing: all rays
+    std::optional<std::string> group = {};  ///< missing: all rays
 };
 
 /// Columns of a row of the map: those of `measure::evaluate::summary_columns`, `worst_columns` and
@@ -64,10 +64,10 @@ struct BandRay {
     const measure::evaluate::TestedForm* row;
 
     [[nodiscard]] bool hit() const { return result->answers->hit[i] != 0; }
-    [[nodiscard]] file::Cell t() const { return result->answers->t[i]; }
+    [[nodiscard]] double t() const { return result->answers->t[i]; }
 };
 /// The column `outcome`.
-table::TableColumn<BandRay> outcome_column();
+table::Column<BandRay> outcome_column();
 /// The columns truth and truth_hex, and one for each metric.
 table::Table<BandRay> found_columns(const std::vector<const measure::metric::Metric*>& metrics);
 /// One row per pixel.

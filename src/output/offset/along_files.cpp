@@ -36,8 +36,8 @@ AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetStudy& s
       along_(along),
       table_(folder, fmt::format("along.{}.csv", name_of(along)),
              "One row per value on the axis, strategy, side, kind of point, form and format",
-             table::Table<AlongRow>{{std::string(name_of(along)), "number", "",
-                                     std::string(measure::offset::meaning_of(along)), &AlongRow::place}}
+             table::Table<AlongRow>{
+                 {std::string(name_of(along)), std::string(measure::offset::meaning_of(along)), &AlongRow::place}}
                  .add(OffsetView::summary_table(), &AlongRow::of)) {}
 
 void AlongFiles::add(double k, std::vector<OffsetSummary> summaries) {

@@ -176,26 +176,24 @@ std::vector<study::Note> OffsetView::notes(const OffsetStudy& study, const std::
 Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy& study) {
     using R = study::PixelInBand<OffsetBand>;
     Table<R> table = study::place_columns<OffsetBand>();
-    table.add({"object", "integer", "", "primitive that the ray leaves, from 0",
-               [](const R& r) { return r.band->object[r.i]; }});
+    table.add({"object", "primitive that the ray leaves, from 0", [](const R& r) { return r.band->object[r.i]; }});
     for (const Side side : both_sides) {
         const std::string name(name_of(side));
         using P = measure::offset::SideOfPoint;
         table.add<P>(
-            {{"rays_" + name, "integer", "", "rays " + in_words(side), &P::rays},
-             {"safe_" + name, "number", "world units", "smallest safe offset; inf if no offset is safe", &P::safe},
-             {"quiet_" + name, "number", "world units",
+            {{"rays_" + name, "rays " + in_words(side), &P::rays},
+             {"safe_" + name, "world units", "smallest safe offset; inf if no offset is safe", &P::safe},
+             {"quiet_" + name, "world units",
               "smallest offset that is safe by truth and by the form's arithmetic; inf if none is", &P::quiet}},
             [side](const R& r) -> const P& { return r.band->sides[r.i][static_cast<std::size_t>(side)]; });
         for (std::size_t k = 0; k < study.strategies.size(); ++k) {
             const Strategy& s = *study.strategies[k];
             const std::string rays = "rays of " + std::string(s.name);
-            table.add(
-                {{short_name(s) + "_self_hits_" + name, "integer", "", rays + " that by truth hit what they leave",
-                  [side, k](const R& r) { return r.band->at(r.i, side, k)[Fault::self_hit]; }},
-                 {short_name(s) + "_bad_" + name, "integer", "",
-                  rays + " with any fault except a start on the wrong side, which alone does no harm",
-                  [side, k](const R& r) { return r.band->at(r.i, side, k).bad; }}});
+            table.add({{short_name(s) + "_self_hits_" + name, rays + " that by truth hit what they leave",
+                        [side, k](const R& r) { return r.band->at(r.i, side, k)[Fault::self_hit]; }},
+                       {short_name(s) + "_bad_" + name,
+                        rays + " with any fault except a start on the wrong side, which alone does no harm",
+                        [side, k](const R& r) { return r.band->at(r.i, side, k).bad; }}});
         }
     }
     return table;
@@ -203,17 +201,16 @@ Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy&
 
 Table<StrategyRow> OffsetView::summary_table() {
     using R = StrategyRow;
-    Table<R> table{
-        {"strategy", "string", "", "rule for the new origin: a row of the table of strategies",
-         [](const R& r) { return r.strategy->name; }},
-        {"side", "string", "", "side of the new rays: outside (light, mirror, hemisphere) or inside (refraction)",
-         [](const R& r) { return name_of(r.side); }},
-        {"point", "string", "", "starting point: as computed, or projected back onto the surface",
-         [](const R& r) { return name_of(r.row->point); }}};
+    Table<R> table{{"strategy", "rule for the new origin: a row of the table of strategies",
+                    [](const R& r) { return r.strategy->name; }},
+                   {"side", "side of the new rays: outside (light, mirror, hemisphere) or inside (refraction)",
+                    [](const R& r) { return name_of(r.side); }},
+                   {"point", "starting point: as computed, or projected back onto the surface",
+                    [](const R& r) { return name_of(r.row->point); }}};
     table.add(
         table::subject_columns("form that finds the points and is tested for self-hits", "format of all computations"),
         [](const R& r) -> const auto& { return r.row->row; });
-    table.add({"operations", "integer", "", "operations per new ray, as the strategy is written",
+    table.add({"operations", "operations per new ray, as the strategy is written",
                [](const R& r) { return r.strategy->operations(r.row->row.form->shape); }});
     for (const auto& column : measure::offset::offset_columns())
         table.add(table::measured_column<R>(

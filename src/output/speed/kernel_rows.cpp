@@ -10,18 +10,16 @@ namespace lostbits::output::speed {
 using measure::speed::Timing;
 
 table::Table<KernelName> kernel_columns(const std::string& form) {
-    return {{"form", "string", "", form, &KernelName::form},
-            {"format", "string", "", "format of the computation", &KernelName::format},
-            {"isa", "string", "", "bits of the registers that hold rays side by side; scalar: one ray at a time",
-             &KernelName::isa}};
+    return {{"form", form, &KernelName::form},
+            {"format", "format of the computation", &KernelName::format},
+            {"isa", "bits of the registers that hold rays side by side; scalar: one ray at a time", &KernelName::isa}};
 }
 
 table::Table<Timing> time_columns(const std::string& median, const std::string& quartiles_of) {
-    return {{"time_ns", "number", "ns", median, [](const Timing& t) { return t.median * 1e9; }},
-            {"time_ns_q1", "number", "ns", quartiles_of + "first quartile",
-             [](const Timing& t) { return t.low_quartile * 1e9; }},
-            {"time_ns_q3", "number", "ns", quartiles_of + "third quartile",
-             [](const Timing& t) { return t.high_quartile * 1e9; }}};
+    return {
+        {"time_ns", "ns", median, [](const Timing& t) { return t.median * 1e9; }},
+        {"time_ns_q1", "ns", quartiles_of + "first quartile", [](const Timing& t) { return t.low_quartile * 1e9; }},
+        {"time_ns_q3", "ns", quartiles_of + "third quartile", [](const Timing& t) { return t.high_quartile * 1e9; }}};
 }
 
 std::size_t colour_of(const Format& format) { return format.engine == Format::Engine::native64 ? 1 : 0; }

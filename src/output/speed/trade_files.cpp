@@ -17,12 +17,12 @@
 
 namespace lostbits::output::speed {
 
-using file::number_or_missing;
 using measure::answer::Outcome;
 using measure::speed::TradeKernel;
 using measure::speed::TradeRequest;
 using measure::speed::TradeResult;
 using plot::ScatterPlotSpec;
+using table::or_missing;
 using table::Table;
 
 namespace {
@@ -35,13 +35,13 @@ Table<TimeRow> time_table() {
     Table<R> table;
     table.add(kernel_columns(form_meaning), &R::name);
     table.add(
-        {"working_set", "string", "",
+        {"working_set",
          "location of rays and answers: l1, l2 (half of the cache), memory (read again and again); scene: rays of "
          "the scene, taken evenly from its picture",
          [](const R& r) { return r.load->working_set; }});
-    table.add<Timed>({{"working_set_bytes", "integer", "B", "bytes of rays and answers", &Timed::bytes},
-                      {"working_set_rays", "integer", "", "number of rays in these bytes", &Timed::rays},
-                      {"hit_rate", "number", "1",
+    table.add<Timed>({{"working_set_bytes", "B", "bytes of rays and answers", &Timed::bytes},
+                      {"working_set_rays", "number of rays in these bytes", &Timed::rays},
+                      {"hit_rate", "1",
                        "share of the rays that hit; in l1 a processor can learn the few hundred rays, so kernels with "
                        "branches look faster than they are",
                        &Timed::hit_rate}},
@@ -51,15 +51,14 @@ Table<TimeRow> time_table() {
         time_columns("per ray, for a scene per ray and primitive; median of the repetitions, and so for the quartiles"),
         timing);
     table.add<measure::speed::Timing>(
-        {{"spread", "number", "1", "(third - first quartile)/median",
+        {{"spread", "1", "(third - first quartile)/median",
           [](const auto& t) { return (t.high_quartile - t.low_quartile) / t.median; }},
-         {"rays_per_second", "number", "1/s", "1/time", [](const auto& t) { return 1 / t.median; }}},
+         {"rays_per_second", "1/s", "1/time", [](const auto& t) { return 1 / t.median; }}},
         timing);
-    table.add(
-        {"repetitions", "integer", "", "number of measurements, one in each round over all kernels", &R::repetitions});
+    table.add({"repetitions", "number of measurements, one in each round over all kernels", &R::repetitions});
     for (std::size_t k = 0; k < operation_names.size(); ++k) {
         const std::string name(operation_names[k]);
-        table.add({"ops_" + name, "integer", "",
+        table.add({"ops_" + name,
                    fmt::format("{} in one evaluation of the form on a hit, as it is written, with constants folded",
                                name == "add"      ? "additions and subtractions"
                                : name == "choose" ? "selects, minima and maxima"
@@ -73,36 +72,36 @@ Table<TimeRow> time_table() {
 Table<StandingRow> standing_table() {
     using R = StandingRow;
     const auto fraction = [](Outcome o, const auto& whole) {
-        return [o, whole](const R& r) {
-            return number_or_missing(measure::truth::fraction(r.accuracy->count(o), std::invoke(whole, *r.accuracy)));
-        };
+        return or_missing([o, whole](const R& r) {
+            return measure::truth::fraction(r.accuracy->count(o), std::invoke(whole, *r.accuracy));
+        });
     };
     const auto quantile = [](const measure::metric::Distribution* R::*metric, double q) {
-        return [metric, q](const R& r) { return number_or_missing((r.*metric)->quantile(q)); };
+        return or_missing([metric, q](const R& r) { return (r.*metric)->quantile(q); });
     };
-    Table<R> table{{"ray_set", "string", "", "set of rays on which accuracy is measured", &R::set}};
+    Table<R> table{{"ray_set", "set of rays on which accuracy is measured", &R::set}};
     table.add(kernel_columns(form_meaning), &R::name);
     table.add(
-        {{"time_ns", "number", "ns",
+        {{"time_ns", "ns",
           "median, per ray of the easy set, working set l1, hit rate 0.5; for a scene, per ray and primitive of the "
           "scene",
           [](const R& r) { return r.quality.time_ns; }},
-         {"rays", "integer", "", "number of rays in the set", [](const R& r) { return r.accuracy->rays; }},
-         {"lost_bits_p50", "number", "bits", "median over the correct hits", quantile(&R::lost, 0.5)},
-         {"lost_bits_p99", "number", "bits", "99th percentile over the correct hits", quantile(&R::lost, 0.99)},
-         {"excess_bits_p99", "number", "bits", "99th percentile of the bits lost beyond what the problem itself costs",
+         {"rays", "number of rays in the set", [](const R& r) { return r.accuracy->rays; }},
+         {"lost_bits_p50", "bits", "median over the correct hits", quantile(&R::lost, 0.5)},
+         {"lost_bits_p99", "bits", "99th percentile over the correct hits", quantile(&R::lost, 0.99)},
+         {"excess_bits_p99", "bits", "99th percentile of the bits lost beyond what the problem itself costs",
           quantile(&R::excess, 0.99)},
-         {"kept_bits_p99", "number", "bits", "significand bits of the format minus lost_bits_p99",
-          [](const R& r) { return number_or_missing(r.quality.kept_bits); }},
-         {"false_hit_fraction", "number", "1", "false hits among the rays that truly miss",
+         {"kept_bits_p99", "bits", "significand bits of the format minus lost_bits_p99",
+          or_missing([](const R& r) { return r.quality.kept_bits; })},
+         {"false_hit_fraction", "1", "false hits among the rays that truly miss",
           fraction(Outcome::false_hit, &measure::evaluate::FormSummary::true_misses)},
-         {"false_miss_fraction", "number", "1", "false misses among the rays that truly hit",
+         {"false_miss_fraction", "1", "false misses among the rays that truly hit",
           fraction(Outcome::false_miss, &measure::evaluate::FormSummary::true_hits)},
-         {"wrong_fraction", "number", "1",
+         {"wrong_fraction", "1",
           "share of false hits, false misses, NaNs and, for a scene, hits of another primitive, among all rays whose "
           "truth is known",
           [](const R& r) { return r.quality.wrong_fraction; }},
-         {"dominated", "boolean", "",
+         {"dominated",
           "true if another entry of the set is at least as fast and at least as accurate, and better in one of the "
           "two; the more accurate entry has the smaller wrong_fraction or, if these are equal, the greater "
           "kept_bits_p99",

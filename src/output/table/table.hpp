@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <concepts>
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
@@ -20,14 +21,37 @@ namespace lostbits::output::table {
 
 using file::Cell;
 
-/// Computes the cell of a column from a row of type R. A pointer to a member of R serves too.
+/// Computes the cell of a column from a row of type R.
 template <class R>
 using CellOf = std::function<Cell(const R&)>;
 
+/// Type of a column whose values are of type T, or optional ones.
+template <class T>
+constexpr const char* type_of_values() {
+    if constexpr (requires(T x) { x.value(); }) return type_of_values<typename T::value_type>();
+    else
+        return std::is_same_v<T, bool>                   ? "boolean"
+               : std::is_integral_v<T>                   ? "integer"
+               : std::is_floating_point_v<T>             ? "number"
+               : std::is_constructible_v<std::string, T> ? "string"
+                                                         : nullptr;
+}
+
+/// A column: its name, unit and meaning, and how a row's value in it is computed. The type is that of the values.
 template <class R>
-struct TableColumn {
-    TableColumn(std::string name, std::string type, std::string unit, std::string meaning, CellOf<R> cell)
-        : about{std::move(name), std::move(type), std::move(unit), std::move(meaning)}, value(std::move(cell)) {}
+struct Column {
+    /// `value` is a function of a row or a pointer to a member of it.
+    template <class Value>
+    requires std::invocable<Value, const R&> Column(std::string name, std::string unit, std::string meaning,
+                                                    Value compute)
+        : Column({std::move(name), type_of_values<std::remove_cvref_t<std::invoke_result_t<Value, const R&>>>(),
+                  std::move(unit), std::move(meaning)},
+                 [compute](const R& row) { return Cell(std::invoke(compute, row)); }) {}
+    template <class Value>
+    requires std::invocable<Value, const R&> Column(std::string name, std::string meaning, Value compute)
+        : Column(std::move(name), "", std::move(meaning), std::move(compute)) {}
+    /// For values whose type is known only at run time.
+    Column(file::Column described, CellOf<R> compute) : about(std::move(described)), value(std::move(compute)) {}
 
     file::Column about;
     CellOf<R> value;
@@ -35,25 +59,28 @@ struct TableColumn {
 
 /// x if `there`, otherwise a missing cell.
 template <class T>
-Cell when(bool there, const T& x) {
-    return there ? Cell(x) : Cell();
+std::optional<T> when(bool there, const T& x) {
+    return there ? std::optional(x) : std::nullopt;
 }
 
-/// Writes a number as a C hexadecimal float. A missing number stays missing.
-template <class R>
-CellOf<R> exactly(CellOf<R> value) {
-    return [value = std::move(value)](const R& row) {
-        const Cell cell = value(row);
-        return cell.is_missing() ? Cell() : Cell(file::hex(cell.number()));
-    };
+/// The number that `value` finds in a row; missing if it is NaN.
+template <class Value>
+auto or_missing(Value value) {
+    return [value](const auto& row) { return file::number_or_missing(std::invoke(value, row)); };
+}
+
+/// A cell as a C hexadecimal float. A missing number stays missing.
+inline std::optional<std::string> exactly(const Cell& cell) {
+    return cell.is_missing() ? std::nullopt : std::optional(file::hex(cell.number()));
 }
 
 /// A column of numbers from the description `column` of a measured quantity, which must outlive it. A cell is
 /// `value(column, row)`; NaN is missing.
 template <class R, class Measured, class Value>
-TableColumn<R> measured_column(const Measured& column, const Value& value) {
-    return {std::string(column.name), column.whole ? "integer" : "number", std::string(column.unit),
-            std::string(column.meaning), [&column, value](const R& row) {
+Column<R> measured_column(const Measured& column, const Value& value) {
+    return {{std::string(column.name), column.whole ? "integer" : "number", std::string(column.unit),
+             std::string(column.meaning)},
+            [&column, value](const R& row) {
                 const double x = value(column, row);
                 return column.whole && !std::isnan(x) ? Cell(static_cast<std::uint64_t>(x))
                                                       : file::number_or_missing(x);
@@ -65,23 +92,22 @@ template <class R>
 class Table {
 public:
     Table() = default;
-    Table(std::initializer_list<TableColumn<R>> columns) : columns_(columns) {}
+    Table(std::initializer_list<Column<R>> columns) : columns_(columns) {}
 
-    Table& add(TableColumn<R> column) {
+    Table& add(Column<R> column) {
         columns_.push_back(std::move(column));
         return *this;
     }
     Table& add(Table columns) {
-        for (TableColumn<R>& column : columns.columns_) add(std::move(column));
+        for (Column<R>& column : columns.columns_) add(std::move(column));
         return *this;
     }
     /// Adds the columns of a part of the row. `find(row)` returns the part as a reference, an optional or a pointer; if
     /// there is none, all its cells are missing.
     template <class Part, class Find>
     Table& add(const Table<Part>& columns, const Find& find) {
-        for (const TableColumn<Part>& column : columns) {
-            const auto& [name, type, unit, meaning] = column.about;
-            add({name, type, unit, meaning, [find, value = column.value](const R& row) {
+        for (const Column<Part>& column : columns) {
+            add({column.about, [find, value = column.value](const R& row) {
                      const Part* const part = address(std::invoke(find, row));
                      return part != nullptr ? value(*part) : Cell();
                  }});
@@ -89,15 +115,15 @@ public:
         return *this;
     }
     /// Adds a column of decimals and a column `NAME_hex` with the exact values.
-    Table& add_exact(const TableColumn<R>& column) {
+    Table& add_exact(const Column<R>& column) {
         add(column);
-        return add(
-            {column.about.name + "_hex", "string", column.about.unit, "the same, exactly", exactly<R>(column.value)});
+        return add({column.about.name + "_hex", column.about.unit, "the same, exactly",
+                    [value = column.value](const R& row) { return exactly(value(row)); }});
     }
 
     /// The column of this name, or null.
-    [[nodiscard]] TableColumn<R>* find(const std::string& name) {
-        const auto named = [&name](const TableColumn<R>& column) { return column.about.name == name; };
+    [[nodiscard]] Column<R>* find(const std::string& name) {
+        const auto named = [&name](const Column<R>& column) { return column.about.name == name; };
         const auto found = std::ranges::find_if(columns_, named);
         return found == columns_.end() ? nullptr : &*found;
     }
@@ -108,15 +134,15 @@ public:
 
     [[nodiscard]] std::vector<file::Column> columns() const {
         std::vector<file::Column> all;
-        for (const TableColumn<R>& column : columns_) all.push_back(column.about);
+        for (const Column<R>& column : columns_) all.push_back(column.about);
         return all;
     }
     /// Replaces the meaning of a column, if there is such a column.
     void set_meaning(const std::string& name, const std::string& meaning) {
-        if (TableColumn<R>* const column = find(name)) column->about.meaning = meaning;
+        if (Column<R>* const column = find(name)) column->about.meaning = meaning;
     }
     void add_row(file::CsvWriter& csv, const R& row) const {
-        for (const TableColumn<R>& column : columns_) csv.add(column.value(row));
+        for (const Column<R>& column : columns_) csv.add(column.value(row));
         csv.end_row();
     }
 
@@ -134,7 +160,7 @@ private:
         return part ? &*part : nullptr;
     }
 
-    std::vector<TableColumn<R>> columns_;
+    std::vector<Column<R>> columns_;
 };
 
 /// A CSV file of a table. It is opened at once and has its final name after `close`.
