@@ -18,8 +18,6 @@ namespace lostbits::output::page {
 
 using intersect::Direction;
 using measure::evaluate::BandResult;
-using measure::evaluate::EvaluationRequest;
-using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
 namespace {
@@ -222,8 +220,8 @@ const char* coding_name(const Format& format) {
     return "plain64";
 }
 
-Json summary_json(const EvaluationRequest& request, const TestedForm& row, const measure::evaluate::FormSummary& s,
-                  std::size_t group, const std::string& named) {
+Json summary_json(const EvaluationRequest& request, const TestedForm& row, const FormSummary& s, std::size_t group,
+                  const std::string& named) {
     Json statistics = Json::object();
     for (std::size_t m = 0; m < request.metrics.size(); ++m) {
         if (!request.metrics[m]->categories.empty()) continue;
@@ -254,8 +252,7 @@ Json summary_json(const EvaluationRequest& request, const TestedForm& row, const
 
 }  // namespace
 
-Json MapData::index(const std::vector<measure::evaluate::FormSummary>& summaries, bool own_size,
-                    const std::string& named) const {
+Json MapData::index(const std::vector<FormSummary>& summaries, bool own_size, const std::string& named) const {
     const scene::file::Scene& scene = *request_.scene;
     Json rows = Json::array();
     for (std::size_t r = 0; r < rows_.size(); ++r)
@@ -271,7 +268,7 @@ Json MapData::index(const std::vector<measure::evaluate::FormSummary>& summaries
             {"rows", std::move(rows)}};
 }
 
-std::vector<Blob> MapData::blobs(const std::vector<measure::evaluate::FormSummary>& summaries) const {
+std::vector<Blob> MapData::blobs(const std::vector<FormSummary>& summaries) const {
     std::vector<Blob> all;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         std::string bytes;

@@ -111,8 +111,7 @@ struct Report {
 
 /// Table of the forms and formats of a map: decisions, and p50, p99 and max of lost bits, which are withheld if too few
 /// hits agree. Each number carries the CSV's own decimal.
-[[nodiscard]] std::string summary_table(const measure::evaluate::EvaluationRequest& request,
-                                        const std::vector<measure::evaluate::FormSummary>& summaries);
+[[nodiscard]] std::string summary_table(const EvaluationRequest& request, const std::vector<FormSummary>& summaries);
 
 /// Table of every form and format, cheapest first: time, bits kept, wrong decisions, and whether it meets the
 /// requirement.

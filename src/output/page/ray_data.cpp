@@ -15,9 +15,6 @@
 namespace lostbits::output::page {
 
 using measure::attribution::Explanation;
-using measure::evaluate::EvaluationRequest;
-using measure::evaluate::FormSummary;
-using measure::evaluate::TestedForm;
 
 namespace {
 
