@@ -9,10 +9,7 @@
 
 namespace lostbits::output::attribution {
 using measure::apriori::InputBox;
-using measure::apriori::RangesBound;
-using measure::apriori::RangesRequest;
 using measure::apriori::SeenErrors;
-using measure::attribution::TapeText;
 
 namespace {
 

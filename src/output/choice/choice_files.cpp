@@ -10,10 +10,7 @@
 
 namespace lostbits::output::choice {
 
-using measure::choice::Candidate;
-using measure::choice::GrowthMargin;
 using measure::choice::Input;
-using measure::choice::RowQuality;
 using table::or_missing;
 using table::Table;
 using table::when;

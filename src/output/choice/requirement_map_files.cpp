@@ -13,8 +13,6 @@ namespace lostbits::output::choice {
 using image::LegendEntry;
 using image::Rgb8;
 using measure::answer::Outcome;
-using measure::choice::Candidate;
-using measure::choice::RequirementMap;
 
 table::Table<RequirementRow> requirement_table() {
     using R = RequirementRow;
@@ -120,7 +118,7 @@ std::vector<RequirementRow> requirement_rows(const ChoiceResult& chosen, const R
 void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult& chosen, const RequirementMap& r) {
     const Colours colours(chosen, r);
     const int gap = std::max(1, r.width / 32);
-    const measure::choice::Requirement& requirement = chosen.request.requirement;
+    const Requirement& requirement = chosen.request.requirement;
     image::HeatmapSpec spec;
     spec.title = fmt::format("What each pixel of {} requires", chosen.request.id());
     spec.subtitle = {

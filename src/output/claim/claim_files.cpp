@@ -13,9 +13,6 @@
 
 namespace lostbits::output::claim {
 
-using measure::claim::ClaimResult;
-using scene::claim::Claim;
-
 namespace {
 
 using State = ClaimResult::State;

@@ -19,7 +19,6 @@ using measure::consistency::CheckSummary;
 using measure::consistency::ConsistencyBand;
 using measure::consistency::ConsistencyStudy;
 using measure::consistency::PixelCheckResults;
-using measure::consistency::RowChecks;
 using pixel::colour_of;
 using pixel::PixelColumn;
 using pixel::PixelValue;

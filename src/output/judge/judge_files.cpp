@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <optional>
-#include <span>
 
 #include "measure/judge/worst_rays.hpp"
 #include "output/attribution/explain_command.hpp"
@@ -14,14 +13,11 @@
 namespace lostbits::output::judge {
 
 using file::Cell;
-using measure::answer::Outcome;
 using measure::evaluate::TestedForm;
 using measure::judge::JudgeRequest;
 using measure::judge::ReportedRay;
-using measure::judge::WorstRays;
 using scene::dump::Chunk;
 using scene::dump::Dump;
-using scene::dump::Layout;
 using table::Table;
 namespace slot = scene::dump::slot;
 
@@ -44,7 +40,7 @@ scene::file::Scene scene_of(const JudgeRequest& request, const Dump& dump, const
 std::string name_of(const measure::evaluate::WorstRay& ray) { return attribution::name_of_ray(ray.given.get()); }
 
 std::string case_name(const TestedForm& row, const ReportedRay& ray) {
-    const std::string what = ray.outcome == Outcome::agree_hit
+    const std::string what = ray.outcome == measure::answer::Outcome::agree_hit
                                  ? fmt::format("{:.6g} ulp", ray.ulps)
                                  : std::string(measure::answer::outcome_names[static_cast<std::size_t>(ray.outcome)]);
     return fmt::format("{} in {}: ray {}, {}", row.form->info->name, row.format.name, ray.place, what);
@@ -61,7 +57,7 @@ bool has_hit(const JudgedRay& r) { return !r.chunk->hit.empty() && r.chunk->hit[
 /// Columns with the file's data on a ray and its primitive.
 Table<JudgedRay> given_columns(const Dump& dump) {
     using R = JudgedRay;
-    const Layout& layout = dump.layout();
+    const scene::dump::Layout& layout = dump.layout();
     Table<R> table{
         {"ray", "index of the ray in the file, from 0", [](const R& r) { return r.chunk->first + r.found.i; }}};
     // Numbers of files of floats are written as short as floats allow.

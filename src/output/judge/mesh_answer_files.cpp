@@ -1,6 +1,5 @@
 #include "output/judge/mesh_answer_files.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -11,7 +10,6 @@
 namespace lostbits::output::judge {
 
 using measure::judge::JudgedAnswer, measure::judge::MeshAnswersResult, measure::judge::MeshOutcome;
-using scene::dump::AnswerKind;
 using table::Table;
 
 namespace {

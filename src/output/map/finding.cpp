@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "output/file/number_text.hpp"
@@ -13,8 +12,6 @@
 namespace lostbits::output::map {
 
 using measure::answer::Outcome;
-using measure::evaluate::EvaluationRequest;
-using measure::evaluate::FormSummary;
 
 namespace {
 

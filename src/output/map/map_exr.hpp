@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,12 +16,18 @@
 
 namespace lostbits::output::map {
 
+using measure::evaluate::BandResult;
+using measure::evaluate::EvaluationRequest;
+using measure::evaluate::NeededBand;
+using measure::evaluate::TestedForm;
+using measure::metric::Metric;
+
 using pixel::ExrRows;
 
 /// Values to write, and the command that measured them.
 struct MapExrRequest {
-    const measure::evaluate::EvaluationRequest& map;
-    std::vector<const measure::metric::Metric*> layers;        ///< a selection of the map's metrics
+    const EvaluationRequest& map;
+    std::vector<const Metric*> layers;                         ///< a selection of the map's metrics
     std::string command;                                       ///< the command that makes the file again
     const measure::evaluate::NeededRequest* needed = nullptr;  ///< null: bits needed are not asked for
 };
@@ -33,8 +38,8 @@ struct Previewed {
     const Result* result;
     std::span<const image::Rgb8> preview;
 };
-using MapStrip = Previewed<measure::evaluate::BandResult>;
-using NeededStrip = Previewed<measure::evaluate::NeededBand>;
+using MapStrip = Previewed<BandResult>;
+using NeededStrip = Previewed<NeededBand>;
 
 /// Parts, in this order, with channels of 32 bits:
 ///  - `<form>.<format>`, one per row: `R`, `G`, `B` (the heatmap in linear light); the answer t (below);
@@ -57,18 +62,16 @@ public:
 
     /// Rows of the file for a band of a row of the map, with its truth unless another row has it; or for a band of the
     /// bits needed by a form.
-    [[nodiscard]] std::vector<ExrRows> rows_of(const measure::evaluate::TestedForm& row,
-                                               const measure::evaluate::BandResult& result,
+    [[nodiscard]] std::vector<ExrRows> rows_of(const TestedForm& row, const BandResult& result,
                                                std::span<const image::Rgb8> preview) const;
-    [[nodiscard]] std::vector<ExrRows> rows_of(const measure::evaluate::NeededBand& result,
-                                               std::span<const image::Rgb8> preview) const;
+    [[nodiscard]] std::vector<ExrRows> rows_of(const NeededBand& result, std::span<const image::Rgb8> preview) const;
     /// Writes the next rows of their parts. Different parts may be written concurrently.
     void write(const std::vector<ExrRows>& pieces);
     void close();
 
 private:
     struct Row {
-        const measure::evaluate::TestedForm* row;
+        const TestedForm* row;
         pixel::ExrLayers<MapStrip> layers;
     };
     struct Truths;

@@ -15,11 +15,6 @@
 
 namespace lostbits::output::map {
 
-using measure::evaluate::BandResult;
-using measure::evaluate::EvaluationRequest;
-using measure::evaluate::FormSummary;
-using measure::evaluate::TestedForm;
-
 namespace {
 
 using MapRowFiles = pixel::RowFiles<BandResult, BandRay>;

@@ -17,13 +17,6 @@
 
 namespace lostbits::output::map {
 
-using measure::answer::Outcome;
-using measure::evaluate::BandResult;
-using measure::evaluate::EvaluationRequest;
-using measure::evaluate::FormSummary;
-using measure::evaluate::TestedForm;
-using measure::metric::Metric;
-
 namespace {
 
 constexpr std::uint64_t most_kept_pixels = std::uint64_t{512} * 512;  // limit of each cell of a sheet that zooms
@@ -215,11 +208,11 @@ void MapPictures::finish(const std::vector<FormSummary>& summaries) {
     files_.writer().finish(ends);
 }
 
-std::string input_note(const scene::file::Scene& scene, std::span<const measure::evaluate::TestedForm> rows) {
+std::string input_note(const scene::file::Scene& scene, std::span<const TestedForm> rows) {
     if (scene.inputs == scene::file::Inputs::own)
         return "each format rounds the ideal scene itself, and errors include that rounding (metric input_error)";
     std::vector<std::string> narrow;
-    for (const measure::evaluate::TestedForm& row : rows) {
+    for (const TestedForm& row : rows) {
         if (!holds_shared_inputs(row.format.parameters)) static_cast<void>(find_or_add(narrow, row.format.name));
     }
     if (narrow.empty()) return "";
@@ -253,7 +246,7 @@ std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {
     return lines;
 }
 
-std::string cell_note(const MetricPaint& paint, const measure::evaluate::FormSummary& summary, std::size_t m) {
+std::string cell_note(const MetricPaint& paint, const FormSummary& summary, std::size_t m) {
     const measure::evaluate::WorstRay* const worst = paint.names_worst() ? summary.worst_ray() : nullptr;
     return paint.glance(summary, m) + (worst ? fmt::format("\nworst pixel {},{}", worst->x, worst->y) : "");
 }

@@ -12,7 +12,6 @@ namespace lostbits::output::map {
 
 using file::Cell;
 using measure::evaluate::SummaryColumn;
-using measure::metric::Metric;
 using table::Table;
 using table::when;
 
@@ -28,7 +27,7 @@ std::string type_of(const SummaryColumn& column) {
     return "string";
 }
 
-Cell cell_of(const SummaryColumn& column, const measure::evaluate::FormSummary& summary) {
+Cell cell_of(const SummaryColumn& column, const FormSummary& summary) {
     const double x = column.value(summary);
     if (std::isnan(x)) return {};
     switch (column.kind) {
@@ -74,8 +73,7 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
         std::move(table));
 }
 
-std::vector<SummaryRow> summary_rows(std::size_t r, const measure::evaluate::TestedForm& row,
-                                     const measure::evaluate::FormSummary& summary,
+std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& row, const FormSummary& summary,
                                      const measure::evaluate::Groups& groups, const NameOfRay& name_of_ray) {
     std::vector<SummaryRow> rows{{row, &summary, name_of_ray}};
     for (const measure::evaluate::Group& group : groups.all())
@@ -109,8 +107,8 @@ bool asks_for_culprits(const std::vector<const Metric*>& metrics) {
     return std::ranges::any_of(metrics, &Metric::by_run);
 }
 
-std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const measure::evaluate::TestedForm& row,
-                                 const measure::evaluate::FormSummary& summary) {
+std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& row,
+                                 const FormSummary& summary) {
     const auto metric = std::ranges::find_if(metrics, &Metric::by_run);
     const auto& counts = summary.categories[static_cast<std::size_t>(metric - metrics.begin())];
     std::vector<Culprit> culprits;

@@ -16,9 +16,6 @@ namespace lostbits::output::map {
 
 using image::LegendEntry;
 using image::Rgb8;
-using measure::answer::Outcome;
-using measure::evaluate::FormSummary;
-using measure::metric::Metric;
 using measure::metric::MetricDomain;
 
 namespace {
@@ -107,7 +104,7 @@ MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, const 
                 categories.begin() + static_cast<std::ptrdiff_t>(values_) + 1, categories.end() - 1);
 }
 
-bool MetricPaint::applies_to(const measure::evaluate::TestedForm& row) const {
+bool MetricPaint::applies_to(const TestedForm& row) const {
     if (metric_->over == MetricDomain::pairs)  // distances exist only between values of t with the same meaning
         return row.against != nullptr &&
                (!metric_->categories.empty() || measure::answer::are_comparable(*row.form->info, *row.against->info));

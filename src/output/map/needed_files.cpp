@@ -14,12 +14,9 @@
 namespace lostbits::output::map {
 
 using intersect::Info;
-using measure::answer::Outcome;
-using measure::evaluate::NeededBand;
 using measure::evaluate::NeededRequest;
 using measure::evaluate::NeededSummary;
 using measure::evaluate::WidthCounts;
-using measure::metric::Statistic;
 using measure::metric::statistics;
 using table::Table;
 using table::when;
@@ -84,7 +81,7 @@ Table<NeededRow> needed_table() {
                    {"bits_asked", "bits", "B: the answer must be within half an ulp of B significand bits", &R::bits},
                    {"pixels", "rays, one per pixel", [](const R& r) { return r.summary->pixels(); }}};
     const auto add = [&table](const std::string& prefix, const char* over, const auto& counts_of) {
-        for (const Statistic& s : statistics)
+        for (const measure::metric::Statistic& s : statistics)
             table.add({prefix + std::string(s.name), "bits", std::string(s.meaning) + over, [s, counts_of](const R& r) {
                            const WidthCounts& counts = counts_of(r);
                            return when(counts.count() != 0, static_cast<double>(s.of(counts)));

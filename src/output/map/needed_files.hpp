@@ -34,7 +34,7 @@ public:
     NeededFiles& operator=(const NeededFiles&) = delete;
 
     /// Takes the next band of a form.
-    void band(std::size_t form, const measure::evaluate::NeededBand& result);
+    void band(std::size_t form, const NeededBand& result);
     /// Writes the next piece of a form, which another run kept.
     void put(std::size_t form, pixel::Piece&& piece);
     /// Tables for the folder's datapackage.json.

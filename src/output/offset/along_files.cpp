@@ -6,14 +6,7 @@
 
 namespace lostbits::output::offset {
 
-using measure::offset::Along;
-using measure::offset::both_sides;
-using measure::offset::OffsetRow;
-using measure::offset::OffsetStudy;
-using measure::offset::OffsetSummary;
-using measure::offset::Side;
 using measure::offset::SideSummary;
-using measure::offset::Strategy;
 
 namespace {
 
@@ -97,7 +90,7 @@ void AlongFiles::plot_size(std::size_t row, Side side) const {
 
 void AlongFiles::finish() {
     for (std::size_t r = 0; r < study_.rows.size(); ++r) {
-        for (const Side side : both_sides) {
+        for (const Side side : measure::offset::both_sides) {
             plot_wrong(r, side);
             plot_size(r, side);
         }

@@ -16,12 +16,6 @@ using measure::answer::Outcome;
 using measure::offset::both_sides;
 using measure::offset::Fault;
 using measure::offset::OffsetBand;
-using measure::offset::OffsetRow;
-using measure::offset::OffsetStudy;
-using measure::offset::OffsetSummary;
-using measure::offset::Side;
-using measure::offset::Strategy;
-using measure::offset::StrategyAtPoint;
 using pixel::colour_of;
 using pixel::PixelColumn;
 using pixel::PixelValue;
@@ -47,7 +41,7 @@ pixel::Look strategy_result_look() {
 
 StrategyResult strategy_result_of(const OffsetBand& band, std::size_t pixel, Side side, std::size_t strategy) {
     if (band.is_point[pixel] == 0) return StrategyResult::nowhere;
-    const StrategyAtPoint& at = band.at(pixel, side, strategy);
+    const measure::offset::StrategyAtPoint& at = band.at(pixel, side, strategy);
     if (at[Fault::self_hit] > 0) return StrategyResult::self_hit;
     if (at[Fault::lost_occluder] + at[Fault::begins_in_neighbour] + at[Fault::lost_exit] + at[Fault::not_finite] > 0)
         return StrategyResult::lost;
@@ -231,9 +225,9 @@ std::vector<StrategyRow> OffsetView::summary_rows(const OffsetStudy& study,
 std::vector<std::string> row_in_words(const OffsetStudy& study, std::size_t r, const OffsetSummary& summary) {
     std::vector<std::string> lines;
     if (summary.points == 0) return lines;
-    const measure::offset::OffsetRow& row = study.rows[r];
+    const OffsetRow& row = study.rows[r];
     const std::string of = fmt::format("{} {} {}", row.row.form->info->name, row.row.format.name, name_of(row.point));
-    for (const measure::offset::Side side : measure::offset::both_sides) {
+    for (const Side side : measure::offset::both_sides) {
         const measure::offset::SideSummary& on = summary.on(side);
         std::string right;
         for (std::size_t k = 0; k < study.strategies.size(); ++k) {

@@ -6,7 +6,6 @@
 namespace lostbits::output::picture {
 
 using measure::picture::RenderBand;
-using measure::picture::RenderStudy;
 
 table::Table<StageRow> RenderView::summary_table() {
     using R = StageRow;

@@ -16,7 +16,6 @@
 
 namespace lostbits::output::repair {
 
-using measure::repair::RowQuality;
 using measure::speed::ParetoPoint;
 using table::or_missing;
 using table::Table;
@@ -159,7 +158,7 @@ Table<FormRow> form_table() {
          {"apart_wrong", "number of these that are decided wrongly", &RowQuality::wrong},
          {"apart_kept_bits", "bits", "bits kept on these", or_missing(&RowQuality::kept_bits)}},
         &R::apart);
-    using P = measure::repair::Price;
+    using P = Price;
     table.add<P>(
         {{"isa", "registers of `time_ns`; missing, like the times, if nothing was compiled", &P::isa},
          {"time_ns", "ns", "per ray and primitive in packs, median", [](const P& p) { return p.packed.median * 1e9; }},

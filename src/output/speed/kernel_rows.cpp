@@ -7,8 +7,6 @@
 
 namespace lostbits::output::speed {
 
-using measure::speed::Timing;
-
 table::Table<KernelName> kernel_columns(const std::string& form) {
     return {{"form", form, &KernelName::form},
             {"format", "format of the computation", &KernelName::format},
@@ -25,7 +23,7 @@ table::Table<Timing> time_columns(const std::string& median, const std::string& 
 std::size_t colour_of(const Format& format) { return format.engine == Format::Engine::native64 ? 1 : 0; }
 
 void add_front(plot::ScatterPlotSpec& spec, const std::vector<FrontPoint>& points) {
-    std::vector<measure::speed::ParetoPoint> worths;
+    std::vector<ParetoPoint> worths;
     for (const FrontPoint& p : points) worths.push_back(p.quality);
     const auto beaten = measure::speed::dominated(worths);
     std::vector<std::size_t> front;

@@ -19,8 +19,6 @@ namespace lostbits::output::speed {
 
 using measure::answer::Outcome;
 using measure::speed::TradeKernel;
-using measure::speed::TradeRequest;
-using measure::speed::TradeResult;
 using plot::ScatterPlotSpec;
 using table::or_missing;
 using table::Table;
@@ -46,15 +44,14 @@ Table<TimeRow> time_table() {
                        "branches look faster than they are",
                        &Timed::hit_rate}},
                      &R::timed);
-    const auto timing = [](const R& r) -> const measure::speed::Timing& { return r.timed->timing; };
+    const auto timing = [](const R& r) -> const Timing& { return r.timed->timing; };
     table.add(
         time_columns("per ray, for a scene per ray and primitive; median of the repetitions, and so for the quartiles"),
         timing);
-    table.add<measure::speed::Timing>(
-        {{"spread", "1", "(third - first quartile)/median",
-          [](const auto& t) { return (t.high_quartile - t.low_quartile) / t.median; }},
-         {"rays_per_second", "1/s", "1/time", [](const auto& t) { return 1 / t.median; }}},
-        timing);
+    table.add<Timing>({{"spread", "1", "(third - first quartile)/median",
+                        [](const auto& t) { return (t.high_quartile - t.low_quartile) / t.median; }},
+                       {"rays_per_second", "1/s", "1/time", [](const auto& t) { return 1 / t.median; }}},
+                      timing);
     table.add({"repetitions", "number of measurements, one in each round over all kernels", &R::repetitions});
     for (std::size_t k = 0; k < operation_names.size(); ++k) {
         const std::string name(operation_names[k]);
@@ -137,9 +134,8 @@ std::string in_words(const TradeKernel& kernel) {
 
 }  // namespace
 
-std::vector<measure::speed::ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result,
-                                                          std::size_t set) {
-    std::vector<measure::speed::ParetoPoint> all;
+std::vector<ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result, std::size_t set) {
+    std::vector<ParetoPoint> all;
     const std::size_t load = measure::speed::standing_load(request.loads);
     for (std::size_t k = 0; k < request.kernels.size(); ++k) {
         all.push_back(measure::speed::pareto_point(result.times[k][load].timing, request.kernels[k].measured,
@@ -237,7 +233,7 @@ namespace {
 
 /// The kernels on a set of rays, the fastest register width of each form and format, by time.
 std::string standings_text(const TradeRequest& request, const TradeResult& result,
-                           const std::vector<measure::speed::ParetoPoint>& all) {
+                           const std::vector<ParetoPoint>& all) {
     const auto dominated = measure::speed::dominated(all);
     const auto timing = [&](std::size_t k) {
         return result.times[k][measure::speed::standing_load(request.loads)].timing;
@@ -251,7 +247,7 @@ std::string standings_text(const TradeRequest& request, const TradeResult& resul
     for (const std::size_t k : order) {
         const auto [form, format, isa] = name_of(request.kernels[k]);
         if (!seen.emplace(form, format).second) continue;
-        const measure::speed::Timing t = timing(k);
+        const Timing t = timing(k);
         const double kept = all[k].kept_bits;
         text += fmt::format("  {} {:<28} {:<5} {:>9} {:>9.2f} {:>5.1f}% {:>15} {:>7.3g}%\n", dominated[k] ? ' ' : '*',
                             form, format, isa, all[k].time_ns, 50 * (t.high_quartile - t.low_quartile) / t.median,
@@ -261,7 +257,7 @@ std::string standings_text(const TradeRequest& request, const TradeResult& resul
 }
 
 /// The cheapest kernel for each number of bits; numbers of bits with the same answer are one line.
-std::string cheapest_text(const TradeRequest& request, const std::vector<measure::speed::ParetoPoint>& all) {
+std::string cheapest_text(const TradeRequest& request, const std::vector<ParetoPoint>& all) {
     std::vector<std::pair<std::string, std::string>> lines;  // bits, answer
     for (const int bits : measure::speed::asked_bits) {
         const auto best = measure::speed::cheapest(all, bits);

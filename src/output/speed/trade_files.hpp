@@ -16,6 +16,11 @@
 
 namespace lostbits::output::speed {
 
+using measure::speed::ParetoPoint;
+using measure::speed::Timing;
+using measure::speed::TradeRequest;
+using measure::speed::TradeResult;
+
 /// Name of a kernel in tables.
 struct KernelName {
     std::string_view form, format, isa;
@@ -24,13 +29,13 @@ struct KernelName {
 table::Table<KernelName> kernel_columns(const std::string& form);
 
 /// The columns time_ns, time_ns_q1 and time_ns_q3.
-table::Table<measure::speed::Timing> time_columns(const std::string& median, const std::string& quartiles_of = "");
+table::Table<Timing> time_columns(const std::string& median, const std::string& quartiles_of = "");
 
 /// A kernel in the plane of time and kept bits.
 struct FrontPoint {
     const measure::evaluate::TestedForm& row;
-    measure::speed::ParetoPoint quality;
-    std::optional<measure::speed::Timing> time;  ///< none: it has no quartiles
+    ParetoPoint quality;
+    std::optional<Timing> time;  ///< none: it has no quartiles
     int marker = 0;
     bool named = false;      ///< wherever it lies; points on the front are always named
     bool hollow = false;     ///< it decides too many rays wrongly
@@ -55,7 +60,7 @@ struct TimeRow {
 struct StandingRow {
     std::string_view set;
     KernelName name;
-    measure::speed::ParetoPoint quality;
+    ParetoPoint quality;
     const measure::evaluate::FormSummary* accuracy;
     const measure::metric::Distribution *lost, *excess;
     bool dominated;
@@ -64,26 +69,25 @@ struct StandingRow {
 /// Opens its files before the work and gives them their final names when they are complete.
 class TradeFiles {
 public:
-    TradeFiles(const measure::speed::TradeRequest& request, const std::filesystem::path& folder);
-    void finish(const measure::speed::TradeResult& result);
+    TradeFiles(const TradeRequest& request, const std::filesystem::path& folder);
+    void finish(const TradeResult& result);
 
 private:
-    void write_times(const measure::speed::TradeResult& result);
-    void write_standings(const measure::speed::TradeResult& result);
+    void write_times(const TradeResult& result);
+    void write_standings(const TradeResult& result);
 
-    const measure::speed::TradeRequest& request_;
+    const TradeRequest& request_;
     std::filesystem::path folder_;
     table::TableFile<TimeRow> times_;
     table::TableFile<StandingRow> standings_;
 };
 
 /// Accuracy of every kernel on a set of rays, with its time under the standing load.
-std::vector<measure::speed::ParetoPoint> pareto_points_of(const measure::speed::TradeRequest& request,
-                                                          const measure::speed::TradeResult& result, std::size_t set);
+std::vector<ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result, std::size_t set);
 
 /// For each set of rays: a table of the forms by time, and the cheapest that keeps each number of bits. Then how the
 /// times were measured.
-std::string trade_in_words(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result);
+std::string trade_in_words(const TradeRequest& request, const TradeResult& result);
 
 /// Titles of the axes of the picture, here and on the page.
 inline constexpr const char *time_title = "time per ray of the easy set, ns",
@@ -96,7 +100,6 @@ std::string registers_of(const measure::speed::TradeKernel& kernel);
 /// Plot of a trade: markers by register width, colours by format. Dominated kernels are grey, and those that decide any
 /// ray wrongly are hollow. A stepped line joins the kernels that are not dominated; it is dashed between those that are
 /// sometimes wrong.
-plot::ScatterPlotSpec trade_plot(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result,
-                                 std::size_t set);
+plot::ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& result, std::size_t set);
 
 }  // namespace lostbits::output::speed

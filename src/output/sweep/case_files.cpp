@@ -14,8 +14,6 @@
 namespace lostbits::output::sweep {
 
 using measure::answer::Outcome;
-using measure::evaluate::FormSummary;
-using measure::sweep::CaseRequest;
 using measure::sweep::Verdict;
 
 std::string right_means(const scene::sweep::CaseFile& file) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -17,22 +16,17 @@
 namespace lostbits::output::sweep {
 
 using measure::answer::Outcome;
-using measure::sweep::ExhaustiveRequest;
-using measure::sweep::ExhaustiveState;
 using measure::sweep::first_events;
-using measure::sweep::FloatAnswer;
 using measure::sweep::FloatTally;
-using measure::sweep::RangeFinding;
 using scene::sweep::float_at;
 using table::Table;
-using table::when;
 
 /// Some of the floats of a ray, as answered by a form in a format.
 struct FloatsRow {
     struct Worst {
         std::uint32_t place;
         double ulps, at_most;
-        FloatAnswer answer;
+        measure::sweep::FloatAnswer answer;
     };
     /// Finds the worst float by asking the form again.
     void find_worst() {
@@ -156,7 +150,7 @@ Table<FloatsRow> wrong_columns(const std::string& unit) {
           "metric padding; 0 if it misses none whose slab intervals come apart",
           [](const R& r) {
               const double padding = measure::sweep::padding_max(r.request.rows[r.row], r.tally);
-              return when(padding >= 0, padding);
+              return table::when(padding >= 0, padding);
           }},
          {"padding_hex", unit, "the float that needs this padding, exactly",
           [](const R& r) { return r.tally.padding ? std::optional(hex_of(r.tally.padding->place)) : std::nullopt; }}});

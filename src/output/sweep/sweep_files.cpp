@@ -10,9 +10,6 @@
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::sweep {
-using measure::sweep::Onset;
-using measure::sweep::SweepRequest;
-using measure::sweep::SweepStep;
 using table::Table;
 using table::when;
 

@@ -17,11 +17,7 @@
 
 namespace lostbits::output::sweep {
 
-using measure::answer::Outcome;
-using measure::evaluate::FormSummary;
 using measure::evaluate::TestedForm;
-using measure::sweep::SweepRequest;
-using measure::sweep::SweepStep;
 
 namespace {
 
