@@ -118,7 +118,7 @@ std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, cons
     return culprits;
 }
 
-table::Column<BandRay> outcome_column() {
+table::TableColumn<BandRay> outcome_column() {
     return {"outcome", "outcome of the ray", [](const BandRay& r) {
                 return measure::answer::outcome_names[static_cast<std::size_t>(r.result->outcomes[r.i])];
             }};

@@ -69,7 +69,7 @@ struct BandRay {
     [[nodiscard]] double t() const { return result->answers->t[i]; }
 };
 /// The column `outcome`.
-table::Column<BandRay> outcome_column();
+table::TableColumn<BandRay> outcome_column();
 /// The columns truth and truth_hex, and one for each metric.
 table::Table<BandRay> found_columns(const std::vector<const Metric*>& metrics);
 /// One row per pixel.

@@ -88,7 +88,7 @@ Table<FloatsRow> end_columns(const std::string& unit) {
              [](const FloatsRow& r) { return hex_of(r.floats.last); }}};
 }
 
-table::Column<FloatsRow> count_column() {
+table::TableColumn<FloatsRow> count_column() {
     return {"floats", "number of floats that were tried, by counting",
             [](const FloatsRow& r) { return r.tally.floats(); }};
 }

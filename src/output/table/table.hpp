@@ -38,19 +38,19 @@ constexpr const char* type_of_values() {
 
 /// A column: its name, unit and meaning, and how a row's value in it is computed. The type is that of the values.
 template <class R>
-struct Column {
+struct TableColumn {
     /// `value` is a function of a row or a pointer to a member of it.
     template <class Value>
-    requires std::invocable<Value, const R&> Column(std::string name, std::string unit, std::string meaning,
-                                                    Value compute)
-        : Column({std::move(name), type_of_values<std::remove_cvref_t<std::invoke_result_t<Value, const R&>>>(),
-                  std::move(unit), std::move(meaning)},
-                 [compute](const R& row) { return Cell(std::invoke(compute, row)); }) {}
+    requires std::invocable<Value, const R&> TableColumn(std::string name, std::string unit, std::string meaning,
+                                                         Value compute)
+        : TableColumn({std::move(name), type_of_values<std::remove_cvref_t<std::invoke_result_t<Value, const R&>>>(),
+                       std::move(unit), std::move(meaning)},
+                      [compute](const R& row) { return Cell(std::invoke(compute, row)); }) {}
     template <class Value>
-    requires std::invocable<Value, const R&> Column(std::string name, std::string meaning, Value compute)
-        : Column(std::move(name), "", std::move(meaning), std::move(compute)) {}
+    requires std::invocable<Value, const R&> TableColumn(std::string name, std::string meaning, Value compute)
+        : TableColumn(std::move(name), "", std::move(meaning), std::move(compute)) {}
     /// For values whose type is known only at run time.
-    Column(file::Column described, CellOf<R> compute) : about(std::move(described)), value(std::move(compute)) {}
+    TableColumn(file::Column described, CellOf<R> compute) : about(std::move(described)), value(std::move(compute)) {}
 
     file::Column about;
     CellOf<R> value;
@@ -76,7 +76,7 @@ inline std::optional<std::string> exactly(const Cell& cell) {
 /// A column of numbers from the description `column` of a measured quantity, which must outlive it. A cell is
 /// `value(column, row)`; NaN is missing.
 template <class R, class Measured, class Value>
-Column<R> measured_column(const Measured& column, const Value& value) {
+TableColumn<R> measured_column(const Measured& column, const Value& value) {
     return {{std::string(column.name), column.whole ? "integer" : "number", std::string(column.unit),
              std::string(column.meaning)},
             [&column, value](const R& row) {
@@ -91,21 +91,21 @@ template <class R>
 class Table {
 public:
     Table() = default;
-    Table(std::initializer_list<Column<R>> columns) : columns_(columns) {}
+    Table(std::initializer_list<TableColumn<R>> columns) : columns_(columns) {}
 
-    Table& add(Column<R> column) {
+    Table& add(TableColumn<R> column) {
         columns_.push_back(std::move(column));
         return *this;
     }
     Table& add(Table columns) {
-        for (Column<R>& column : columns.columns_) add(std::move(column));
+        for (TableColumn<R>& column : columns.columns_) add(std::move(column));
         return *this;
     }
     /// Adds the columns of a part of the row. `find(row)` returns the part as a reference, an optional or a pointer; if
     /// there is none, all its cells are missing.
     template <class Part, class Find>
     Table& add(const Table<Part>& columns, const Find& find) {
-        for (const Column<Part>& column : columns) {
+        for (const TableColumn<Part>& column : columns) {
             add({column.about, [find, value = column.value](const R& row) {
                      const Part* const part = address(std::invoke(find, row));
                      return part != nullptr ? value(*part) : Cell();
@@ -114,15 +114,15 @@ public:
         return *this;
     }
     /// Adds a column of decimals and a column `NAME_hex` with the exact values.
-    Table& add_exact(const Column<R>& column) {
+    Table& add_exact(const TableColumn<R>& column) {
         add(column);
         return add({column.about.name + "_hex", column.about.unit, "the same, exactly",
                     [value = column.value](const R& row) { return exactly(value(row)); }});
     }
 
     /// The column of this name, or null.
-    [[nodiscard]] Column<R>* find(const std::string& name) {
-        const auto named = [&name](const Column<R>& column) { return column.about.name == name; };
+    [[nodiscard]] TableColumn<R>* find(const std::string& name) {
+        const auto named = [&name](const TableColumn<R>& column) { return column.about.name == name; };
         const auto found = std::ranges::find_if(columns_, named);
         return found == columns_.end() ? nullptr : &*found;
     }
@@ -133,15 +133,15 @@ public:
 
     [[nodiscard]] std::vector<file::Column> columns() const {
         std::vector<file::Column> all;
-        for (const Column<R>& column : columns_) all.push_back(column.about);
+        for (const TableColumn<R>& column : columns_) all.push_back(column.about);
         return all;
     }
     /// Replaces the meaning of a column, if there is such a column.
     void set_meaning(const std::string& name, const std::string& meaning) {
-        if (Column<R>* const column = find(name)) column->about.meaning = meaning;
+        if (TableColumn<R>* const column = find(name)) column->about.meaning = meaning;
     }
     void add_row(file::CsvWriter& csv, const R& row) const {
-        for (const Column<R>& column : columns_) csv.add(column.value(row));
+        for (const TableColumn<R>& column : columns_) csv.add(column.value(row));
         csv.end_row();
     }
 
@@ -159,7 +159,7 @@ private:
         return part ? &*part : nullptr;
     }
 
-    std::vector<Column<R>> columns_;
+    std::vector<TableColumn<R>> columns_;
 };
 
 /// A CSV file of a table. It is opened at once and has its final name after `close`.

@@ -94,7 +94,7 @@ TEST_CASE("a table writes the values of its columns, and nothing for a missing p
 }
 
 TEST_CASE("a cell of the wrong type for its column is refused", "[table]") {
-    const Table<Row> table{{"name", "integer", "", "no number", &Row::name}};
+    const Table<Row> table{{{"name", "integer", "", "no number"}, [](const Row& r) { return r.name; }}};
     lostbits::output::file::CsvWriter csv(table.columns());
     CHECK_THROWS_AS(table.add_row(csv, Row{"text", {}, nullptr}), std::logic_error);
 }
