@@ -64,10 +64,12 @@ Json axis_json(const scene::sweep::Axis& axis, const std::vector<double>& values
 
 Json sweep_json(const SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps,
                 const std::vector<Onset>& onsets) {
+    const scene::sweep::Axis& axis = request.sweep.axes.front();
     return with_rows(
         {{"id", request.sweep.id},
          {"kind", "line"},
-         {"label", request.sweep.axes.front().label},
+         {"axis", axis.name},
+         {"label", axis.label},
          {"steps", array_of(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
          {"is_drawn", request.sweep.has_random_rays()}},
         request, steps.size(), [&](std::size_t r, std::size_t k) -> const FormSummary& { return steps[k].rows[r]; },
