@@ -64,10 +64,11 @@ std::string faults_of(const FormSummary& s) {
     return text;
 }
 
-/// `22.7 of 53 lost, 30.3 kept`. Bits that are kept are rounded down, as in tables, and lost ones up.
+/// `22.7 lost, 30.3/53 kept`, which fits below a cell of a sheet. Bits that are kept are rounded down, as in tables,
+/// and lost ones up.
 std::string lost_and_kept(double lost, int precision) {
     const std::string kept = file::kept_text(precision - lost);
-    return fmt::format("{:.1f} of {} lost, {} kept", precision - file::number_in(kept).value(), precision, kept);
+    return fmt::format("{:.1f} lost, {}/{} kept", precision - file::number_in(kept).value(), kept, precision);
 }
 
 /// Colour of a value that is one of the metric's categories.
@@ -260,7 +261,7 @@ std::string MetricPaint::widest_caption(std::uint64_t pixels) const {
         return fmt::format("median 1.23×10^-10 {0}; largest 1.23×10^-10 {0}; of {1} rays that both forms hit",
                            metric_->unit, pixels);
     return fmt::format(
-        "99% false miss, 99% false hit; 99 of 100 hits: at most 22.7 of 53 lost, 30.3 kept; of {} agreed hits", pixels);
+        "99% false miss, 99% false hit; 99 of 100 hits: at most 22.7 lost, 30.3/53 kept; of {} agreed hits", pixels);
 }
 
 }  // namespace lostbits::output::map

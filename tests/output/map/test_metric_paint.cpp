@@ -97,18 +97,18 @@ TEST_CASE("scales of magnitudes fit the format", "[metric_paint]") {
 
 TEST_CASE("captions begin with decisions and count the hits behind a quantile", "[metric_paint]") {
     CHECK(glance(summary_of(12, {{Outcome::agree_hit, 400}, {Outcome::agree_miss, 600}})) ==
-          "p99 12.0 of 24 lost, 12.0 kept\nof 400 agreed hits");
+          "p99 12.0 lost, 12.0/24 kept\nof 400 agreed hits");
     // Kept bits are rounded down, and both numbers add up.
     CHECK(glance(summary_of(2.0625, {{Outcome::agree_hit, 400}, {Outcome::agree_miss, 600}})) ==
-          "p99 2.1 of 24 lost, 21.9 kept\nof 400 agreed hits");
+          "p99 2.1 lost, 21.9/24 kept\nof 400 agreed hits");
     CHECK(glance(summary_of(22.75, {{Outcome::agree_hit, 400}, {Outcome::agree_miss, 600}}), binary64) ==
-          "p99 22.8 of 53 lost, 30.2 kept\nof 400 agreed hits");
+          "p99 22.8 lost, 30.2/53 kept\nof 400 agreed hits");
     // Shares are of all pixels, for every kind of wrong decision, with the most frequent first.
     CHECK(glance(summary_of(18, {{Outcome::agree_hit, 200},
                                  {Outcome::false_miss, 50},
                                  {Outcome::false_hit, 20},
                                  {Outcome::wrong_primitive, 730}})) ==
-          "73% wrong primitive, 5.0% false miss, 2.0% other\np99 18.0 of 24 lost, 6.0 kept\nof 200 agreed hits");
+          "73% wrong primitive, 5.0% false miss, 2.0% other\np99 18.0 lost, 6.0/24 kept\nof 200 agreed hits");
     CHECK(glance(summary_of(0.7, {{Outcome::agree_hit, 5}, {Outcome::false_miss, 895}, {Outcome::agree_miss, 100}})) ==
           "90% false miss\nno p99: 5 of 900 hits agree");
     CHECK(glance(summary_of(0, {{Outcome::false_miss, 900}, {Outcome::agree_miss, 100}})) ==
@@ -116,7 +116,7 @@ TEST_CASE("captions begin with decisions and count the hits behind a quantile", 
     CHECK(glance(summary_of(0, {{Outcome::agree_miss, 1000}})) == "no ray hits");
     CHECK(MetricPaint(*find_metric("lost_bits"), binary32)
               .caption(summary_of(1, {{Outcome::agree_hit, 999}, {Outcome::not_a_number, 1}}), 0) ==
-          "0.1% NaN; 99 of 100 hits: at most 1.0 of 24 lost, 23.0 kept; of 999 agreed hits");
+          "0.1% NaN; 99 of 100 hits: at most 1.0 lost, 23.0/24 kept; of 999 agreed hits");
     // Withheld, it is not explained.
     CHECK(MetricPaint(*find_metric("lost_bits"), binary32)
               .caption(summary_of(0.7, {{Outcome::agree_hit, 5}, {Outcome::false_miss, 995}}), 0) ==
