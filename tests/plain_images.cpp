@@ -81,11 +81,11 @@ public:
     void write_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& words) override {
         const auto put = [&sink](const std::string& text) { sink.write(std::as_bytes(std::span(text))); };
         for (const auto& [key, value] : words) put(key + " " + value + "\n");
-        for (const CanvasMark& mark : canvas.marks()) {
+        canvas.draw_with([&put](const auto& shape, const CanvasMark& mark) {
             put(std::to_string(mark.colour.r) + "\n");
-            const auto* const line = std::get_if<CanvasMark::Line>(&mark.shape);
-            for (const TextRun& run : line ? line->text.runs : std::vector<TextRun>()) put(run.text + "\n");
-        }
+            if constexpr (requires { shape.text.runs; })
+                for (const TextRun& run : shape.text.runs) put(run.text + "\n");
+        });
     }
     std::vector<std::string> exr_parts(const std::filesystem::path& path) override { refuse(path); }
     ExrImage read_exr(const std::filesystem::path& path, std::size_t) override { refuse(path); }

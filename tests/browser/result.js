@@ -81,6 +81,21 @@ async function sideways({ open }) {
     assert.ok(await wide.locator("#operations .sideways").isHidden());
 }
 
+/** At a width of 400 pixels no table is cut off: each lies in a box that is as wide as the page and scrolls. */
+async function tables({ open }) {
+    const page = await open("report", { scripts: false, width: 400, height: 800 });
+    const boxes = await page.locator("table").evaluateAll((all) => all.map((table) => {
+        const box = table.parentElement, { left, right } = box.getBoundingClientRect();
+        return { overflow: getComputedStyle(box).overflowX, left, right };
+    }));
+    assert.ok(boxes.length > 3, `${boxes.length} tables`);
+    for (const { overflow, left, right } of boxes) {
+        assert.equal(overflow, "auto");
+        assert.ok(left >= 0 && right <= 400, `a table from ${left} to ${right}`);
+    }
+    assert.equal(await sticksOut(page), 0);
+}
+
 /** In the dark style no chart has a white ground: those whose colours only tell things apart are inverted. */
 async function dark({ open }) {
     const bare = await open("report", { scripts: false });
@@ -127,5 +142,6 @@ exports.promises = {
     worst,
     sideways,
     dark,
-    mended
+    mended,
+    tables
 };

@@ -1,6 +1,5 @@
 // Sentences about the culprit of an explained ray.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,9 +14,6 @@
 #include "output/file/number_text.hpp"
 
 namespace lostbits::output::attribution {
-
-using measure::attribution::Explanation;
-using measure::attribution::OperationError;
 
 namespace {
 
@@ -127,7 +123,7 @@ namespace {
 /// ulps if that is finite.
 std::string own_error(const Explanation& x, const OperationView& words) {
     const NodeId culprit = x.attribution.culprit;
-    const OperationError& e = words.of(culprit);
+    const measure::attribution::OperationError& e = words.of(culprit);
     const std::string ulps = ulps_or_nothing(std::fabs(words.own_ulps(culprit, e.rounding)));
     const char* const what = e.turned                                                  ? "wrong choice"
                              : measure::attribution::is_on_purpose(x.tape[culprit].op) ? "step"

@@ -12,8 +12,6 @@
 
 namespace lostbits::output::attribution {
 
-using measure::attribution::Explanation;
-
 namespace {
 
 class Program {
@@ -166,7 +164,7 @@ private:
     static constexpr std::string_view call = ": a call, which sums without rounding; this is its result";
 
     const Explanation& x_;
-    measure::attribution::TapeText text_;
+    TapeText text_;
     TapeSlice slice_;
     bool rounds_, wide_ = false;
 };

@@ -1,7 +1,6 @@
 #include "output/attribution/explain_command.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

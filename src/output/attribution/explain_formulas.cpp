@@ -10,8 +10,6 @@
 
 namespace lostbits::output::attribution {
 
-using measure::attribution::Explanation;
-
 namespace {
 
 /// FPBench's names: `(float e n)` has e exponent bits and n bits in total.
@@ -107,7 +105,7 @@ private:
     }
 
     const Explanation& x_;
-    measure::attribution::TapeText text_;
+    TapeText text_;
     TapeSlice slice_;
 };
 

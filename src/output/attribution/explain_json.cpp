@@ -7,8 +7,6 @@
 
 namespace lostbits::output::attribution {
 
-using measure::attribution::TapeText;
-
 namespace {
 
 using Json = file::OrderedJson;
@@ -19,7 +17,7 @@ Json if_any(double x) { return std::isnan(x) ? Json(nullptr) : json_number(x); }
 Json exact(double x) { return {{"decimal", json_number(x)}, {"hex", file::hex(x)}}; }
 Json node_or_null(const TapeText& text, NodeId i) { return i == no_node ? Json(nullptr) : Json(text.name(i)); }
 
-Json operation(const measure::attribution::Explanation& x, const TapeText& text, NodeId i) {
+Json operation(const Explanation& x, const TapeText& text, NodeId i) {
     const TapeNode& n = x.tape[i];
     const measure::attribution::OperationError& e = x.attribution[i];
     Json operands = Json::array();
@@ -62,7 +60,7 @@ Json form_result_json(const measure::attribution::FormResult& s) {
 
 }  // namespace
 
-std::string explain_json(const measure::attribution::Explanation& x, const std::optional<MarchEnd>& march) {
+std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& march) {
     const TapeText text(x.tape, x.names, TapeText::Style::plain);
     const measure::attribution::Attribution& a = x.attribution;
     const ExplainedVerdict verdict = verdict_of(x, march);

@@ -13,9 +13,6 @@
 
 namespace lostbits::output::attribution {
 
-using measure::answer::Outcome;
-using measure::attribution::Explanation;
-
 namespace {
 
 /// Number of letters, not of bytes.

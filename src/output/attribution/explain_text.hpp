@@ -11,6 +11,10 @@
 
 namespace lostbits::output::attribution {
 
+using measure::answer::Outcome;
+using measure::apriori::RangesBound;
+using measure::apriori::RangesRequest;
+
 /// The end of a form's march: its log and its constants.
 struct MarchEnd {
     intersect::table::MarchLog log;
@@ -32,35 +36,34 @@ struct ExplainedVerdict {
     /// The three texts, one per line.
     [[nodiscard]] std::string text() const;
 };
-ExplainedVerdict verdict_of(const measure::attribution::Explanation& x, const std::optional<MarchEnd>& march);
+ExplainedVerdict verdict_of(const Explanation& x, const std::optional<MarchEnd>& march);
 
 /// Forms that do better on the ray and around it, one sentence per line.
-std::string better_sentences(const measure::attribution::Explanation& x);
+std::string better_sentences(const Explanation& x);
 
 /// The verdict, the forms that do better, the inputs, the samples of a march, and the table of operations with the
 /// culprit marked. `all` shows every operation. Otherwise the table shows operations that the answer is computed from
 /// and that round, cancel or have a name, and those that a row names. Of earlier samples of a march it shows only
 /// values.
-std::string explain_text(const measure::attribution::Explanation& x, bool all,
-                         const std::optional<MarchEnd>& march = {});
+std::string explain_text(const Explanation& x, bool all, const std::optional<MarchEnd>& march = {});
 
 /// Text below the table, one sentence per line: the sum of the contributions, the part of the error that is not due to
 /// rounding, and the decisions that rounding changed.
-std::string sums_text(const measure::attribution::Explanation& x, const OperationView& words);
+std::string sums_text(const Explanation& x, const OperationView& words);
 
 /// Blames the problem or the formula. The envelope is that of the problem as it is stored: for a primitive under a
 /// matrix, of the problem in the world; for a camera's ray, of the ideal ray.
-std::string envelope_sentence(const measure::attribution::Explanation& x);
+std::string envelope_sentence(const Explanation& x);
 
 /// The operation that contributes most, the effect of its rounding, and others that contribute as much; or why there is
 /// none. It is called the culprit if it is to blame.
-std::string culprit_sentence(const measure::attribution::Explanation& x);
+std::string culprit_sentence(const Explanation& x);
 /// The answer if only the culprit did not round, and if only it did; empty if there is no culprit.
-std::string counterfactual_sentence(const measure::attribution::Explanation& x);
+std::string counterfactual_sentence(const Explanation& x);
 
 /// Outcome of a ray that form and truth do not both hit: `form misses, and so does the exact ray: a correct miss.`;
 /// empty if both hit.
-std::string decision_text(const std::string& form, measure::answer::Outcome outcome, double t, double true_t);
+std::string decision_text(const std::string& form, Outcome outcome, double t, double true_t);
 
 /// Bits that another form must keep more than this one to be called better, and bits that must be lost before an
 /// operation is to blame. The last rounding of any formula may cost up to one bit.
@@ -70,13 +73,13 @@ inline constexpr double worth_saying = 1;
 /// that is not a number, or costs a bit or more of an answer that lost one. None if a decision is right. None for what
 /// a march leaves short or the format does to the inputs, because no operation lost that. None if a value is not a
 /// number even without rounding.
-NodeId culprit_operation(const measure::attribution::Explanation& x);
+NodeId culprit_operation(const Explanation& x);
 
 /// True if the roundings of the operations make the loss, so that wider arithmetic on the same inputs would avoid it.
-bool rounding_explains(const measure::attribution::Explanation& x);
+bool rounding_explains(const Explanation& x);
 
 /// True if the answer is another crossing of the primitive that the ray truly meets.
-bool is_wrong_root(const measure::attribution::Explanation& x);
+bool is_wrong_root(const Explanation& x);
 
 /// The constants of a march, and for every sample the iteration, t, position, |p|, d and action.
 std::string march_samples(const MarchEnd& march, const Format& format);
@@ -87,7 +90,7 @@ std::string march_table(const intersect::table::Intersector& form, const Format&
 /// Everything in one JSON object. Inputs and results are given as decimals and as hexadecimal floats. An infinite or
 /// NaN number is the string "inf", "-inf" or "nan". Missing values (the error of a miss, the culprit if none is to
 /// blame, a direction that was not normalised) are null.
-std::string explain_json(const measure::attribution::Explanation& x, const std::optional<MarchEnd>& march = {});
+std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& march = {});
 
 /// A C99 program that does not need lostbits: the inputs in hexadecimal, the form with one operation per line, then the
 /// computed, the true and the recorded t. The first and the last have the same text if they have the same bits. It then
@@ -97,18 +100,18 @@ std::string explain_json(const measure::attribution::Explanation& x, const std::
 /// products, quotients and roots). Throws InputError if such a format moves to a neighbour or fuses, and if a wider one
 /// comes so near to the ends of double's range that the remainder is not a double.
 /// ends of double's range that what is left out has no double.
-std::string explain_c(const measure::attribution::Explanation& x);
+std::string explain_c(const Explanation& x);
 
 /// FPCore 2.0 of t. The arguments are the inputs that it depends on. :pre keeps each within 2^-12 of this ray's, and
 /// zeros and infinities as they are. A move to a neighbouring number is a sum with the smallest number, rounded upward
 /// or downward (`:round`).
-std::string explain_fpcore(const measure::attribution::Explanation& x);
+std::string explain_fpcore(const Explanation& x);
 
 /// The ranges, the part of them that the bound covers, the bound, the errors of rays in them, and the operations that
 /// make the bound.
-std::string ranges_text(const measure::apriori::RangesRequest& request, const measure::apriori::RangesBound& bound);
+std::string ranges_text(const RangesRequest& request, const RangesBound& bound);
 
 /// The same in one JSON object; an infinite number is the string "inf".
-std::string ranges_json(const measure::apriori::RangesRequest& request, const measure::apriori::RangesBound& bound);
+std::string ranges_json(const RangesRequest& request, const RangesBound& bound);
 
 }  // namespace lostbits::output::attribution

@@ -1,8 +1,6 @@
 // A march as a table of text.
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "measure/truth/lost_bits.hpp"
 #include "output/attribution/explain_text.hpp"
 #include "output/file/number_text.hpp"
@@ -10,7 +8,6 @@
 namespace lostbits::output::attribution {
 
 using intersect::table::MarchLog;
-using measure::answer::Outcome;
 
 namespace {
 

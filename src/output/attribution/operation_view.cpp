@@ -32,7 +32,7 @@ std::string ulps_or_nothing(double ulps) { return std::isfinite(ulps) ? short_nu
 
 namespace {
 
-std::vector<bool> nodes_on_way(const measure::attribution::Explanation& x) {
+std::vector<bool> nodes_on_way(const Explanation& x) {
     std::vector<bool> on_way(x.tape.nodes.size());
     const auto mark = [&on_way](NodeId i) {
         if (i != no_node) on_way[static_cast<std::size_t>(i)] = true;
@@ -55,7 +55,7 @@ std::vector<bool> nodes_on_way(const measure::attribution::Explanation& x) {
 
 }  // namespace
 
-OperationView::OperationView(const measure::attribution::Explanation& x)
+OperationView::OperationView(const Explanation& x)
     : x_(x),
       text_(x.tape, x.names, measure::attribution::TapeText::Style::pretty),
       ulp_(x.ulp_of_subject()),
@@ -114,7 +114,7 @@ int digits_of(const FloatFormat& format) { return 1 + static_cast<int>(std::ceil
 
 namespace {
 
-OperationRow row_of(const measure::attribution::Explanation& x, const OperationView& words, NodeId i, bool whole) {
+OperationRow row_of(const Explanation& x, const OperationView& words, NodeId i, bool whole) {
     const measure::attribution::OperationError& e = words.of(i);
     const TapeNode& n = x.tape[i];
     const bool decides = is_decision(n.op);
@@ -141,14 +141,14 @@ OperationRow row_of(const measure::attribution::Explanation& x, const OperationV
 }
 
 /// The first node that the table shows. For a march it begins with the last samples, unless all are asked for.
-NodeId first_shown(const measure::attribution::Explanation& x, bool all) {
+NodeId first_shown(const Explanation& x, bool all) {
     const auto& samples = x.tape.samples;
     return all || samples.size() < 3 ? 0 : static_cast<NodeId>(samples[samples.size() - 3]);
 }
 
 }  // namespace
 
-OperationTable operation_table(const measure::attribution::Explanation& x, const OperationView& words, bool all) {
+OperationTable operation_table(const Explanation& x, const OperationView& words, bool all) {
     OperationTable table{.first = first_shown(x, all)};
     // A row names other operations, and each of them has a row too. The last operations are visited first.
     std::vector<bool> shown(x.tape.nodes.size()), whole(x.tape.nodes.size());

@@ -11,6 +11,9 @@
 
 namespace lostbits::output::attribution {
 
+using measure::attribution::Explanation;
+using measure::attribution::TapeText;
+
 /// Three digits; `nan` without its sign, which has no meaning and differs between machines.
 std::string short_number(double x);
 
@@ -22,10 +25,10 @@ std::string ulps_or_nothing(double ulps);
 /// A view of an explanation with the names and the ulps of its operations.
 class OperationView {
 public:
-    explicit OperationView(const measure::attribution::Explanation& x);
+    explicit OperationView(const Explanation& x);
 
     [[nodiscard]] const measure::attribution::OperationError& of(NodeId i) const { return x_.attribution[i]; }
-    [[nodiscard]] const measure::attribution::TapeText& text() const { return text_; }
+    [[nodiscard]] const TapeText& text() const { return text_; }
     /// `error` in ulps of the format at the value itself.
     [[nodiscard]] double own_ulps(NodeId i, double error) const;
     /// Contribution of an operation in ulps of the subject.
@@ -47,8 +50,8 @@ public:
     [[nodiscard]] std::string subject() const;
 
 private:
-    const measure::attribution::Explanation& x_;
-    measure::attribution::TapeText text_;
+    const Explanation& x_;
+    TapeText text_;
     double ulp_;
     std::vector<bool> on_way_;
     std::map<std::string, std::vector<NodeId>, std::less<>>
@@ -79,7 +82,7 @@ struct OperationTable {
     NodeId first = 0;
     std::vector<OperationRow> rows = {};
 };
-OperationTable operation_table(const measure::attribution::Explanation& x, const OperationView& words, bool all);
+OperationTable operation_table(const Explanation& x, const OperationView& words, bool all);
 
 /// Number of digits that tell numbers of a format apart.
 int digits_of(const FloatFormat& format);

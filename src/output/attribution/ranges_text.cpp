@@ -10,9 +10,6 @@
 namespace lostbits::output::attribution {
 using measure::apriori::InputBox;
 using measure::apriori::ObservedErrors;
-using measure::apriori::RangesBound;
-using measure::apriori::RangesRequest;
-using measure::attribution::TapeText;
 
 namespace {
 

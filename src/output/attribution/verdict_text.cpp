@@ -17,8 +17,6 @@
 namespace lostbits::output::attribution {
 
 using intersect::Stop;
-using measure::answer::Outcome;
-using measure::attribution::Explanation;
 
 namespace {
 

@@ -10,11 +10,8 @@
 
 namespace lostbits::output::choice {
 
-using file::number_or_missing;
-using measure::choice::Candidate;
-using measure::choice::GrowthMargin;
 using measure::choice::Input;
-using measure::choice::RowQuality;
+using table::or_missing;
 using table::Table;
 using table::when;
 
@@ -30,13 +27,12 @@ ChoiceResult choose_among(const measure::choice::ChoiceRequest& request, const s
 }
 
 Table<RowQuality> quality_columns() {
-    return {
-        {"rays", "integer", "", "rays whose truth is known", &RowQuality::rays},
-        {"true_hits", "integer", "", "rays that truly hit", &RowQuality::hits},
-        {"wrong", "integer", "", "false hits, false misses, NaNs and hits of another primitive", &RowQuality::wrong},
-        {"wrong_fraction", "number", "1", "wrong/rays", &RowQuality::wrong_fraction},
-        {"kept_bits", "number", "bits", "significand bits less the lost bits, at the required share of the agreed hits",
-         [](const RowQuality& w) { return number_or_missing(w.kept_bits); }}};
+    return {{"rays", "rays whose truth is known", &RowQuality::rays},
+            {"true_hits", "rays that truly hit", &RowQuality::hits},
+            {"wrong", "false hits, false misses, NaNs and hits of another primitive", &RowQuality::wrong},
+            {"wrong_fraction", "1", "wrong/rays", &RowQuality::wrong_fraction},
+            {"kept_bits", "bits", "significand bits less the lost bits, at the required share of the agreed hits",
+             or_missing(&RowQuality::kept_bits)}};
 }
 
 Table<CandidateRow> candidate_table() {
@@ -47,13 +43,13 @@ Table<CandidateRow> candidate_table() {
                                   "per ray and primitive; "),
               &R::time);
     table.add(quality_columns(), &R::quality);
-    table.add({{"distance_error", "number", "length",
+    table.add({{"distance_error", "length",
                 "distance of the hit point from the true one along the ray, at the same share; missing: the "
                 "requirement has no tolerance",
-                [](const R& r) { return number_or_missing(r.quality->off); }},
-               {"meets", "boolean", "", "true if it meets the requirement", &R::meets},
-               {"chosen", "boolean", "", "true for the cheapest that meets the requirement", &R::chosen},
-               {"mended", "string", "", "the form that was repaired, and how; missing for a form as it is",
+                or_missing([](const R& r) { return r.quality->off; })},
+               {"meets", "true if it meets the requirement", &R::meets},
+               {"chosen", "true for the cheapest that meets the requirement", &R::chosen},
+               {"mended", "the form that was repaired, and how; missing for a form as it is",
                 [](const R& r) { return r.mended ? r.mended->how : ""; }}});
     return table;
 }
@@ -61,30 +57,24 @@ Table<CandidateRow> candidate_table() {
 Table<GrowthMargin> margin_table() {
     using measure::choice::End;
     Table<GrowthMargin> table{
-        {"way", "string", "", "the quantity that grows: distance, radius, offset or view",
+        {"way", "the quantity that grows: distance, radius, offset or view",
          [](const GrowthMargin& r) { return measure::choice::growth_names[static_cast<std::size_t>(r.growth)]; }},
-        {"holds", "number", "1",
-         "the largest factor at which the requirement was met; 0: not even by the scene as it is",
+        {"holds", "1", "the largest factor at which the requirement was met; 0: not even by the scene as it is",
          &GrowthMargin::holds},
-        {"value", "number", "",
-         "the quantity at that factor, in world units or, for view, degrees; missing if holds is 0",
+        {"value", "the quantity at that factor, in world units or, for view, degrees; missing if holds is 0",
          [](const GrowthMargin& r) { return when(r.holds != 0, r.value); }},
-        {"beyond", "number", "1", "the smallest larger factor that was tried; missing: none",
+        {"beyond", "1", "the smallest larger factor that was tried; missing: none",
          [](const GrowthMargin& r) { return when(r.beyond != 0, r.beyond); }},
-        {"end", "string", "",
+        {"end",
          "state at that factor: fails (the requirement), nothing_hit, other_scene (rounding stores another scene), "
-         "none (as far "
-         "as was "
-         "tried)",
+         "none (as far as was tried)",
          [](const GrowthMargin& r) { return measure::choice::end_names[static_cast<std::size_t>(r.end)]; }}};
     return table.add<RowQuality>(
-        {{"wrong", "integer", "", "rays decided wrongly at the failing factor", &RowQuality::wrong},
-         {"rays", "integer", "", "number of rays at the failing factor", &RowQuality::rays},
-         {"kept_bits", "number", "bits", "bits kept at the failing factor",
-          [](const RowQuality& w) { return number_or_missing(w.kept_bits); }},
-         {"distance_error", "number", "length",
-          "distance error at the failing factor; missing: the requirement has no tolerance",
-          [](const RowQuality& w) { return number_or_missing(w.off); }}},
+        {{"wrong", "rays decided wrongly at the failing factor", &RowQuality::wrong},
+         {"rays", "number of rays at the failing factor", &RowQuality::rays},
+         {"kept_bits", "bits", "bits kept at the failing factor", or_missing(&RowQuality::kept_bits)},
+         {"distance_error", "length", "distance error at the failing factor; missing: the requirement has no tolerance",
+          or_missing(&RowQuality::off)}},
         [](const GrowthMargin& r) { return r.end == End::fails ? &r.broken : nullptr; });
 }
 
@@ -92,16 +82,14 @@ namespace {
 
 Table<SafeOffsetRow> offset_table() {
     using R = SafeOffsetRow;
-    return {{"side", "string", "", "outside: right for every ray away from the primitive; both: also for rays into it",
-             &R::side},
-            {"strategy", "string", "", "rule for the start of the next ray",
-             [](const R& r) { return r.safe.strategy->name; }},
-            {"operations", "integer", "", "operations per new ray, as the rule is written",
-             [](const R& r) { return r.safe.operations; }},
-            {"oversize_p50", "number", "1",
-             "how many times longer than the smallest safe offset, median; the larger of the sides; missing: no offset "
-             "is needed",
-             [](const R& r) { return number_or_missing(r.safe.oversize); }}};
+    return {
+        {"side", "outside: right for every ray away from the primitive; both: also for rays into it", &R::side},
+        {"strategy", "rule for the start of the next ray", [](const R& r) { return r.safe.strategy->name; }},
+        {"operations", "operations per new ray, as the rule is written", [](const R& r) { return r.safe.operations; }},
+        {"oversize_p50", "1",
+         "how many times longer than the smallest safe offset, median; the larger of the sides; missing: no offset is "
+         "needed",
+         or_missing([](const R& r) { return r.safe.oversize; })}};
 }
 
 std::vector<SafeOffsetRow> offset_rows(const measure::choice::SafeOffsets& offsets) {
@@ -121,29 +109,26 @@ Table<InputRow> input_table() {
     };
     const auto exact = [](const R& r) -> const RowQuality& { return r.trial->exact; };
     const auto form = [](const R& r) -> const std::optional<RowQuality>& { return r.trial->form; };
-    const auto kept_bits = [](const RowQuality& w) { return number_or_missing(w.kept_bits); };
-    Table<R> table{
-        {"origin", "string", "", "format of the ray origins; exact: not rounded", format_of(Input::origin)},
-        {"direction", "string", "", "format of the ray directions", format_of(Input::direction)},
-        {"place", "string", "", "format of the centres of spheres and the corners of boxes", format_of(Input::place)},
-        {"radius", "string", "", "format of the radii of spheres", format_of(Input::radius)}};
+    const auto kept_bits = or_missing(&RowQuality::kept_bits);
+    Table<R> table{{"origin", "format of the ray origins; exact: not rounded", format_of(Input::origin)},
+                   {"direction", "format of the ray directions", format_of(Input::direction)},
+                   {"place", "format of the centres of spheres and the corners of boxes", format_of(Input::place)},
+                   {"radius", "format of the radii of spheres", format_of(Input::radius)}};
     return table
         .add<RowQuality>(
-            {{"rays", "integer", "", "rays whose truth is known", &RowQuality::rays},
-             {"exact_wrong", "integer", "",
-              "rays on which the truth of these inputs decides differently from that of the ideal ones",
+            {{"rays", "rays whose truth is known", &RowQuality::rays},
+             {"exact_wrong", "rays on which the truth of these inputs decides differently from that of the ideal ones",
               &RowQuality::wrong},
-             {"exact_kept_bits", "number", "bits",
+             {"exact_kept_bits", "bits",
               "bits, of 53, that exact arithmetic on these inputs keeps of the ideal truth, at the required share of "
               "the hits",
               kept_bits}},
             exact)
-        .add<RowQuality>({{"f64_wrong", "integer", "",
-                           "rays that the form nearest to the requirement decides wrongly, in f64 on these inputs",
-                           &RowQuality::wrong},
-                          {"f64_kept_bits", "number", "bits",
-                           "bits that this form keeps on these inputs; missing: not measured", kept_bits}},
-                         form);
+        .add<RowQuality>(
+            {{"f64_wrong", "rays that the form nearest to the requirement decides wrongly, in f64 on these inputs",
+              &RowQuality::wrong},
+             {"f64_kept_bits", "bits", "bits that this form keeps on these inputs; missing: not measured", kept_bits}},
+            form);
 }
 
 }  // namespace
@@ -157,9 +142,9 @@ image::Canvas front_plot(const ChoiceResult& chosen) {
                     chosen.meets ? fmt::format("Chosen: {} in {}", chosen.all[*chosen.meets].row.form->info->name,
                                                chosen.all[*chosen.meets].row.format.name)
                                  : "Nothing meets the requirement"),
-        fmt::format("Time: {} of the rays against {} of the primitives, median of {} of "
-                    "this run, bars from quartile to quartile. Named: the Pareto front, on which fewer wrong "
-                    "decisions count before more bits, and the chosen form.",
+        fmt::format("Time: {} of the rays against {} of the primitives, median of {} of this run, bars from quartile "
+                    "to quartile. Named: the Pareto front, on which fewer wrong decisions count before more bits, and "
+                    "the chosen form.",
                     chosen.timed.rays, chosen.timed.primitives,
                     scene::toml::counted(chosen.request.plan.repetitions, "repetition"))};
     spec.x = {"time per ray and primitive, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
@@ -192,11 +177,10 @@ ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
                offset_table()),
       inputs_(folder, "inputs.csv",
               "If nothing meets the requirement: one row per selection of inputs in a wider format", input_table()),
-      requirement_(
-          folder, "requirement.csv",
-          "Number of pixels on which each form and format meets the requirement, and on which it is the cheapest; then "
-          "the same for formats under any form, and for none",
-          requirement_table()) {}
+      requirement_(folder, "requirement.csv",
+                   "Number of pixels on which each form and format meets the requirement, and on which it is the "
+                   "cheapest; then the same for formats under any form, and for none",
+                   requirement_table()) {}
 
 std::vector<CandidateRow> candidate_rows(const ChoiceResult& chosen) {
     const auto& requirement = chosen.request.requirement;

@@ -19,25 +19,32 @@
 
 namespace lostbits::output::choice {
 
+using measure::choice::Candidate;
+using measure::choice::GrowthMargin;
+using measure::choice::Obstacle;
+using measure::choice::Requirement;
+using measure::choice::RequirementMap;
+using measure::choice::RowQuality;
+
 /// A candidate made by repairing a form (`lostbits mend`) that does not meet the requirement.
 struct MendedCandidate {
-    std::string name;                   ///< name of the candidate's form
-    std::string how;                    ///< `sphere.half_b, 3 of its 20 operations in double: c, disc`
-    measure::choice::RowQuality apart;  ///< on rays of the scene that the search did not use
-    std::string file;                   ///< file that holds it as C++
+    std::string name;  ///< name of the candidate's form
+    std::string how;   ///< `sphere.half_b, 3 of its 20 operations in double: c, disc`
+    RowQuality apart;  ///< on rays of the scene that the search did not use
+    std::string file;  ///< file that holds it as C++
 };
 
 /// All results of a choice.
 struct ChoiceResult {
     const measure::choice::ChoiceRequest& request;
-    const std::vector<measure::choice::Candidate>& all;
+    const std::vector<Candidate>& all;
     measure::choice::TimedRays timed;
     std::optional<std::size_t> meets;                          ///< index of the cheapest that meets the requirement
-    std::vector<measure::choice::GrowthMargin> margins = {};   ///< margins of the chosen one
+    std::vector<GrowthMargin> margins = {};                    ///< margins of the chosen one
     std::optional<measure::choice::SafeOffsets> offsets = {};  ///< of the chosen one, if measured
-    std::optional<measure::choice::Obstacle> obstacle = {};    ///< if nothing meets the requirement
-    std::optional<measure::choice::RequirementMap> requirement_map = {};  ///< for each pixel of a scene
-    std::optional<std::vector<MendedCandidate>> mended = {};              ///< if they were asked for
+    std::optional<Obstacle> obstacle = {};                     ///< if nothing meets the requirement
+    std::optional<RequirementMap> requirement_map = {};        ///< for each pixel of a scene
+    std::optional<std::vector<MendedCandidate>> mended = {};   ///< if they were asked for
 
     /// The repair behind a candidate; null for a candidate that is a form as it is.
     [[nodiscard]] const MendedCandidate* mended_as(std::string_view form) const {
@@ -53,22 +60,23 @@ ChoiceResult choose_among(const measure::choice::ChoiceRequest& request,
                           const std::vector<measure::choice::Candidate>& all, measure::choice::TimedRays timed);
 
 /// Bits to one decimal, or to as many as show on which side of the requirement they are: 15.96 if 16 are required.
-std::string bits_text_near(double kept, const measure::choice::Requirement& requirement);
-/// `, 0.0012 off`, with enough digits to tell it from the tolerance of the requirement; empty if there is none.
-std::string off_text(double off, const measure::choice::Requirement& requirement);
+std::string bits_text_near(double kept,
+                           const Requirement& requirement);  /// `, 0.0012 off`, with enough digits to tell it from the
+                                                             /// tolerance of the requirement; empty if there is none.
+std::string off_text(double off, const Requirement& requirement);
 
 /// `16 bits of 99 of 100 hits, no wrong decision`.
-std::string in_words(const measure::choice::Requirement& requirement);
-/// The answer, in several lines. All times are of this run.
-std::string in_words(const ChoiceResult& chosen);
-/// The formats that the pixels need, and the least cost of switching between forms; two or three lines.
-std::string in_words(const ChoiceResult& chosen, const measure::choice::RequirementMap& requirement_map);
-/// The obstacle, in lines that begin with two blanks. `near` comes nearest to the requirement.
-std::string obstacle_text(const ChoiceResult& chosen, const measure::choice::Candidate& near);
-/// `; beyond that no ray hits anything`: reason why a margin ends. `broken` is the text if the requirement fails.
-std::string margin_end_text(const measure::choice::GrowthMargin& margin, const measure::choice::FileRays* rays,
-                            const std::string& broken);
-/// `binary32`, `binary64`, `p31`: name of a format of inputs.
+std::string in_words(const Requirement& requirement);  /// The answer, in several lines. All times are of this run.
+std::string in_words(const ChoiceResult& chosen);  /// The formats that the pixels need, and the least cost of switching
+                                                   /// between forms; two or three lines.
+std::string in_words(const ChoiceResult& chosen,
+                     const RequirementMap& requirement_map);  /// The obstacle, in lines that begin with two blanks.
+                                                              /// `near` comes nearest to the requirement.
+std::string obstacle_text(const ChoiceResult& chosen,
+                          const Candidate& near);  /// `; beyond that no ray hits anything`: reason why a margin ends.
+                                                   /// `broken` is the text if the requirement fails.
+std::string margin_end_text(const GrowthMargin& margin, const measure::choice::FileRays* rays,
+                            const std::string& broken);  /// `binary32`, `binary64`, `p31`: name of a format of inputs.
 std::string name_of_inputs(const FloatFormat& format);
 
 /// Plots every form and format by time and bits kept, with the Pareto front and the chosen one.
@@ -78,19 +86,18 @@ image::Canvas front_plot(const ChoiceResult& chosen);
 struct CandidateRow {
     speed::KernelKey name;
     const measure::speed::Timing* time;  ///< null: unknown
-    const measure::choice::RowQuality* quality;
+    const RowQuality* quality;
     bool meets, chosen;
     const MendedCandidate* mended;  ///< null: the form as it is
 };
-table::Table<CandidateRow> candidate_table();
-/// The rows of choose.csv, cheapest first.
+table::Table<CandidateRow> candidate_table();  /// The rows of choose.csv, cheapest first.
 std::vector<CandidateRow> candidate_rows(const ChoiceResult& chosen);
 
 /// The columns rays, true_hits, wrong, wrong_fraction and kept_bits.
-table::Table<measure::choice::RowQuality> quality_columns();
+table::Table<RowQuality> quality_columns();
 
 /// The columns of room.csv.
-table::Table<measure::choice::GrowthMargin> margin_table();
+table::Table<GrowthMargin> margin_table();
 
 /// A strategy that is safe for one side or for both.
 struct SafeOffsetRow {
@@ -100,24 +107,25 @@ struct SafeOffsetRow {
 
 /// A selection of inputs in a wider format.
 struct InputRow {
-    const measure::choice::Obstacle* obstacle;
+    const Obstacle* obstacle;
     const measure::choice::InputTrial* trial;
 };
 
 struct RequirementRow {
     std::string_view form, format;
-    file::Cell time_ns;
+    std::optional<double> time_ns;
     std::uint64_t met, required, pixels;
 };
-table::Table<RequirementRow> requirement_table();
-/// A row for each form and format that a pixel requires or that has a time, cheapest first; then one per format under
+table::Table<RequirementRow> requirement_table();  /// A row for each form and format that a pixel requires or that has
+                                                   /// a time, cheapest first; then one per format under
 /// `any`, and one for the pixels on which nothing meets the requirement.
-std::vector<RequirementRow> requirement_rows(const ChoiceResult& chosen,
-                                             const measure::choice::RequirementMap& requirement_map);
-/// Draws, pixel by pixel, on the left the cheapest that meets the requirement, and on the right the narrowest format in
+std::vector<RequirementRow> requirement_rows(
+    const ChoiceResult& chosen,
+    const RequirementMap& requirement_map);  /// Draws, pixel by pixel, on the left the cheapest that meets the
+                                             /// requirement, and on the right the narrowest format in
 /// which any form does.
 void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult& chosen,
-                          const measure::choice::RequirementMap& requirement_map);
+                          const RequirementMap& requirement_map);
 
 /// Opens its files before the work and gives them their final names when they are complete.
 class ChoiceFiles {
@@ -129,7 +137,7 @@ public:
 private:
     std::filesystem::path folder_;
     table::TableFile<CandidateRow> candidates_;
-    table::TableFile<measure::choice::GrowthMargin> margins_;
+    table::TableFile<GrowthMargin> margins_;
     table::TableFile<SafeOffsetRow> offsets_;
     table::TableFile<InputRow> inputs_;
     table::TableFile<RequirementRow> requirement_;

@@ -12,13 +12,8 @@
 
 namespace lostbits::output::choice {
 
-using intersect::Info;
-using measure::choice::Candidate;
 using measure::choice::End;
 using measure::choice::Growth;
-using measure::choice::GrowthMargin;
-using measure::choice::Requirement;
-using measure::choice::RowQuality;
 
 namespace {
 
@@ -82,7 +77,7 @@ std::string decisions(const RowQuality& quality) {
 }
 
 /// Demands of the form on its caller; empty if there are none.
-std::string assumptions(const Info& info) {
+std::string assumptions(const intersect::Info& info) {
     std::string words;
     const auto add = [&words](const char* more) { words += (words.empty() ? "" : ", ") + std::string(more); };
     if (info.direction == intersect::Direction::unit) add("directions of unit length");

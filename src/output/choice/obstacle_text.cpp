@@ -9,12 +9,8 @@
 
 namespace lostbits::output::choice {
 
-using measure::choice::Candidate;
 using measure::choice::Input;
 using measure::choice::InputTrial;
-using measure::choice::Obstacle;
-using measure::choice::Requirement;
-using measure::choice::RowQuality;
 
 namespace {
 

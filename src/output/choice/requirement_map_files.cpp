@@ -13,27 +13,23 @@ namespace lostbits::output::choice {
 using image::LegendEntry;
 using image::Rgb8;
 using measure::answer::Outcome;
-using measure::choice::Candidate;
-using measure::choice::RequirementMap;
 
 table::Table<RequirementRow> requirement_table() {
     using R = RequirementRow;
     const auto share_of = [](std::uint64_t R::*count) {
         return [count](const R& r) { return static_cast<double>(r.*count) / static_cast<double>(r.pixels); };
     };
-    return {{"form", "string", "", "form under test; any: any of the forms; none: no form in any format", &R::form},
-            {"format", "string", "", "format of its inputs and answers; for any: the format in which the form computes",
-             &R::format},
-            {"time_ns", "number", "ns", "per ray and primitive, median of this run; missing for an emulated format",
-             &R::time_ns},
-            {"met", "integer", "", "pixels on which it meets the requirement", &R::met},
-            {"met_fraction", "number", "1", "met/pixels", share_of(&R::met)},
-            {"required", "integer", "",
+    return {{"form", "form under test; any: any of the forms; none: no form in any format", &R::form},
+            {"format", "format of its inputs and answers; for any: the format in which the form computes", &R::format},
+            {"time_ns", "ns", "per ray and primitive, median of this run; missing for an emulated format", &R::time_ns},
+            {"met", "pixels on which it meets the requirement", &R::met},
+            {"met_fraction", "1", "met/pixels", share_of(&R::met)},
+            {"required",
              "for a form: pixels on which it is the cheapest that meets the requirement; for a format: pixels on which "
              "it is "
              "the narrowest in which any form does; for none: pixels on which nothing does",
              &R::required},
-            {"required_fraction", "number", "1", "required/pixels", share_of(&R::required)}};
+            {"required_fraction", "1", "required/pixels", share_of(&R::required)}};
 }
 
 namespace {
@@ -122,7 +118,7 @@ std::vector<RequirementRow> requirement_rows(const ChoiceResult& chosen, const R
 void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult& chosen, const RequirementMap& r) {
     const Colours colours(chosen, r);
     const int gap = std::max(1, r.width / 32);
-    const measure::choice::Requirement& requirement = chosen.request.requirement;
+    const Requirement& requirement = chosen.request.requirement;
     image::HeatmapSpec spec;
     spec.title = fmt::format("What each pixel of {} requires", chosen.request.id());
     spec.subtitle = {

@@ -13,9 +13,6 @@
 
 namespace lostbits::output::claim {
 
-using measure::claim::ClaimResult;
-using scene::claim::Claim;
-
 namespace {
 
 using State = ClaimResult::State;
@@ -41,56 +38,52 @@ table::Table<ClaimRow> claim_table() {
         };
     };
     using S = measure::metric::Spread;
-    return {{"id", "string", "", "the claim", of_claim(&Claim::id)},
-            {"statement", "string", "", "its statement", of_claim(&Claim::statement)},
-            {"source", "string", "", "source of the statement", of_claim(&Claim::source)},
-            {"quotation", "string", "", "words of the source that state the claim; empty if they were not looked up",
-             of_claim(&Claim::quotation)},
-            {"verdict", "string", "", "what was found: holds, qualified or refuted", of_claim(verdict_name)},
-            {"condition", "string", "",
-             "condition under which a qualified statement is true, which its source does not state",
-             of_claim(&Claim::condition)},
-            {"sourced", "boolean", "", "true: the statement is from a source; false: it is our own",
-             of_claim(&Claim::is_sourced)},
-            {"subject", "string", "", "scene, sweep or table, and the position in it",
-             [](const R& r) { return words_of(r.claim).where; }},
-            {"form", "string", "", "form under test", of_claim(&Claim::form)},
-            {"format", "string", "", "format it computes in", of_claim(&Claim::format)},
-            {"quantity", "string", "", "what is measured", of_claim(quantity)},
-            {"criterion", "string", "",
-             "what the statement says about the quantity, from which the verdict follows; empty if it describes the "
-             "number, which the expected interval then does",
-             [](const R& r) { return r.claim.criterion ? r.claim.criterion->text : ""; }},
-            {"expected_low", "number", "", "smallest value that agrees", of_claim(&Claim::low)},
-            {"expected_high", "number", "", "largest value that agrees", of_claim(&Claim::high)},
-            {"measured", "number", "", "the measured number; missing if nothing could be measured",
-             [](const R& r) { return file::number_or_missing(r.result.measured); }},
-            {"samples", "integer", "", "number of independent random samples; 0: nothing is random",
-             [](const R& r) { return r.result.samples; }},
-            {"floats", "integer", "",
-             "number of floats, every one in a range; missing if the claim does not rest on all floats of a range",
-             counted(&ClaimResult::floats)},
-            {"evidence", "string", "",
-             "what a statement about all cases rests on: proof, exhaustive, search or sample; empty for others",
-             [](const R& r) { return std::string(name_of(r.claim.evidence)); }},
-            {"lemma", "string", "", "the inequality of a proof", of_claim(&Claim::lemma)},
-            {"evaluations", "integer", "", "rays that a search tried; missing if there was no search",
-             counted(&ClaimResult::evaluations)},
-            {"draws", "integer", "", "number of draws of the samples, one per seed; missing if nothing is random",
-             drawn(&S::draws)},
-            {"draw_low", "number", "", "smallest number measured over the draws", drawn(&S::low)},
-            {"draw_median", "number", "", "median over the draws, the lower of two", drawn(&S::median)},
-            {"draw_high", "number", "", "largest number measured over the draws", drawn(&S::high)},
-            {"interval_draws", "integer", "",
-             "number of draws that the expected interval comes from: their range, widened by half on either side (in "
-             "logarithms for onsets and fractions)",
-             [](const R& r) { return when(r.claim.draws != 0, r.claim.draws); }},
-            {"state", "string", "", "agrees, disagrees, broken (could not be measured) or skipped",
-             [](const R& r) { return state_name(r.result.state); }},
-            {"witness", "string", "", "the worst ray of the measurement in hexadecimal floats",
-             [](const R& r) { return witness_text(r.result); }},
-            {"witness_explain", "string", "", "the command that explains that ray",
-             [](const R& r) { return explain_witness(r.claim, r.result); }}};
+    return {
+        {"id", "the claim", of_claim(&Claim::id)},
+        {"statement", "its statement", of_claim(&Claim::statement)},
+        {"source", "source of the statement", of_claim(&Claim::source)},
+        {"quotation", "words of the source that state the claim; empty if they were not looked up",
+         of_claim(&Claim::quotation)},
+        {"verdict", "what was found: holds, qualified or refuted", of_claim(verdict_name)},
+        {"condition", "condition under which a qualified statement is true, which its source does not state",
+         of_claim(&Claim::condition)},
+        {"sourced", "true: the statement is from a source; false: it is our own", of_claim(&Claim::is_sourced)},
+        {"subject", "scene, sweep or table, and the position in it",
+         [](const R& r) { return words_of(r.claim).where; }},
+        {"form", "form under test", of_claim(&Claim::form)},
+        {"format", "format it computes in", of_claim(&Claim::format)},
+        {"quantity", "what is measured", of_claim(quantity)},
+        {"criterion",
+         "what the statement says about the quantity, from which the verdict follows; empty if it describes the "
+         "number, which the expected interval then does",
+         [](const R& r) { return r.claim.criterion ? r.claim.criterion->text : ""; }},
+        {"expected_low", "smallest value that agrees", of_claim(&Claim::low)},
+        {"expected_high", "largest value that agrees", of_claim(&Claim::high)},
+        {"measured", "the measured number; missing if nothing could be measured",
+         table::or_missing([](const R& r) { return r.result.measured; })},
+        {"samples", "number of independent random samples; 0: nothing is random",
+         [](const R& r) { return r.result.samples; }},
+        {"floats",
+         "number of floats, every one in a range; missing if the claim does not rest on all floats of a range",
+         counted(&ClaimResult::floats)},
+        {"evidence", "what a statement about all cases rests on: proof, exhaustive, search or sample; empty for others",
+         [](const R& r) { return std::string(name_of(r.claim.evidence)); }},
+        {"lemma", "the inequality of a proof", of_claim(&Claim::lemma)},
+        {"evaluations", "rays that a search tried; missing if there was no search", counted(&ClaimResult::evaluations)},
+        {"draws", "number of draws of the samples, one per seed; missing if nothing is random", drawn(&S::draws)},
+        {"draw_low", "smallest number measured over the draws", drawn(&S::low)},
+        {"draw_median", "median over the draws, the lower of two", drawn(&S::median)},
+        {"draw_high", "largest number measured over the draws", drawn(&S::high)},
+        {"interval_draws",
+         "number of draws that the expected interval comes from: their range, widened by half on either side (in "
+         "logarithms for onsets and fractions)",
+         [](const R& r) { return when(r.claim.draws != 0, r.claim.draws); }},
+        {"state", "agrees, disagrees, broken (could not be measured) or skipped",
+         [](const R& r) { return state_name(r.result.state); }},
+        {"witness", "the worst ray of the measurement in hexadecimal floats",
+         [](const R& r) { return witness_text(r.result); }},
+        {"witness_explain", "the command that explains that ray",
+         [](const R& r) { return explain_witness(r.claim, r.result); }}};
 }
 
 }  // namespace

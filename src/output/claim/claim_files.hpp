@@ -10,23 +10,28 @@
 
 namespace lostbits::output::claim {
 
+using measure::claim::ClaimRequest;
+using measure::claim::ClaimResult;
+using measure::metric::Metric;
+using scene::claim::Claim;
+
 /// A claim that no longer measures as stated is a `<failure>`, a broken one an `<error>`, and one that this machine
 /// cannot measure is `<skipped>`. The suite has properties that count the statements that hold, from a source and our
 /// own. A claim of severity `warn` is reported as passed, with its message in `<system-out>`, unless `strict`.
-void write_junit(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims,
-                 const std::vector<measure::claim::ClaimResult>& results, bool strict);
+void write_junit(const std::filesystem::path& path, const std::vector<Claim>& claims,
+                 const std::vector<ClaimResult>& results, bool strict);
 
 /// One row per claim: statement, verdict, expectation, measurement, state, and the witness in hexadecimal floats.
-void write_claims_csv(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims,
-                      const std::vector<measure::claim::ClaimResult>& results);
+void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim>& claims,
+                      const std::vector<ClaimResult>& results);
 
 /// The same as a JSON array; numbers that JSON cannot hold are strings.
-void write_claims_json(const std::filesystem::path& path, const std::vector<scene::claim::Claim>& claims,
-                       const std::vector<measure::claim::ClaimResult>& results);
+void write_claims_json(const std::filesystem::path& path, const std::vector<Claim>& claims,
+                       const std::vector<ClaimResult>& results);
 
 /// Scope of the verdict: its condition if it is qualified, otherwise its evidence, such as "no worse case found in N
 /// evaluations; the worst is …". Empty if the statement is only about single numbers.
-std::string evidence_text(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
+std::string evidence_text(const Claim& claim, const ClaimResult& result);
 
 /// In the order of `ClaimResult::State`.
 inline constexpr std::array state_names{"agrees", "disagrees", "broken", "skipped"};
@@ -34,22 +39,22 @@ constexpr const char* state_name(measure::claim::ClaimResult::State state) {
     return state_names[static_cast<std::size_t>(state)];
 }
 /// Name of the measured quantity: `lost_bits_p50`, `onset of false_hit count 1`, `culprit_fraction of c`.
-std::string quantity(const scene::claim::Claim& claim);
+std::string quantity(const Claim& claim);
 /// `all 65537 floats` for a claim that rests on every float of a range; empty for other claims.
-std::string floats_text(const measure::claim::ClaimResult& result);
+std::string floats_text(const ClaimResult& result);
 /// `the statement says > 0`: the criterion; empty if there is none.
-std::string says_text(const scene::claim::Claim& claim);
+std::string says_text(const Claim& claim);
 /// `expected to hold, but does not`, for a claim that does not agree.
-std::string changed_text(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
+std::string changed_text(const Claim& claim, const ClaimResult& result);
 /// One line for a claim that does not agree: the expected value, the measured one, and whether the verdict still
 /// follows.
-std::string explain(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
+std::string explain(const Claim& claim, const ClaimResult& result);
 /// The metric behind a column of a summary: lost_bits for `lost_bits_p99`; null for an outcome.
-const measure::metric::Metric* metric_of_column(const std::string& column);
+const Metric* metric_of_column(const std::string& column);
 /// The worst ray of the measurement in hexadecimal floats; empty if there is none.
-std::string witness_text(const measure::claim::ClaimResult& result);
+std::string witness_text(const ClaimResult& result);
 /// The command that explains the witness and prints its numbers again; empty if there is none.
-std::string explain_witness(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
+std::string explain_witness(const Claim& claim, const ClaimResult& result);
 
 /// Names of the thing that a claim is measured on, for texts.
 struct SubjectTexts {
@@ -59,14 +64,14 @@ struct SubjectTexts {
     std::string command;  ///< command that measures it again with all files
 };
 
-[[nodiscard]] SubjectTexts words_of(const scene::claim::Claim& claim);
+[[nodiscard]] SubjectTexts words_of(const Claim& claim);
 
 /// Counts of the verdicts.
 struct VerdictCounts {
     std::size_t held = 0, qualified = 0, refuted = 0, differing = 0, broken = 0, skipped = 0;
     std::size_t with_criterion = 0;  ///< confirmed verdicts that follow from a criterion
 
-    void add(const scene::claim::Claim& claim, const measure::claim::ClaimResult& result);
+    void add(const Claim& claim, const ClaimResult& result);
     [[nodiscard]] std::size_t confirmed() const { return held + qualified + refuted; }
     /// `4 hold, 1 is qualified, 2 are refuted`; `none` if none is confirmed.
     [[nodiscard]] std::string text() const;
@@ -78,8 +83,7 @@ struct CountsBySource {
     /// `from a source: 1 holds, 1 is refuted; our own: 2 hold`; a part without claims is left out.
     [[nodiscard]] std::string text() const;
 };
-[[nodiscard]] CountsBySource count_verdicts(const std::vector<scene::claim::Claim>& claims,
-                                            const std::vector<measure::claim::ClaimResult>& results);
+[[nodiscard]] CountsBySource count_verdicts(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results);
 
 /// The claims about one scene, sweep or table.
 struct ClaimSubject {
@@ -87,20 +91,19 @@ struct ClaimSubject {
     std::vector<std::size_t> claims;  ///< indices of the claims
 };
 /// Each subject once, in the order of the first claim about it.
-[[nodiscard]] std::vector<ClaimSubject> subjects_of(const std::vector<scene::claim::Claim>& claims);
+[[nodiscard]] std::vector<ClaimSubject> subjects_of(const std::vector<Claim>& claims);
 
 /// Writes `README.md`, `claims.csv` and `pictures/` into a folder. The same claims and results give the same bytes. A
 /// scene is shown as a contact sheet, a sweep as its plots, cases as their matrix, each for the forms that the claims
 /// name.
-void write_claim_report(const std::filesystem::path& folder, const std::vector<scene::claim::Claim>& claims,
-                        const std::vector<measure::claim::ClaimResult>& results,
-                        const measure::claim::ClaimRequest& run);
+void write_claim_report(const std::filesystem::path& folder, const std::vector<Claim>& claims,
+                        const std::vector<ClaimResult>& results, const ClaimRequest& run);
 
 /// A subject to show, and the claims about it.
 struct ShownSubject {
     const std::filesystem::path& folder;
-    std::vector<const scene::claim::Claim*> claims;
-    const measure::claim::ClaimRequest& run;
+    std::vector<const Claim*> claims;
+    const ClaimRequest& run;
 };
 
 /// Draws the pictures into `folder`/pictures and returns the Markdown that shows them; empty for a subject without a

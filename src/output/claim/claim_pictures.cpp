@@ -20,14 +20,10 @@
 namespace lostbits::output::claim {
 
 using intersect::Touching;
-using measure::claim::ClaimRequest;
 using measure::evaluate::TestedForm;
-using scene::claim::Claim;
-using scene::claim::ConsistencySubject;
 using scene::claim::OffsetsSubject;
 using scene::claim::RenderSubject;
 using scene::claim::SceneSubject;
-using scene::claim::SweepSubject;
 
 namespace {
 
@@ -54,8 +50,8 @@ std::vector<TestedForm> rows_of(const std::vector<const Claim*>& claims) {
     return rows;
 }
 
-std::vector<const measure::metric::Metric*> drawn_metrics() {
-    std::vector<const measure::metric::Metric*> all;
+std::vector<const Metric*> drawn_metrics() {
+    std::vector<const Metric*> all;
     for (const char* name : {"lost_bits", "ulp_error", "inherent_bits", "excess_bits"})
         all.push_back(measure::metric::find_metric(name));
     return all;
@@ -144,7 +140,7 @@ std::string picture_of(const OffsetsSubject& on, const ShownSubject& shown) {
 }
 
 /// All consistency checks of a scene.
-std::string picture_of(const ConsistencySubject& on, const ShownSubject& shown) {
+std::string picture_of(const scene::claim::ConsistencySubject& on, const ShownSubject& shown) {
     const scene::file::Scene scene = shown_scene(on.name, shown.run);
     const std::vector<TestedForm> rows = rows_of(shown.claims);
     return sheet_of<consistency::ConsistencyView>(shown,
@@ -176,7 +172,7 @@ SweepPlots plots_of(const std::vector<const Claim*>& claims) {
 }
 
 /// The pictures of a sweep, as Markdown.
-std::string picture_of(const SweepSubject& on, const ShownSubject& shown) {
+std::string picture_of(const scene::claim::SweepSubject& on, const ShownSubject& shown) {
     const auto& claims = shown.claims;
     const auto& run = shown.run;
     const std::vector<TestedForm> rows = rows_of(claims);

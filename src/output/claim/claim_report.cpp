@@ -1,6 +1,5 @@
 // The claims as a document: README.md with every statement, its verdict, its number, and a picture of its subject.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -11,11 +10,7 @@
 
 namespace lostbits::output::claim {
 
-using measure::claim::ClaimRequest;
-using measure::claim::ClaimResult;
-using scene::claim::Claim;
-
-std::vector<ClaimSubject> subjects_of(const std::vector<scene::claim::Claim>& claims) {
+std::vector<ClaimSubject> subjects_of(const std::vector<Claim>& claims) {
     std::vector<ClaimSubject> subjects;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         // One scene may have claims about its map, its rendering, and the rays that leave it.

@@ -13,9 +13,6 @@
 namespace lostbits::output::claim {
 
 using attribution::shell_word;
-using measure::claim::ClaimResult;
-using measure::metric::Metric;
-using scene::claim::Claim;
 
 std::string witness_text(const ClaimResult& r) {
     if (r.witness.x < 0) return "";

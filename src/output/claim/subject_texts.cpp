@@ -10,7 +10,6 @@
 namespace lostbits::output::claim {
 
 using attribution::shell_word;
-using measure::metric::Metric;
 
 namespace {
 

@@ -19,7 +19,6 @@ using measure::consistency::CheckSummary;
 using measure::consistency::ConsistencyBand;
 using measure::consistency::ConsistencyStudy;
 using measure::consistency::PixelCheckResults;
-using measure::consistency::RowChecks;
 using pixel::colour_of;
 using pixel::PixelColumn;
 using pixel::PixelValue;
@@ -28,8 +27,8 @@ using table::Table;
 
 namespace {
 
-constexpr const char* excess_unit = "ulps of the length";
-/// Category of pixels where numbers are compared and both rays hit.
+constexpr const char* excess_unit =
+    "ulps of the length";  /// Category of pixels where numbers are compared and both rays hit.
 constexpr std::size_t on_ramp = check_result_names.size();
 
 /// Scale of the excess: by how many ulps the two ends of a chord are further apart than the exact ones.
@@ -41,8 +40,7 @@ pixel::Look look_of(const Check& check) {
              {fmt::format("yes only for: {}", check.first), colour_of(Outcome::false_hit),
               "only the first question is answered with yes"},
              {fmt::format("yes only for: {}", check.second), colour_of(Outcome::false_miss),
-              "only the second question is "
-              "answered with yes"},
+              "only the second question is answered with yes"},
              {"alike, but other numbers", colour_of(Outcome::not_a_number)},
              {"the inputs differ, not the form", colour_of(Outcome::wrong_primitive)},
              {"not proved", colour_of(Outcome::unresolved)},
@@ -52,8 +50,9 @@ pixel::Look look_of(const Check& check) {
 }
 
 std::string note_of(const Check& check, const CheckSummary& s) {
-    if (s.asked() == 0) return "not asked";
-    // An end at the hit may count or not, by convention: an answer of yes everywhere is not a difference.
+    if (s.asked() == 0)
+        return "not asked";  // An end at the hit may count or not, by convention: an answer of yes everywhere is not a
+                             // difference.
     if (check.measure == measure::consistency::check_end) {
         const auto yes = s.of(CheckResult::second_alone);
         return yes == 0 ? "always no" : yes == s.asked() ? "always yes" : share_text(yes, s.asked()) + " yes";
@@ -108,11 +107,11 @@ pixel::Sheet ConsistencyView::sheet(const ConsistencyStudy& study, const std::fi
     image::SheetSpec spec{
         .title = study.scene.title,
         .subtitle =
-            {fmt::format("{}, {} x {} pixels: one question asked in two ways, and whether a form gives the same "
-                         "answer to both",
-                         study.scene.id, study.scene.width, study.scene.height),
-             "shares are of the pixels of which both are asked; reverse and placed have on the ramp by how much "
-             "more than the exact answers both chords, or both t, differ"},
+            {fmt::format(
+                 "{}, {} x {} pixels: one question asked in two ways, and whether a form gives the same answer to both",
+                 study.scene.id, study.scene.width, study.scene.height),
+             "shares are of the pixels of which both are asked; reverse and placed have on the ramp by how much more "
+             "than the exact answers both chords, or both t, differ"},
         .scales = {excess_scale()},
         .unit = excess_unit,
         .categories = true};
@@ -138,30 +137,30 @@ Table<study::PixelInBand<ConsistencyBand>> ConsistencyView::pixel_table(const Co
     Table<R> table = study::place_columns<ConsistencyBand>();
     for (std::size_t c = 0; c < study.checks.size(); ++c) {
         const Check& check = *study.checks[c];
-        table.add({std::string(check.name), "string", "", fmt::format("{}: {}", check.title, known), [c](const R& r) {
+        table.add({std::string(check.name), fmt::format("{}: {}", check.title, known), [c](const R& r) {
                        return check_result_names[static_cast<std::size_t>(r.band->checks[c].results[r.i])];
                    }});
         if (!check.numbers) continue;
         const auto number = [c](std::vector<double> PixelCheckResults::*numbers) {
             return [c, numbers](const R& r) {
                 const PixelCheckResults& pixels = r.band->checks[c];
-                return pixels.excess.empty() ? file::Cell() : file::number_or_missing((pixels.*numbers)[r.i]);
+                return file::number_or_missing(pixels.excess.empty() ? measure::truth::missing
+                                                                     : (pixels.*numbers)[r.i]);
             };
         };
-        table.add({{fmt::format("{}_apart", check.name), "number", "ulp",
+        table.add({{fmt::format("{}_apart", check.name), "ulp",
                     "|near + far from the other end - length| in ulps of the length; for placed |t - the other t| in "
                     "ulps of t",
                     number(&PixelCheckResults::apart)},
-                   {fmt::format("{}_excess", check.name), "number", "ulp",
-                    "the same minus its value for the exact answers", number(&PixelCheckResults::excess)}});
+                   {fmt::format("{}_excess", check.name), "ulp", "the same minus its value for the exact answers",
+                    number(&PixelCheckResults::excess)}});
     }
     return table;
 }
 
 Table<CheckRow> ConsistencyView::summary_table() {
     using R = CheckRow;
-    Table<R> table{{"check", "string", "", "the check: which two questions are compared",
-                    [](const R& r) { return r.check->name; }}};
+    Table<R> table{{"check", "the check: which two questions are compared", [](const R& r) { return r.check->name; }}};
     table.add(table::subject_columns("form that is asked", "format that everything is computed in"), &R::row);
     for (const auto& column : measure::consistency::consistency_columns())
         table.add(table::measured_column<R>(column, [](const auto& c, const R& r) { return c.value(*r.summary); }));
@@ -173,15 +172,16 @@ Table<CheckRow> ConsistencyView::summary_table() {
                        : std::string();
         };
     };
+    const auto shown_at = [](auto part) {
+        return [part](const R& r) { return r.summary->shown ? std::optional(part(*r.summary->shown)) : std::nullopt; };
+    };
     using Rays = decltype(CheckSummary{}.shown->rays);
     return table.add(
-        {{"first_x", "integer", "", "column of the first pixel whose difference the form causes",
-          [](const R& r) { return r.summary->shown ? file::Cell(r.summary->shown->x) : file::Cell(); }},
-         {"first_y", "integer", "", "its row",
-          [](const R& r) { return r.summary->shown ? file::Cell(r.summary->shown->y) : file::Cell(); }},
-         {"first_explain", "string", "", "command that explains the ray of the first question there",
-          explain(&Rays::first)},
-         {"second_explain", "string", "", "command that explains the ray of the second", explain(&Rays::second)}});
+        {{"first_x", "column of the first pixel whose difference the form causes",
+          shown_at([](const auto& shown) { return shown.x; })},
+         {"first_y", "its row", shown_at([](const auto& shown) { return shown.y; })},
+         {"first_explain", "command that explains the ray of the first question there", explain(&Rays::first)},
+         {"second_explain", "command that explains the ray of the second", explain(&Rays::second)}});
 }
 
 std::vector<CheckRow> ConsistencyView::summary_rows(const ConsistencyStudy& study, const std::vector<RowChecks>& rows) {

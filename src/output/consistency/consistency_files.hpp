@@ -9,6 +9,8 @@
 
 namespace lostbits::output::consistency {
 
+using measure::consistency::RowChecks;
+
 /// Result of a check for a form in a format.
 struct CheckRow {
     const measure::consistency::Check* check;
@@ -26,13 +28,12 @@ struct ConsistencyView {
     static constexpr const char* pixel_title = "One row per pixel";
 
     static table::Table<CheckRow> summary_table();
-    static std::vector<CheckRow> summary_rows(const Study& study,
-                                              const std::vector<measure::consistency::RowChecks>& rows);
+    static std::vector<CheckRow> summary_rows(const Study& study, const std::vector<RowChecks>& rows);
     static std::string row_name(const Study& study, std::size_t row);
     static std::size_t pixels(const Band& band) { return band.checks.front().results.size(); }
     static std::vector<pixel::PixelColumn<Band>> columns(const Study& study);
     static pixel::Sheet sheet(const Study& study, const std::filesystem::path& file);
-    static std::vector<study::Note> notes(const Study& study, const std::vector<measure::consistency::RowChecks>& rows);
+    static std::vector<study::Note> notes(const Study& study, const std::vector<RowChecks>& rows);
     static table::Table<study::PixelInBand<Band>> pixel_table(const Study& study);
 };
 

@@ -13,7 +13,6 @@
 
 namespace lostbits::output::diff {
 
-using image::ExrImage;
 using image::Rgb8;
 using measure::answer::Outcome;
 using measure::answer::outcome_names;
@@ -49,7 +48,7 @@ PixelField pixels_of_table(const std::filesystem::path& path) {
     return field;
 }
 
-PixelField pixels_of_part(const std::filesystem::path& path, const ExrImage& part) {
+PixelField pixels_of_part(const std::filesystem::path& path, const image::ExrImage& part) {
     const image::ExrChannel *const outcome = part.find("class.outcome"), *const lost = part.find("bits.lost");
     if (outcome == nullptr || lost == nullptr || outcome->samples.index() != 1 || lost->samples.index() != 0)
         refuse(path, "it does not have the channels class.outcome and bits.lost of a map");

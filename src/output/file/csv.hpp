@@ -39,6 +39,8 @@ public:
     Cell(std::string value) : value_(std::move(value)) {}
     Cell(std::string_view value) : value_(std::string(value)) {}
     Cell(const char* value) : value_(std::string(value)) {}
+    template <class T>
+    Cell(const std::optional<T>& value) : Cell(value ? Cell(*value) : Cell()) {}
 
     [[nodiscard]] bool is_missing() const { return std::holds_alternative<std::monostate>(value_); }
 
@@ -55,8 +57,8 @@ private:
     std::variant<std::monostate, bool, std::int64_t, std::uint64_t, float, double, std::string> value_;
 };
 
-/// A cell with x; missing if x is NaN.
-inline Cell number_or_missing(double x) { return std::isnan(x) ? Cell() : Cell(x); }
+/// x; missing if x is NaN.
+inline std::optional<double> number_or_missing(double x) { return std::isnan(x) ? std::nullopt : std::optional(x); }
 
 /// Writes one CSV file: UTF-8, LF, RFC 4180 quoting, a header, empty = missing, booleans 0/1.
 ///

@@ -1,7 +1,6 @@
 // Writes numbers as text that reads back to the same bits, and lists.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>

@@ -81,15 +81,6 @@ class Painter {
 public:
     Painter(std::vector<Rgb8>& pixels, int width) : pixels_(pixels), width_(width) {}
 
-    void paint(const CanvasMark& mark) {
-        std::visit([&](const auto& shape) { put(shape, mark); }, mark.shape);
-    }
-
-private:
-    Rgb8& at(int x, int y) {
-        return pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
-    }
-
     void put(const CanvasMark::Fill& fill, const CanvasMark& mark) {
         for (const PixelBox& box : fill.boxes)
             for (int y = box.y; y < box.y + box.height; ++y) std::fill_n(&at(box.x, y), box.width, mark.colour);
@@ -114,6 +105,11 @@ private:
         };
         for (int y = box.y; y < box.y + box.height; ++y)
             for (int x = box.x; x < box.x + box.width; ++x) at(x, y) = sample(x, y);
+    }
+
+private:
+    Rgb8& at(int x, int y) {
+        return pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
     }
 
     /// Blends the mark's colour into each pixel of the box, weighted by its coverage.
@@ -142,7 +138,7 @@ Canvas::Canvas(int width, int height, Rgb8 paper)
 std::vector<Rgb8> Canvas::pixels() const {
     std::vector<Rgb8> pixels(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), paper_);
     Painter painter(pixels, width_);
-    for (const CanvasMark& mark : marks_) painter.paint(mark);
+    draw_with([&painter](const auto& shape, const CanvasMark& mark) { painter.put(shape, mark); });
     return pixels;
 }
 

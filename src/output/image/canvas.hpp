@@ -41,7 +41,7 @@ struct MarkData {
     std::vector<double> x, y = {};  ///< positions on the canvas: of a point; of steps; of the edges of cells
 };
 
-/// One thing that is drawn on a canvas. Every kind of file is made of the same marks.
+/// One thing that is drawn on a canvas.
 struct CanvasMark {
     /// Rectangles of whole pixels.
     struct Fill {
@@ -79,8 +79,12 @@ public:
     [[nodiscard]] int width() const noexcept { return width_; }
     [[nodiscard]] int height() const noexcept { return height_; }
     [[nodiscard]] Rgb8 paper() const noexcept { return paper_; }
-    [[nodiscard]] std::span<const CanvasMark> marks() const noexcept { return marks_; }
 
+    /// Passes each mark to a writer, `write(shape, mark)`, in the order in which they are drawn. Every kind of file is
+    /// made by such a walk.
+    void draw_with(auto&& write) const {
+        for (const CanvasMark& mark : marks_) std::visit([&](const auto& shape) { write(shape, mark); }, mark.shape);
+    }
     /// The drawing as pixels, row by row.
     [[nodiscard]] std::vector<Rgb8> pixels() const;
 

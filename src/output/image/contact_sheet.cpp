@@ -65,7 +65,7 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
     block_height_ = head_ + static_cast<int>(spec_.formats.size()) * row_height_;
     grid_width_ = row_label_width_ + style::gap + columns_ * (cell_width_ + style::gap);
 
-    int content = grid_width_;
+    content_width_ = grid_width_;
     int bar_width = 0;
     for (const ColourScale& scale : spec_.scales) {
         const int one = std::clamp(block_height_ - style::gap - static_cast<int>(spec_.note_lines) * note_line,
@@ -74,11 +74,9 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
             colour_bar(scale, spec_.unit, bar_a_line ? std::max(line_bar, thumb_height_ + unit_height) : one));
         bar_width = std::max(bar_width, bars_.back().width());
     }
-    if (!bars_.empty()) content += style::gap + bar_width;
-    content = std::max(content, style::least_content);
-    heading_ = heading(spec_.title, spec_.subtitle, content);
-    legend_.emplace(spec_.legend, content);
-    page_width_ = content + 2 * style::margin;
+    if (!bars_.empty()) content_width_ += style::gap + bar_width;
+    content_width_ = std::max(content_width_, style::least_content);
+    heading_ = heading(spec_.title, spec_.subtitle, content_width_);
     files_ = std::make_unique<FigureFiles>(path);
 }
 
@@ -181,11 +179,11 @@ std::vector<TextBitmap> ContactSheet::note_of(std::string_view note) const {
     return lines;
 }
 
-int ContactSheet::page_height(std::size_t columns) const {
+int ContactSheet::page_height(std::size_t columns, const Legend& legend) const {
     const int blocks = (static_cast<int>(columns) + columns_ - 1) / columns_,
               grid = blocks * (block_height_ + block_gap) - block_gap,
               bar = bars_.size() == 1 ? bars_.front().height() : 0;
-    return block_y(0) + (is_parted_ ? part_line : 0) + std::max(grid, bar) + legend_->height() + style::margin;
+    return block_y(0) + (is_parted_ ? part_line : 0) + std::max(grid, bar) + legend.height() + style::margin;
 }
 
 int ContactSheet::block_y(int block) const {
@@ -303,8 +301,9 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
         throw std::logic_error("contact sheet: the order does not have every form");
     if (!headline.empty()) {
         spec_.subtitle.insert(spec_.subtitle.begin(), spec_.title);
-        heading_ = heading(headline, spec_.subtitle, heading_.width());
+        heading_ = heading(headline, spec_.subtitle, content_width_);
     }
+    const Legend classes(legend, content_width_);
     auto columns = columns_of(order);
     is_parted_ = spec_.collapses && !order.empty() && columns.size() > static_cast<std::size_t>(columns_);
     if (is_parted_) put_most_different_first(columns);
@@ -312,7 +311,7 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
         head_ += name_line;
         block_height_ += name_line;
     }
-    Canvas page(page_width_, page_height(columns.size()));
+    Canvas page(content_width_ + 2 * style::margin, page_height(columns.size(), classes));
     page.picture(style::margin, style::margin, heading_);
     if (is_parted_) draw_parts(page, columns.size());
     for (std::size_t place = 0; place < columns.size(); ++place) {
@@ -327,7 +326,7 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
         }
     }
     draw_bars(page, columns.size());
-    page.picture(style::margin, page.height() - style::margin - legend_->height(), legend_->draw(legend));
+    page.picture(style::margin, page.height() - style::margin - classes.height(), classes.draw(legend));
     files_->save(page);
 }
 

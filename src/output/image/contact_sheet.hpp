@@ -70,7 +70,6 @@ struct SheetSpec {
     int field_width = 0, field_height = 0;  ///< size of every cell, in samples
     std::vector<ColourScale> scales = {};   ///< none; one for all cells; or one for each line of cells
     std::string unit = {};                  ///< label over a colour bar
-    std::vector<LegendEntry> legend = {};   ///< every class that may occur, with the widest count that it may get
     bool categories = false;                ///< colours are names, so cells are not averaged
     std::size_t note_lines = 4;             ///< number of lines of small text under each cell
     bool collapses = false;                 ///< forms whose cells and texts are all the same share a column
@@ -97,7 +96,7 @@ public:
     /// away.
     void set_zoom(std::size_t form, std::size_t format, int x, int y);
 
-    /// Draws the page and gives the files their final names. `legend` is as for HeatmapWriter::finish. `order` lists
+    /// Draws the page and gives the files their final names. `legend` holds the classes that occur. `order` lists
     /// the indices of the forms in the order in which they are drawn; empty: the given order. `headline` says what the
     /// sheet shows; it stands above the title of the spec. Empty: none.
     void finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order = {},
@@ -122,7 +121,7 @@ private:
     [[nodiscard]] std::uint64_t difference(std::size_t a, std::size_t b) const;
     void put_most_different_first(std::vector<Alike>& columns) const;
     [[nodiscard]] int block_y(int block) const;
-    [[nodiscard]] int page_height(std::size_t columns) const;
+    [[nodiscard]] int page_height(std::size_t columns, const Legend& legend) const;
     void draw_parts(Canvas& page, std::size_t columns) const;
     void draw_column(Canvas& page, int x, int y, const Alike& forms);
     [[nodiscard]] std::vector<TextBitmap> note_of(std::string_view note) const;
@@ -134,11 +133,10 @@ private:
     int thumb_width_, thumb_height_;
     void draw_bars(Canvas& page, std::size_t columns) const;
     int columns_ = 1, cell_width_ = 0, row_label_width_ = 0, head_ = 0, row_height_ = 0, block_height_ = 0;
-    int page_width_ = 0, grid_width_ = 0;
+    int content_width_ = 0, grid_width_ = 0;
     bool is_parted_ = false;  ///< the first block has the forms that tell most
     Canvas heading_{0, 0};
     std::vector<Canvas> bars_;  // one per scale
-    std::optional<Legend> legend_;
     std::unique_ptr<FigureFiles> files_;
 };
 

@@ -65,6 +65,7 @@ struct TextRun {
     int size;          ///< pixels per em
     double x, y;       ///< start of the baseline, from the upper left corner of the line
     double width;
+    bool raised = false;  ///< an exponent: copied text has a `^` before it
 };
 
 /// A line of text as coverage, 0 (paper) to 255 (ink), row by row. All lines of one size have the same height and
@@ -165,7 +166,7 @@ protected:
 };
 
 /// Version of this header; increase it with every change. A module of another build is then refused and not misread.
-inline constexpr int image_module_abi = 6;
+inline constexpr int image_module_abi = 7;
 
 /// The module, loaded on the first call; later calls cost nothing. It is searched at $LOSTBITS_IMAGE_MODULE (if set,
 /// only there), beside the program, in `../lib/lostbits` and in `src/output` next to it. Throws EnvironmentError that

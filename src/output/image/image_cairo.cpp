@@ -14,7 +14,6 @@
 #include <mutex>
 #include <span>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "number/error.hpp"
@@ -186,6 +185,7 @@ TextBitmap cairo_text(std::string_view utf8, int size, bool bold) {
         pen += line.back().run.width;
         out.runs.push_back(line.back().run);
         out.runs.back().size = letters;
+        out.runs.back().raised = above > 0;
     };
     std::size_t from = 0;
     for (std::size_t at = utf8.find('^'); at != std::string_view::npos; at = utf8.find('^', at + 1)) {
@@ -238,14 +238,14 @@ public:
         cairo_scale(pen_, points_per_pixel, points_per_pixel);
         set_colour(canvas.paper());
         cairo_paint(pen_);
-        for (const CanvasMark& mark : canvas.marks()) {
+        canvas.draw_with([this](const auto& shape, const CanvasMark& mark) {
             cairo_save(pen_);
             cairo_rectangle(pen_, mark.seen.x, mark.seen.y, mark.seen.width, mark.seen.height);
             cairo_clip(pen_);
             set_colour(mark.colour);
-            std::visit([&](const auto& shape) { put(shape, mark); }, mark.shape);
+            put(shape, mark);
             cairo_restore(pen_);
-        }
+        });
         const cairo_status_t drawn = cairo_status(pen_);
         cairo_surface_finish(surface_.get());
         if (failure_) std::rethrow_exception(failure_);
@@ -322,7 +322,8 @@ private:
         for (const TextRun& run : line.text.runs) put(run, line.text.bold);
     }
 
-    /// Letters without hinting are narrower or wider by some percent. They are set at the distances of the picture.
+    /// Letters without hinting are narrower or wider by some percent. They are set at the distances of the picture. The
+    /// first letter of an exponent stands for itself and a `^`, so that copied text reads `2^-10` and not `2-10`.
     void put(const TextRun& run, bool bold) {
         cairo_set_font_face(pen_, cairo_scaled_font_get_font_face(font_of(style::text_size, bold)));
         cairo_set_font_size(pen_, run.size);
@@ -330,15 +331,17 @@ private:
         cairo_text_cluster_t* clusters = nullptr;
         int count = 0, cluster_count = 0;
         cairo_text_cluster_flags_t flags{};
-        const int bytes = static_cast<int>(run.text.size());
         cairo_scaled_font_t* const font = cairo_get_scaled_font(pen_);
-        check(cairo_scaled_font_text_to_glyphs(font, 0, 0, run.text.data(), bytes, &glyphs, &count, &clusters,
-                                               &cluster_count, &flags));
+        check(cairo_scaled_font_text_to_glyphs(font, 0, 0, run.text.data(), static_cast<int>(run.text.size()), &glyphs,
+                                               &count, &clusters, &cluster_count, &flags));
         cairo_text_extents_t extents;
         cairo_scaled_font_glyph_extents(font, glyphs, count, &extents);
         const double wider = extents.x_advance > 0 ? run.width / extents.x_advance : 1;
         for (int i = 0; i < count; ++i) glyphs[i] = {glyphs[i].index, run.x + glyphs[i].x * wider, run.y};
-        cairo_show_text_glyphs(pen_, run.text.data(), bytes, glyphs, count, clusters, cluster_count, flags);
+        const std::string copied = (run.raised ? "^" : "") + run.text;
+        if (run.raised && cluster_count > 0) ++clusters[0].num_bytes;
+        cairo_show_text_glyphs(pen_, copied.data(), static_cast<int>(copied.size()), glyphs, count, clusters,
+                               cluster_count, flags);
         cairo_text_cluster_free(clusters);
         cairo_glyph_free(glyphs);
     }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 #include <span>
-#include <variant>
 
 #include "output/file/base64.hpp"
 #include "output/file/escape.hpp"
@@ -57,10 +56,10 @@ bool are_one_path(const Figure& a, const Figure& b) {
 class SvgElements {
 public:
     explicit SvgElements(const Canvas& canvas) {
-        for (const CanvasMark& mark : canvas.marks()) {
+        canvas.draw_with([this](const auto& shape, const CanvasMark& mark) {
             group(mark.data.get());
-            std::visit([&](const auto& shape) { put(shape, mark); }, mark.shape);
-        }
+            put(shape, mark);
+        });
         group(nullptr);
         see({});
     }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <optional>
-#include <span>
 
 #include "measure/evaluate/map.hpp"
 #include "measure/judge/worst_rays.hpp"
@@ -15,14 +14,11 @@
 namespace lostbits::output::judge {
 
 using file::Cell;
-using measure::answer::Outcome;
 using measure::evaluate::TestedForm;
 using measure::judge::JudgeRequest;
 using measure::judge::ReportedRay;
-using measure::judge::WorstRays;
 using scene::dump::Chunk;
 using scene::dump::Dump;
-using scene::dump::Layout;
 using table::Table;
 namespace slot = scene::dump::slot;
 
@@ -45,7 +41,7 @@ scene::file::Scene scene_of(const JudgeRequest& request, const Dump& dump, const
 std::string name_of(const measure::evaluate::WorstRay& ray) { return attribution::name_of_ray(ray.given.get()); }
 
 std::string case_name(const TestedForm& row, const ReportedRay& ray) {
-    const std::string what = ray.outcome == Outcome::agree_hit
+    const std::string what = ray.outcome == measure::answer::Outcome::agree_hit
                                  ? fmt::format("{:.6g} ulp", ray.ulps)
                                  : std::string(measure::answer::outcome_names[static_cast<std::size_t>(ray.outcome)]);
     return fmt::format("{} in {}: ray {}, {}", row.form->info->name, row.format.name, ray.place, what);
@@ -62,16 +58,16 @@ bool has_hit(const JudgedRay& r) { return !r.chunk->hit.empty() && r.chunk->hit[
 /// Columns with the file's data on a ray and its primitive.
 Table<JudgedRay> given_columns(const Dump& dump) {
     using R = JudgedRay;
-    const Layout& layout = dump.layout();
-    Table<R> table{{"ray", "integer", "", "index of the ray in the file, from 0",
-                    [](const R& r) { return r.chunk->first + r.found.i; }}};
+    const scene::dump::Layout& layout = dump.layout();
+    Table<R> table{
+        {"ray", "index of the ray in the file, from 0", [](const R& r) { return r.chunk->first + r.found.i; }}};
     // Numbers of files of floats are written as short as floats allow.
     const bool narrow = dump.format().engine == Format::Engine::native32;
     const auto number = [narrow](double x) { return narrow ? Cell(static_cast<float>(x)) : Cell(x); };
     const auto add = [&](std::size_t s, const char* type, const char* meaning, table::CellOf<R> value) {
         if (layout.has(s))
             table.add(
-                {std::string(scene::dump::name_of_slot(s, layout.primitive())), type, "", meaning, std::move(value)});
+                {{std::string(scene::dump::name_of_slot(s, layout.primitive())), type, "", meaning}, std::move(value)});
     };
     const auto add_number = [&](std::size_t s, const char* meaning, const auto& value) {
         add(s, "number", meaning, [=](const R& r) { return number(value(*r.chunk, r.found.i)); });
@@ -102,15 +98,15 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
                            bool decides = false) {
     using Found = map::BandRay;
     Table<Found> found{map::outcome_column()};
-    found.add_exact({"answer", "number", "t", "the answer that was judged, in its own unit",
-                     [decides](const Found& r) { return r.hit() && !decides ? r.t() : Cell(); }});
+    found.add_exact({"answer", "t", "the answer that was judged, in its own unit",
+                     [decides](const Found& r) { return table::when(r.hit() && !decides, r.t()); }});
     found.add(map::found_columns(metrics));
     Table<JudgedRay> table = given_columns(dump);
     const std::size_t kept = dump.layout().kept().size();
     for (std::size_t k = 0; k < kept; ++k) {
         std::string name = file::without_formula(dump.layout().kept()[k]);  // a column may have the name of a formula
         while (name.empty() || table.find(name) || found.find(name)) name = "file_" + name;
-        table.add({name, "string", "", "this column of the file, unchanged",
+        table.add({name, "this column of the file, unchanged",
                    [k, kept](const JudgedRay& r) { return r.chunk->kept[r.found.i * kept + k]; }});
     }
     return table.add(found, &JudgedRay::found);

@@ -13,6 +13,8 @@
 
 namespace lostbits::output::judge {
 
+using measure::judge::WorstRays;
+
 struct JudgeFilesOptions {
     std::filesystem::path folder;
     std::string id, title;
@@ -38,8 +40,8 @@ public:
     /// Writes the next piece of a row, which another run kept.
     void put(std::size_t row, pixel::Piece&& piece);
     /// Worst rays of each row. `append` adds those that another run found in the rays that follow.
-    [[nodiscard]] std::vector<measure::judge::WorstRays> worst() const;
-    void append(std::vector<measure::judge::WorstRays>&& after);
+    [[nodiscard]] std::vector<WorstRays> worst() const;
+    void append(std::vector<WorstRays>&& after);
     /// Returns true if there is a worst.toml, that is, rays that deserve a second look.
     bool finish(const measure::judge::JudgeResult& result);
 

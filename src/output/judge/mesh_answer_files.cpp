@@ -1,6 +1,5 @@
 #include "output/judge/mesh_answer_files.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -11,7 +10,6 @@
 namespace lostbits::output::judge {
 
 using measure::judge::JudgedAnswer, measure::judge::MeshAnswersResult, measure::judge::MeshOutcome;
-using scene::dump::AnswerKind;
 using table::Table;
 
 namespace {
@@ -22,22 +20,21 @@ const char* one_of(AnswerKind kind) { return kind == AnswerKind::inside ? "point
 
 Table<MeshFaultRow> fault_table(AnswerKind kind) {
     Table<MeshFaultRow> table{
-        {"outcome", "string", "", "fault",
-         [](const MeshFaultRow& r) { return std::string(measure::judge::name_of(r.outcome)); }},
-        {"count", "integer", "", std::string("number of ") + one_of(kind) + "s with it", &MeshFaultRow::count},
-        {"first_record", "integer", "", "index of the first record of the first of them in the file, from 0",
+        {"outcome", "fault", [](const MeshFaultRow& r) { return std::string(measure::judge::name_of(r.outcome)); }},
+        {"count", std::string("number of ") + one_of(kind) + "s with it", &MeshFaultRow::count},
+        {"first_record", "index of the first record of the first of them in the file, from 0",
          [](const MeshFaultRow& r) { return r.first->record; }}};
     if (kind != AnswerKind::inside)
         return table.add(table::ray_columns("the first of them"), [](const MeshFaultRow& r) { return &r.first->ray; });
     for (int k = 0; k < 3; ++k)
-        table.add({std::string{'p', "xyz"[k]} + "_hex", "string", "", "the first of them",
+        table.add({std::string{'p', "xyz"[k]} + "_hex", "the first of them",
                    [k](const MeshFaultRow& r) { return file::hex(r.first->ray.origin[k]); }});
     return table;
 }
 
 void add_of_lists(Table<MeshSummaryRow>& table) {
     const auto add = [&table](const char* name, const char* meaning, std::uint64_t MeshAnswersResult::*count) {
-        table.add({name, "integer", "", meaning, [count](const MeshSummaryRow& r) { return r.result->*count; }});
+        table.add({name, meaning, [count](const MeshSummaryRow& r) { return r.result->*count; }});
     };
     add("listed", "hits in the file", &MeshAnswersResult::listed);
     add("missing_hits", "crossings without a hit in the file", &MeshAnswersResult::missing);
@@ -47,12 +44,12 @@ void add_of_lists(Table<MeshSummaryRow>& table) {
     const auto add_numbers = [&table](const std::string& name, const char* unit, const std::string& meaning,
                                       measure::metric::Distribution MeshAnswersResult::*of) {
         for (const auto& statistic : measure::metric::statistics)
-            table.add({name + "_" + std::string(statistic.name), "number", unit,
-                       meaning + ": " + std::string(statistic.meaning), [of, &statistic](const MeshSummaryRow& r) {
+            table.add({name + "_" + std::string(statistic.name), unit, meaning + ": " + std::string(statistic.meaning),
+                       [of, &statistic](const MeshSummaryRow& r) {
                            return file::number_or_missing(statistic.of(r.result->*of));
                        }});
     };
-    table.add({"measured", "integer", "", "hits whose triangle the ray meets, and whose t is a number",
+    table.add({"measured", "hits whose triangle the ray meets, and whose t is a number",
                [](const MeshSummaryRow& r) { return r.result->ulps.count(); }});
     add_numbers("ulp_error", "ulp", "|t - t*|/ulp(t*) of these", &MeshAnswersResult::ulps);
     add_numbers("lost_bits", "bits", "bits lost by these", &MeshAnswersResult::lost_bits);
@@ -63,22 +60,22 @@ void add_of_lists(Table<MeshSummaryRow>& table) {
 Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind) {
     const std::string things = std::string(one_of(kind)) + "s";
     Table<MeshSummaryRow> table{
-        {"form", "string", "", "the answers of the file", &MeshSummaryRow::name},
-        {"format", "string", "", "format that they were computed in", &MeshSummaryRow::format},
-        {"answers", "string", "", "what the answers are about",
+        {"form", "the answers of the file", &MeshSummaryRow::name},
+        {"format", "format that they were computed in", &MeshSummaryRow::format},
+        {"answers", "what the answers are about",
          [](const MeshSummaryRow& r) {
              return std::string(scene::dump::answer_kind_names[static_cast<std::size_t>(r.result->kind)]);
          }},
-        {things, "integer", "", things + " in the file", [](const MeshSummaryRow& r) { return r.result->rays; }}};
+        {things, things + " in the file", [](const MeshSummaryRow& r) { return r.result->rays; }}};
     for (std::size_t o = 0; o < measure::judge::mesh_outcome_rows.size(); ++o) {
         const auto outcome = static_cast<MeshOutcome>(o);
         if (!measure::judge::can_be(outcome, kind)) continue;
         const auto& [name, meaning] = measure::judge::mesh_outcome_rows[o];
-        table.add({std::string(name), "integer", "", things + ": " + std::string(meaning),
+        table.add({std::string(name), things + ": " + std::string(meaning),
                    [outcome](const MeshSummaryRow& r) { return r.result->of(outcome); }});
     }
     if (kind != AnswerKind::inside)
-        table.add({"crossings", "integer", "", "true crossings of the surface by all rays",
+        table.add({"crossings", "true crossings of the surface by all rays",
                    [](const MeshSummaryRow& r) { return r.result->crossings; }});
     if (kind == AnswerKind::all_hits) add_of_lists(table);
     return table;
@@ -102,31 +99,29 @@ std::string words_of(const JudgedAnswer& answer, bool point) {
 Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
     const bool point = kind == AnswerKind::inside;
     using R = JudgedAnswer;
-    Table<R> table{{"record", "integer", "", "index of its first record in the file, from 0", &R::record}};
+    Table<R> table{{"record", "index of its first record in the file, from 0", &R::record}};
     constexpr std::array rays{"ox", "oy", "oz", "dx", "dy", "dz"}, points{"px", "py", "pz", "", "", ""};
     for (int k = 0; k < (point ? 3 : 6); ++k)
-        table.add({(point ? points : rays).at(static_cast<std::size_t>(k)), "number", "", "number of it, as judged",
+        table.add({(point ? points : rays).at(static_cast<std::size_t>(k)), "number of it, as judged",
                    [k](const R& r) { return k < 3 ? r.ray.origin[k] : r.ray.direction[k - 3]; }});
-    table.add({"outcome", "string", "", "the last of its faults in the order of summary.csv",
+    table.add({"outcome", "the last of its faults in the order of summary.csv",
                [](const R& r) { return std::string(measure::judge::name_of(r.judgement.outcome)); }});
     table.add({kind == AnswerKind::all_hits
                    ? "listed"
                    : std::string(scene::dump::answer_kind_names.at(static_cast<std::size_t>(kind))),
-               "integer", "", kind == AnswerKind::all_hits ? "hits in the file" : "answer of the file", &R::count});
-    if (point)
-        return table.add({"winding", "integer", "", "layers of the surface that enclose the point", &R::winding});
+               kind == AnswerKind::all_hits ? "hits in the file" : "answer of the file", &R::count});
+    if (point) return table.add({"winding", "layers of the surface that enclose the point", &R::winding});
     const auto count = [](std::size_t measure::judge::ListJudgement::*of) {
         return [of](const R& r) { return r.judgement.*of; };
     };
     using J = measure::judge::ListJudgement;
-    table.add({"true_crossings", "integer", "", "crossings of the surface", count(&J::crossings)});
+    table.add({"true_crossings", "crossings of the surface", count(&J::crossings)});
     if (kind != AnswerKind::all_hits) return table;
-    table.add({"missing_hits", "integer", "", "crossings without a hit in the file", count(&J::missing)});
-    table.add({"false_hits", "integer", "", "hits that belong to no crossing", count(&J::wrong)});
-    table.add({"double_hits", "integer", "", "hits of a crossing that has an earlier hit", count(&J::doubled)});
-    table.add(
-        {"neighbour_hits", "integer", "", "hits of a triangle beside the triangle that is met", count(&J::neighbours)});
-    return table.add({"ulp_error", "number", "ulp", "largest |t - t*|/ulp(t*) of its hits", [](const R& r) {
+    table.add({"missing_hits", "crossings without a hit in the file", count(&J::missing)});
+    table.add({"false_hits", "hits that belong to no crossing", count(&J::wrong)});
+    table.add({"double_hits", "hits of a crossing that has an earlier hit", count(&J::doubled)});
+    table.add({"neighbour_hits", "hits of a triangle beside the triangle that is met", count(&J::neighbours)});
+    return table.add({"ulp_error", "ulp", "largest |t - t*|/ulp(t*) of its hits", [](const R& r) {
                           double most = measure::truth::missing;
                           for (const double ulps : r.ulps) most = std::fmax(most, std::fabs(ulps));
                           return file::number_or_missing(most);

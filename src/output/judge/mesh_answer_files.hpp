@@ -12,45 +12,49 @@
 
 namespace lostbits::output::judge {
 
+using measure::judge::JudgedAnswer;
+using measure::judge::MeshAnswersResult;
+using scene::dump::AnswerKind;
+
 struct MeshAnswerFilesOptions {
     std::filesystem::path folder;
     std::string name, format, title;  ///< of the file of answers, and the format that they were computed in
-    scene::dump::AnswerKind kind;
+    AnswerKind kind;
     bool rows = false;  ///< one row per ray or point in `<name>.<format>.csv`
 };
 
 /// The columns of summary.csv, for answers of a kind; C and Python have the same table.
 struct MeshSummaryRow {
     std::string name, format;
-    const measure::judge::MeshAnswersResult* result;
+    const MeshAnswersResult* result;
 };
-table::Table<MeshSummaryRow> mesh_summary_table(scene::dump::AnswerKind kind);
+table::Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind);
 
 /// A fault and the first ray or point that has it.
 struct MeshFaultRow {
     measure::judge::MeshOutcome outcome;
     std::uint64_t count;
-    const measure::judge::JudgedAnswer* first;
+    const JudgedAnswer* first;
 };
-std::vector<MeshFaultRow> mesh_fault_rows(const measure::judge::MeshAnswersResult& result);
+std::vector<MeshFaultRow> mesh_fault_rows(const MeshAnswersResult& result);
 /// `--ray=…`, with the ends of its range, or the coordinates of a point.
-std::string words_of(const measure::judge::JudgedAnswer& answer, bool point);
+std::string words_of(const JudgedAnswer& answer, bool point);
 
 /// Columns of a ray or a point.
-table::Table<measure::judge::JudgedAnswer> mesh_answer_table(scene::dump::AnswerKind kind);
+table::Table<JudgedAnswer> mesh_answer_table(AnswerKind kind);
 
 /// Opens every file before any work, and gives all their final names in `finish`.
 class MeshAnswerFiles {
 public:
     explicit MeshAnswerFiles(MeshAnswerFilesOptions options);
-    void add(std::span<const measure::judge::JudgedAnswer> answers);
-    void finish(const measure::judge::MeshAnswersResult& result);
+    void add(std::span<const JudgedAnswer> answers);
+    void finish(const MeshAnswersResult& result);
 
 private:
     MeshAnswerFilesOptions options_;
     table::TableFile<MeshSummaryRow> summary_;
     table::TableFile<MeshFaultRow> faults_;
-    std::optional<table::TableFile<measure::judge::JudgedAnswer>> rows_;
+    std::optional<table::TableFile<JudgedAnswer>> rows_;
 };
 
 }  // namespace lostbits::output::judge

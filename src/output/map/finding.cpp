@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "output/file/number_text.hpp"
@@ -13,9 +12,6 @@
 namespace lostbits::output::map {
 
 using measure::answer::Outcome;
-using measure::evaluate::FormSummary;
-using measure::evaluate::MapStudy;
-
 namespace {
 
 struct FoundForm {
@@ -77,9 +73,11 @@ std::string wrong_decision_text(const FormSummary& s) {
 
 std::string finding_in_words(const MapStudy& request, const std::vector<FormSummary>& summaries) {
     const auto forms = forms_of(request, summaries);
-    if (forms.empty()) return "";
-    const auto [first, last] = std::ranges::minmax_element(forms, {}, rank_of);
-    const FoundForm &best = *first, &worst = *last;
+    if (forms.empty())
+        return "";  // Of forms that are equally good the first is named, as on the sheet, where the others share its
+                    // column.
+    const FoundForm &best = *std::ranges::min_element(forms, {}, rank_of),
+                    &worst = *std::ranges::max_element(forms, {}, rank_of);
     const auto& format = request.rows.front().format;
     if (best.kept < 0) return "";
     const std::string kept = fmt::format("{} of {} bits in {}", bits_text(best.kept), format.parameters.precision,

@@ -11,7 +11,6 @@ namespace lostbits::output::map {
 using image::ColourScale;
 using image::LegendEntry;
 using image::Rgb8;
-using measure::answer::Outcome;
 
 Rgb8 paler(Rgb8 c) {
     const auto mixed = [](std::uint8_t x, std::uint8_t page) { return static_cast<std::uint8_t>((x + page) / 2); };
@@ -25,8 +24,7 @@ std::string plain_name(Outcome o) {
     return name;
 }
 
-ColourScale metric_scale(const measure::metric::Metric& metric, const FloatFormat& format,
-                         const std::optional<BarRange>& range) {
+ColourScale metric_scale(const Metric& metric, const FloatFormat& format, const std::optional<BarRange>& range) {
     using measure::metric::Ramp;
     const bool magnitude = metric.ramp == Ramp::magnitude;
     const double p = format.precision;
@@ -41,17 +39,15 @@ ColourScale metric_scale(const measure::metric::Metric& metric, const FloatForma
 
 namespace {
 
-int common_precision(std::span<const measure::evaluate::TestedForm> rows) {
+int common_precision(std::span<const TestedForm> rows) {
     const int first = rows.empty() ? 0 : rows.front().format.parameters.precision;
-    const auto same = [first](const measure::evaluate::TestedForm& row) {
-        return row.format.parameters.precision == first;
-    };
+    const auto same = [first](const TestedForm& row) { return row.format.parameters.precision == first; };
     return std::ranges::all_of(rows, same) ? first : 0;
 }
 
 }  // namespace
 
-LostBitsScale::LostBitsScale(std::span<const measure::evaluate::TestedForm> rows)
+LostBitsScale::LostBitsScale(std::span<const TestedForm> rows)
     : precision_(common_precision(rows)),
       bar_("viridis", image::image_backend().ramp("viridis", 256), 0, precision_ ? precision_ : 100,
            image::Spacing::root),
@@ -68,7 +64,7 @@ Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value) {
     return std::isnan(value) ? image::outcome_colours[0] : scale.map(std::fabs(value));
 }
 
-std::vector<LegendEntry> outcome_legend(const measure::evaluate::FormSummary& summary) {
+std::vector<LegendEntry> outcome_legend(const FormSummary& summary) {
     std::vector<LegendEntry> entries;
     for (std::size_t o = 1; o < summary.outcomes.size(); ++o) {
         if (summary.outcomes[o] == 0) continue;

@@ -14,6 +14,11 @@
 
 namespace lostbits::output::map {
 
+using measure::answer::Outcome;
+using measure::evaluate::FormSummary;
+using measure::evaluate::TestedForm;
+using measure::metric::Metric;
+
 /// Requested ends of a colour bar: `lo < hi`, and `lo > 0` for a metric drawn by its magnitude.
 struct BarRange {
     double lo, hi;
@@ -24,7 +29,7 @@ struct BarRange {
 /// share of the significand in every format, scene and sheet. They are spaced by their square roots, so that the first
 /// bits show: a quarter of the significand is half of the ramp. Magnitudes fit the format as well (`Metric::high`). A
 /// `range` is spaced evenly, or by logarithms for a metric with a logarithmic scale.
-image::ColourScale metric_scale(const measure::metric::Metric& metric, const FloatFormat& format,
+image::ColourScale metric_scale(const Metric& metric, const FloatFormat& format,
                                 const std::optional<BarRange>& range = {});
 
 /// Colours of lost bits in one picture with rows in any formats. They are shares of the significand, so equal shares
@@ -32,7 +37,7 @@ image::ColourScale metric_scale(const measure::metric::Metric& metric, const Flo
 /// precision, otherwise percent.
 class LostBitsScale {
 public:
-    explicit LostBitsScale(std::span<const measure::evaluate::TestedForm> rows);
+    explicit LostBitsScale(std::span<const TestedForm> rows);
 
     [[nodiscard]] image::Rgb8 colour(double bits, const FloatFormat& format) const;
     [[nodiscard]] const image::ColourScale& bar() const { return bar_; }
@@ -45,7 +50,7 @@ private:
 };
 
 /// Colour of one pixel. `value` is the metric with its sign; magnitudes are drawn.
-image::Rgb8 pixel_colour(const image::ColourScale& scale, measure::answer::Outcome outcome, double value);
+image::Rgb8 pixel_colour(const image::ColourScale& scale, Outcome outcome, double value);
 
 /// True if the problem explains a loss: bits are lost, and less than one of them lies beyond the envelope.
 inline bool inside_envelope(double lost, double excess) { return lost >= 1 && excess < 1; }
@@ -54,25 +59,24 @@ image::Rgb8 paler(image::Rgb8 colour);
 inline constexpr const char* paler_means = "paler colour: half an ulp in each input would cost as much";
 
 /// `false miss`, `wrong primitive`: an outcome in words.
-std::string plain_name(measure::answer::Outcome o);
+std::string plain_name(Outcome o);
 
 /// Legend of the outcomes of a finished row; outcomes without a pixel are left out.
-std::vector<image::LegendEntry> outcome_legend(const measure::evaluate::FormSummary& summary);
+std::vector<image::LegendEntry> outcome_legend(const FormSummary& summary);
 
 class MetricPaint {
 public:
-    MetricPaint(const measure::metric::Metric& metric, const FloatFormat& format,
-                const std::optional<BarRange>& range = {});
+    MetricPaint(const Metric& metric, const FloatFormat& format, const std::optional<BarRange>& range = {});
 
-    [[nodiscard]] const measure::metric::Metric& metric() const { return *metric_; }
+    [[nodiscard]] const Metric& metric() const { return *metric_; }
     /// None for categories.
     [[nodiscard]] const std::optional<image::ColourScale>& scale() const { return look_.scale; }
     /// True if a row has such a picture.
-    [[nodiscard]] bool applies_to(const measure::evaluate::TestedForm& row) const;
+    [[nodiscard]] bool applies_to(const TestedForm& row) const;
     /// True if both metrics are drawn alike, so that they may share a bar.
-    [[nodiscard]] bool shares_with(const measure::metric::Metric& other) const;
+    [[nodiscard]] bool shares_with(const Metric& other) const;
 
-    [[nodiscard]] image::Rgb8 colour(measure::answer::Outcome outcome, double value) const {
+    [[nodiscard]] image::Rgb8 colour(Outcome outcome, double value) const {
         return look_.colour(pixel(outcome, value));
     }
     /// Categories of the picture: first those with a value (several, or one on the ramp), then the outcomes, with
@@ -80,9 +84,9 @@ public:
     /// too.
     [[nodiscard]] pixel::Look look(bool of_mesh) const;
     /// Value of one pixel of the picture.
-    [[nodiscard]] pixel::PixelValue pixel(measure::answer::Outcome outcome, double value) const;
+    [[nodiscard]] pixel::PixelValue pixel(Outcome outcome, double value) const;
     /// Index of an outcome among the categories.
-    [[nodiscard]] std::size_t index_of(measure::answer::Outcome o) const {
+    [[nodiscard]] std::size_t index_of(Outcome o) const {
         const auto k = static_cast<std::size_t>(o);
         return values_ + (k == 0 ? image::outcome_colours.size() : k) - 1;
     }
@@ -93,11 +97,11 @@ public:
     [[nodiscard]] std::string quantile_note() const;
     /// Summary of a row in at most four short lines: wrong decisions as shares of all pixels, then the errors of the
     /// agreed hits, then the number of those hits.
-    [[nodiscard]] std::string glance(const measure::evaluate::FormSummary& summary, std::size_t m) const;
+    [[nodiscard]] std::string glance(const FormSummary& summary, std::size_t m) const;
     /// True if the worst ray of a row is the one with the largest value of what is drawn.
     [[nodiscard]] bool names_worst() const { return is_of_hits() && look_.scale; }
     /// The same as a sentence, for below a picture.
-    [[nodiscard]] std::string caption(const measure::evaluate::FormSummary& summary, std::size_t m) const;
+    [[nodiscard]] std::string caption(const FormSummary& summary, std::size_t m) const;
     /// The longest caption that a picture of so many pixels can get.
     [[nodiscard]] std::string widest_caption(std::uint64_t pixels) const;
 
@@ -110,7 +114,7 @@ private:
     [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const pixel::CategoryCounts& all) const;
     [[nodiscard]] std::vector<image::LegendEntry> widest_culprit_legend(std::uint64_t pixels) const;
 
-    const measure::metric::Metric* metric_;
+    const Metric* metric_;
     int precision_;
     bool ranged_;
     pixel::Look look_;

@@ -11,9 +11,6 @@ namespace lostbits::output::map {
 
 using image::Channel;
 using image::ExrPart;
-using measure::evaluate::BandResult;
-using measure::evaluate::TestedForm;
-using measure::metric::Metric;
 using measure::truth::missing;
 
 /// Data that rows with the same truth share. The first of these rows fills it.
@@ -145,7 +142,7 @@ ExrPart row_part(const MapExrRequest& request, const TestedForm& row, const std:
     return part;
 }
 
-ExrPart needed_part(const MapExrRequest& request, const intersect::Info& form) {
+ExrPart needed_part(const MapExrRequest& request, const Info& form) {
     ExrPart part =
         part_of(request, std::string(form.name) + ".needed", "lostbits-needed/2", needed_layers().channels());
     part.run = 1;  // after the map
@@ -203,9 +200,8 @@ std::vector<ExrRows> MapExr::rows_of(const TestedForm& row, const BandResult& re
     return pieces;
 }
 
-std::vector<ExrRows> MapExr::rows_of(const measure::evaluate::NeededBand& result,
-                                     std::span<const image::Rgb8> preview) const {
-    const std::size_t place = place_in(needed_, [&result](const intersect::Info* form) { return form == result.form; });
+std::vector<ExrRows> MapExr::rows_of(const NeededBand& result, std::span<const image::Rgb8> preview) const {
+    const std::size_t place = place_in(needed_, [&result](const Info* form) { return form == result.form; });
     return {rows_in(rows_.size() + truths_.size() + place, needed_layers(), NeededStrip{&result, preview})};
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,12 +16,18 @@
 
 namespace lostbits::output::map {
 
+using measure::evaluate::BandResult;
+using measure::evaluate::MapStudy;
+using measure::evaluate::NeededBand;
+using measure::evaluate::TestedForm;
+using measure::metric::Metric;
+
 using pixel::ExrRows;
 
 /// Values to write, and the command that measured them.
 struct MapExrRequest {
-    const measure::evaluate::MapStudy& map;
-    std::vector<const measure::metric::Metric*> layers;      ///< a selection of the map's metrics
+    constMapStudy& map;
+    std::vector<const Metric*> layers;                       ///< a selection of the map's metrics
     std::string command;                                     ///< the command that makes the file again
     const measure::evaluate::NeededStudy* needed = nullptr;  ///< null: bits needed are not asked for
 };
@@ -33,23 +38,22 @@ struct Previewed {
     const Result* result;
     std::span<const image::Rgb8> preview;
 };
-using MapStrip = Previewed<measure::evaluate::BandResult>;
-using NeededStrip = Previewed<measure::evaluate::NeededBand>;
+using MapStrip = Previewed<BandResult>;
+using NeededStrip = Previewed<NeededBand>;
 
 /// Parts, in this order, with channels of 32 bits:
-///  - `<form>.<format>`, one per row: `R`, `G`, `B` (the heatmap in linear light); the answer t (below);
-///    `class.outcome`; `class.object` (UINT; 0 is none, otherwise 1 + the index of the primitive, counted from 0); one
-///    FLOAT channel per metric, NaN where it is undefined. The attribute `lostbits:truth` names the part with the row's
-///    truth.
-///  - `truth…`, one for each convention of the rows: t* correctly rounded to binary64, `class.truth` (UINT: 0 miss, 1
-///    hit, 2 unresolved), `class.truth_object`. In `truth.distance` t* is a distance, for unit-direction forms.
-///  - `<form>.needed`: `R`, `G`, `B`, `bits.needed` (FLOAT: 2 to 53, infinity if not even 53 suffice, NaN if the truth
-///    is unresolved), `class.truth`, `class.truth_object`.
+/// - `<form>.<format>`, one per row: `R`, `G`, `B` (the heatmap in linear light); the answer t (below);
+/// `class.outcome`; `class.object` (UINT; 0 is none, otherwise 1 + the index of the primitive, counted from 0); one
+/// FLOAT channel per metric, NaN where it is undefined. The attribute `lostbits:truth` names the part with the row's
+/// truth.
+/// - `truth…`, one for each convention of the rows: t* correctly rounded to binary64, `class.truth` (UINT: 0 miss, 1
+/// hit, 2 unresolved), `class.truth_object`. In `truth.distance` t* is a distance, for unit-direction forms.
+/// - `<form>.needed`: `R`, `G`, `B`, `bits.needed` (FLOAT: 2 to 53, infinity if not even 53 suffice, NaN if the truth
+/// is unresolved), `class.truth`, `class.truth_object`.
 /// A number x is `x.hi` (FLOAT). If its format is not within binary32, there are also `x.lo` (hi + lo is good to 48
 /// bits, for viewers), and `x.word1` and `x.word0` (UINT, the high and low halves of the binary64, exact).
 class MapExr {
-public:
-    /// Without a path no file is written; only `rows_of` may be called.
+public:  /// Without a path no file is written; only `rows_of` may be called.
     MapExr(const std::filesystem::path& path, const MapExrRequest& request);
     ~MapExr();
     MapExr(const MapExr&) = delete;
@@ -57,18 +61,16 @@ public:
 
     /// Rows of the file for a band of a row of the map, with its truth unless another row has it; or for a band of the
     /// bits needed by a form.
-    [[nodiscard]] std::vector<ExrRows> rows_of(const measure::evaluate::TestedForm& row,
-                                               const measure::evaluate::BandResult& result,
+    [[nodiscard]] std::vector<ExrRows> rows_of(const TestedForm& row, const BandResult& result,
                                                std::span<const image::Rgb8> preview) const;
-    [[nodiscard]] std::vector<ExrRows> rows_of(const measure::evaluate::NeededBand& result,
-                                               std::span<const image::Rgb8> preview) const;
-    /// Writes the next rows of their parts. Different parts may be written concurrently.
+    [[nodiscard]] std::vector<ExrRows> rows_of(const NeededBand& result, std::span<const image::Rgb8> preview)
+        const;  /// Writes the next rows of their parts. Different parts may be written concurrently.
     void write(const std::vector<ExrRows>& pieces);
     void close();
 
 private:
     struct Row {
-        const measure::evaluate::TestedForm* row;
+        const TestedForm* row;
         pixel::ExrLayers<MapStrip> layers;
     };
     struct Truths;

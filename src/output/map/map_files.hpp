@@ -17,7 +17,7 @@ namespace lostbits::output::map {
 
 struct MapFilesOptions {
     std::filesystem::path folder;  ///< folder of the scene; created if missing
-    std::vector<const measure::metric::Metric*>
+    std::vector<const Metric*>
         drawn;  ///< metrics on sheets; those that are drawn alike share one. The first is also that of the preview
     bool singles = false;     ///< also a picture of each metric of each row
     bool pixels_csv = false;  ///< a row per pixel in `<form>.<format>.csv`
@@ -42,17 +42,15 @@ struct MapFilesOptions {
 /// names in `finish`. If it is destroyed without `finish`, nothing has a final name.
 class MapFiles {
 public:
-    MapFiles(const measure::evaluate::MapStudy& request, const MapFilesOptions& options);
+    MapFiles(constMapStudy& request, const MapFilesOptions& options);
     ~MapFiles();
     MapFiles(const MapFiles&) = delete;
     MapFiles& operator=(const MapFiles&) = delete;
 
     /// Returns the function that takes the bands of the request's rows.
-    [[nodiscard]] measure::evaluate::ShowRows show();
-    /// Writes the next piece of a row, which another run kept.
+    [[nodiscard]] measure::evaluate::ShowRows show();  /// Writes the next piece of a row, which another run kept.
     void put(std::size_t row, pixel::Piece&& piece);
-    void finish(const std::vector<measure::evaluate::FormSummary>& summaries,
-                const measure::evaluate::Groups& groups = {});
+    void finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups = {});
 
 private:
     struct Parts;

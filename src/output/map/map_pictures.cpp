@@ -16,14 +16,6 @@
 #include "output/map/row_names.hpp"
 
 namespace lostbits::output::map {
-
-using measure::answer::Outcome;
-using measure::evaluate::BandResult;
-using measure::evaluate::FormSummary;
-using measure::evaluate::MapStudy;
-using measure::evaluate::TestedForm;
-using measure::metric::Metric;
-
 namespace {
 
 constexpr std::uint64_t most_kept_pixels = std::uint64_t{512} * 512;  // limit of each cell of a sheet that zooms
@@ -153,8 +145,7 @@ MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
     if (!is_enveloped(m)) return {std::move(spec), drawing.row, pixel::drawn_by<BandResult>(pixel_of)};
     const auto paler_of = [pixel_of, look = spec.look, lost = lost_, excess = excess_](const BandResult& band,
                                                                                        std::size_t i) {
-        const pixel::PixelValue pixel = pixel_of(band, i);
-        // NaN, an undefined metric, is never inside.
+        const pixel::PixelValue pixel = pixel_of(band, i);  // NaN, an undefined metric, is never inside.
         if (!inside_envelope(band.metrics[lost][i], band.metrics[excess][i])) return pixel;
         return pixel::PixelValue{.category = look->categories.size() - 1, .colour = paler(look->colour(pixel))};
     };
@@ -194,8 +185,7 @@ pixel::SheetEnd MapPictures::end_of(std::size_t sheet, const std::vector<FormSum
         const FormSummary& summary = summaries[d.row];
         cells.push_back({d.place.across, &summary});
         nothing_hit &= summary.count(Outcome::agree_miss) == summary.rays;
-    }
-    // The sheet of a claim stands below the claim's sentence.
+    }  // The sheet of a claim stands below the claim's sentence.
     const bool has_headline = options_.sheet_alone.empty() && sheets_[sheet].paint.metric().name == "lost_bits";
     return {best_first(sheets_[sheet].forms.size(), cells, lost_), nothing_hit ? ": no ray hits anything" : "",
             has_headline ? finding_in_words(request_, summaries) : ""};
@@ -215,11 +205,11 @@ void MapPictures::finish(const std::vector<FormSummary>& summaries) {
     files_.writer().finish(ends);
 }
 
-std::string input_note(const scene::file::Scene& scene, std::span<const measure::evaluate::TestedForm> rows) {
+std::string input_note(const scene::file::Scene& scene, std::span<const TestedForm> rows) {
     if (scene.inputs == scene::file::Inputs::own)
         return "each format rounds the ideal scene itself, and errors include that rounding (metric input_error)";
     std::vector<std::string> narrow;
-    for (const measure::evaluate::TestedForm& row : rows) {
+    for (const TestedForm& row : rows) {
         if (!holds_shared_inputs(row.format.parameters)) static_cast<void>(find_or_add(narrow, row.format.name));
     }
     if (narrow.empty()) return "";
@@ -253,7 +243,7 @@ std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {
     return lines;
 }
 
-std::string cell_note(const MetricPaint& paint, const measure::evaluate::FormSummary& summary, std::size_t m) {
+std::string cell_note(const MetricPaint& paint, const FormSummary& summary, std::size_t m) {
     const measure::evaluate::WorstRay* const worst = paint.names_worst() ? summary.worst_ray() : nullptr;
     return paint.glance(summary, m) + (worst ? fmt::format("\nworst pixel {},{}", worst->x, worst->y) : "");
 }

@@ -15,6 +15,9 @@
 
 namespace lostbits::output::map {
 
+using measure::evaluate::BandResult;
+using measure::evaluate::MapStudy;
+
 /// True if the format holds every number of binary32, the format of shared inputs.
 [[nodiscard]] constexpr bool holds_shared_inputs(const FloatFormat& f) {
     return f.precision >= binary32.precision && f.emax >= binary32.emax && f.emin <= binary32.emin;
@@ -22,14 +25,13 @@ namespace lostbits::output::map {
 
 /// Note that names the formats whose errors include the rounding of the inputs. Empty if the inputs are shared and
 /// every format holds them.
-[[nodiscard]] std::string input_note(const scene::file::Scene& scene,
-                                     std::span<const measure::evaluate::TestedForm> rows);
+[[nodiscard]] std::string input_note(const scene::file::Scene& scene, std::span<const TestedForm> rows);
 
 /// Properties of a contact sheet that the lines below its title tell.
 struct SheetSubject {
     const scene::file::Scene& scene;
-    std::string named;                                    ///< see `MapFilesOptions`; empty for rays of a file
-    std::span<const measure::evaluate::TestedForm> rows;  ///< without rows nothing is said about inputs
+    std::string named;                 ///< see `MapFilesOptions`; empty for rays of a file
+    std::span<const TestedForm> rows;  ///< without rows nothing is said about inputs
     const MetricPaint& paint;
     bool several = false;           ///< it has several colour bars
     bool zooms = false;             ///< its cells enlarge the worst pixel
@@ -38,17 +40,15 @@ struct SheetSubject {
 [[nodiscard]] std::vector<std::string> sheet_subtitle(const SheetSubject& sheet);
 
 /// Four lines of a glance, and one that names the worst pixel.
-inline constexpr std::size_t cell_note_lines = 5;
-/// Text below a cell of a sheet: a glance, and `worst pixel 100,90` if a ray is worse than another.
-[[nodiscard]] std::string cell_note(const MetricPaint& paint, const measure::evaluate::FormSummary& summary,
-                                    std::size_t m);
+inline constexpr std::size_t cell_note_lines =
+    5;  /// Text below a cell of a sheet: a glance, and `worst pixel 100,90` if a ray is worse than another.
+[[nodiscard]] std::string cell_note(const MetricPaint& paint, const FormSummary& summary, std::size_t m);
 
 /// Result of a form in the first format of a sheet.
 struct SheetCell {
     std::size_t form;
-    const measure::evaluate::FormSummary* summary;
-};
-/// Order of `forms` forms: fewest wrong decisions first, then the least p99 of lost bits (metric `lost` of the
+    const FormSummary* summary;
+};  /// Order of `forms` forms: fewest wrong decisions first, then the least p99 of lost bits (metric `lost` of the
 /// request), then the given order. Of several cells of a form the first counts.
 [[nodiscard]] std::vector<std::size_t> best_first(std::size_t forms, std::span<const SheetCell> cells,
                                                   std::size_t lost);
@@ -58,29 +58,27 @@ struct MapFilesOptions;
 /// A contact sheet: forms across; down, each format with each of the metrics that share a bar.
 struct MapSheet {
     MetricPaint paint;  ///< for all its metrics, in the first format
-    std::vector<const measure::metric::Metric*> metrics;
+    std::vector<const Metric*> metrics;
     std::vector<std::string> forms = {}, lines = {};
 
-    [[nodiscard]] std::string line_name(const measure::evaluate::TestedForm& row,
-                                        const measure::metric::Metric& metric) const {
+    [[nodiscard]] std::string line_name(const TestedForm& row, const Metric& metric) const {
         return metrics.size() == 1 ? row.format.name : row.format.name + " " + std::string(metric.name);
     }
 };
 
 /// Draws the pictures. Metrics that are drawn alike share a sheet. A shard opens no file.
 class MapPictures {
-public:
-    /// Both arguments must outlive the object.
-    MapPictures(const measure::evaluate::MapStudy& request, const MapFilesOptions& options);
+public:  /// Both arguments must outlive the object.
+    MapPictures(constMapStudy& request, const MapFilesOptions& options);
 
     /// Files of the columns. The first picture of a row is also its preview.
-    [[nodiscard]] pixel::ColumnFiles<measure::evaluate::BandResult>& files() { return files_; }
-    /// Draws the pages and gives the files their final names.
-    void finish(const std::vector<measure::evaluate::FormSummary>& summaries);
+    [[nodiscard]] pixel::ColumnFiles<BandResult>& files() {
+        return files_;
+    }  /// Draws the pages and gives the files their final names.
+    void finish(const std::vector<FormSummary>& summaries);
 
 private:
-    using Column = pixel::PixelColumn<measure::evaluate::BandResult>;
-    /// The subject of a column.
+    using Column = pixel::PixelColumn<BandResult>;  /// The subject of a column.
     struct Drawing {
         std::size_t row, metric;  ///< indices in the request
         std::shared_ptr<const MetricPaint> paint;
@@ -90,20 +88,19 @@ private:
     [[nodiscard]] std::vector<Column> add_columns();
     [[nodiscard]] Column column_of(const Drawing& drawing) const;
     [[nodiscard]] pixel::Look look_of(const Drawing& drawing) const;
-    [[nodiscard]] bool is_enveloped(const measure::metric::Metric& drawn) const;
+    [[nodiscard]] bool is_enveloped(const Metric& drawn) const;
     [[nodiscard]] pixel::Sheet page_of(MapSheet& sheet) const;
     [[nodiscard]] bool zooms(const MetricPaint& paint) const;
     [[nodiscard]] std::string worst_pixel_text(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const;
-    [[nodiscard]] pixel::SheetEnd end_of(std::size_t sheet,
-                                         const std::vector<measure::evaluate::FormSummary>& summaries) const;
+    [[nodiscard]] pixel::SheetEnd end_of(std::size_t sheet, const std::vector<FormSummary>& summaries) const;
 
-    const measure::evaluate::MapStudy& request_;
+    constMapStudy& request_;
     const MapFilesOptions& options_;
     std::size_t lost_,
         excess_;  ///< indices of metrics in the request; `excess_` is the number of metrics without an envelope
     std::vector<MapSheet> sheets_;
     std::vector<Drawing> drawings_;  ///< one per column
-    pixel::ColumnFiles<measure::evaluate::BandResult> files_;
+    pixel::ColumnFiles<BandResult> files_;
 };
 
 }  // namespace lostbits::output::map

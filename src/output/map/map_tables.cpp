@@ -12,7 +12,6 @@ namespace lostbits::output::map {
 
 using file::Cell;
 using measure::evaluate::SummaryColumn;
-using measure::metric::Metric;
 using table::Table;
 using table::when;
 
@@ -28,7 +27,7 @@ std::string type_of(const SummaryColumn& column) {
     return "string";
 }
 
-Cell cell_of(const SummaryColumn& column, const measure::evaluate::FormSummary& summary) {
+Cell cell_of(const SummaryColumn& column, const FormSummary& summary) {
     const double x = column.value(summary);
     if (std::isnan(x)) return {};
     switch (column.kind) {
@@ -42,7 +41,8 @@ Cell cell_of(const SummaryColumn& column, const measure::evaluate::FormSummary& 
 
 void add_columns(Table<SummaryRow>& table, const std::vector<SummaryColumn>& columns) {
     for (const SummaryColumn& c : columns)
-        table.add({c.name, type_of(c), c.unit, c.meaning, [c](const SummaryRow& r) { return cell_of(c, *r.summary); }});
+        table.add(
+            {{c.name, type_of(c), c.unit, c.meaning}, [c](const SummaryRow& r) { return cell_of(c, *r.summary); }});
 }
 
 std::string command(const SummaryRow& r, const measure::evaluate::WorstRay* ray) {
@@ -61,21 +61,19 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
     table.add(table::subject_columns(), &R::row);
     add_columns(table, of_rays);
     add_columns(table, measure::evaluate::worst_columns(shapes));
-    table.add({"worst_explain", "string", "", "the command that explains the worst ray and prints these numbers again",
+    table.add({"worst_explain", "the command that explains the worst ray and prints these numbers again",
                [](const R& r) { return command(r, &r.summary->worst); }});
     add_columns(table, measure::evaluate::wrong_decision_columns());
-    table.add({"fault_explain", "string", "", "the command that explains that ray",
+    table.add({"fault_explain", "the command that explains that ray",
                [](const R& r) { return command(r, r.summary->fault()); }});
     if (by.empty()) return table;
     by = file::without_formula(by);  // a column may have the name of a formula, or of a column of ours
     while (table.find(by) != nullptr) by = "file_" + by;
-    return Table<R>{
-        {by, "string", "", "value that the rays of this row have in that column; missing: all rays", &R::group}}
-        .add(std::move(table));
+    return Table<R>{{by, "value that the rays of this row have in that column; missing: all rays", &R::group}}.add(
+        std::move(table));
 }
 
-std::vector<SummaryRow> summary_rows(std::size_t r, const measure::evaluate::TestedForm& row,
-                                     const measure::evaluate::FormSummary& summary,
+std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& row, const FormSummary& summary,
                                      const measure::evaluate::Groups& groups, const NameOfRay& name_of_ray) {
     std::vector<SummaryRow> rows{{row, &summary, name_of_ray}};
     for (const measure::evaluate::Group& group : groups.all())
@@ -96,12 +94,12 @@ table::Table<Culprit> culprit_table() {
     using R = Culprit;
     table::Table<R> table;
     table.add(table::subject_columns(), &R::row);
-    table.add({{"operation", "string", "",
-                "expression of the operation; one axis stands for all three, and one iteration of a loop for all",
-                &R::operation},
-               {"culprit_rays", "integer", "",
-                "rays whose culprit is this operation: correct hits, false hits and false misses", &R::rays},
-               {"culprit_fraction", "number", "1", "their share of the rays that have a culprit", &R::fraction}});
+    table.add(
+        {{"operation",
+          "expression of the operation; one axis stands for all three, and one iteration of a loop for all",
+          &R::operation},
+         {"culprit_rays", "rays whose culprit is this operation: correct hits, false hits and false misses", &R::rays},
+         {"culprit_fraction", "1", "their share of the rays that have a culprit", &R::fraction}});
     return table;
 }
 
@@ -109,8 +107,8 @@ bool asks_for_culprits(const std::vector<const Metric*>& metrics) {
     return std::ranges::any_of(metrics, &Metric::by_run);
 }
 
-std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const measure::evaluate::TestedForm& row,
-                                 const measure::evaluate::FormSummary& summary) {
+std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& row,
+                                 const FormSummary& summary) {
     const auto metric = std::ranges::find_if(metrics, &Metric::by_run);
     const auto& counts = summary.categories[static_cast<std::size_t>(metric - metrics.begin())];
     std::vector<Culprit> culprits;
@@ -121,22 +119,23 @@ std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, cons
 }
 
 table::TableColumn<BandRay> outcome_column() {
-    return {"outcome", "string", "", "outcome of the ray", [](const BandRay& r) {
+    return {"outcome", "outcome of the ray", [](const BandRay& r) {
                 return measure::answer::outcome_names[static_cast<std::size_t>(r.result->outcomes[r.i])];
             }};
 }
 
 Table<BandRay> found_columns(const std::vector<const Metric*>& metrics) {
     Table<BandRay> table;
-    table.add_exact(
-        {"truth", "number", "t", "t*, correctly rounded to binary64, in the same unit", [](const BandRay& r) -> Cell {
-             if (!r.result->truth(r.i).is_hit()) return {};
-             return r.result->band->rounded_truth(r.i, binary64, r.row->form->info->direction, r.result->convention);
-         }});
+    table.add_exact({"truth", "t", "t*, correctly rounded to binary64, in the same unit",
+                     [](const BandRay& r) -> std::optional<double> {
+                         if (!r.result->truth(r.i).is_hit()) return {};
+                         return r.result->band->rounded_truth(r.i, binary64, r.row->form->info->direction,
+                                                              r.result->convention);
+                     }});
     for (std::size_t m = 0; m < metrics.size(); ++m) {
         const auto categories = metrics[m]->categories;
-        table.add({measure::evaluate::column_name(*metrics[m]), categories.empty() ? "number" : "string",
-                   std::string(metrics[m]->unit), std::string(metrics[m]->meaning),
+        table.add({{measure::evaluate::column_name(*metrics[m]), categories.empty() ? "number" : "string",
+                    std::string(metrics[m]->unit), std::string(metrics[m]->meaning)},
                    [m, categories](const BandRay& r) -> Cell {
                        const double value = r.result->metrics[m][r.i];
                        if (std::isnan(value)) return {};
@@ -149,22 +148,21 @@ Table<BandRay> found_columns(const std::vector<const Metric*>& metrics) {
 
 Table<BandRay> pixel_table(const std::vector<const Metric*>& metrics) {
     using R = BandRay;
-    Table<R> table{{"x", "integer", "pixel", "column, from the left",
+    Table<R> table{{"x", "pixel", "column, from the left",
                     [](const R& r) { return r.i % static_cast<std::size_t>(r.result->width); }},
-                   {"y", "integer", "pixel", "row, from the top",
+                   {"y", "pixel", "row, from the top",
                     [](const R& r) {
                         const auto width = static_cast<std::size_t>(r.result->width);
                         return static_cast<std::size_t>(r.result->y0) + r.i / width;
                     }},
                    outcome_column(),
-                   {"object", "integer", "", "primitive that the form hit, from 0",
+                   {"object", "primitive that the form hit, from 0",
                     [](const R& r) { return when(r.hit(), r.result->answers->object[r.i]); }},
-                   {"truth_object", "integer", "", "primitive that the ray truly hits first, from 0", [](const R& r) {
+                   {"truth_object", "primitive that the ray truly hits first, from 0", [](const R& r) {
                         const measure::truth::Truth& truth = r.result->truth(r.i);
                         return when(truth.is_hit(), truth.object);
                     }}};
-    table.add_exact({"t", "number", "t", "the form's answer, in its own unit",
-                     [](const R& r) { return r.hit() ? r.t() : Cell(); }});
+    table.add_exact({"t", "t", "the form's answer, in its own unit", [](const R& r) { return when(r.hit(), r.t()); }});
     return table.add(found_columns(metrics));
 }
 

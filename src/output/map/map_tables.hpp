@@ -2,7 +2,6 @@
 // the CSV of the pixels of one row.
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -13,32 +12,36 @@
 
 namespace lostbits::output::map {
 
+using measure::evaluate::BandResult;
+using measure::evaluate::FormSummary;
+using measure::evaluate::TestedForm;
+using measure::metric::Metric;
+
 /// Arguments of `lostbits explain` that name a ray of a summary: `near-benign --pixel 3,4`; empty if there are none.
 using NameOfRay = std::function<std::string(const measure::evaluate::WorstRay&)>;
 
 /// A row of a map, or a group of its rays.
 struct SummaryRow {
-    measure::evaluate::TestedForm row;
-    const measure::evaluate::FormSummary* summary;
+    TestedForm row;
+    const FormSummary* summary;
     NameOfRay name_of_ray;
-    file::Cell group = {};  ///< missing: all rays
+    std::optional<std::string> group = {};  ///< missing: all rays
 };
 
 /// Columns of a row of the map: those of `measure::evaluate::summary_columns`, `worst_columns` and
 /// `wrong_decision_columns`; the last two have the command that explains the ray. A cell without a sample is empty.
 /// `meshes`: the rays are at meshes and have the outcomes of meshes. `by`: the column whose values group the rays,
 /// which stands first; empty: none.
-table::Table<SummaryRow> summary_table(const std::vector<const measure::metric::Metric*>& metrics,
-                                       const std::vector<Shape>& shapes, bool meshes = false, std::string by = {});
+table::Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
+                                       bool meshes = false, std::string by = {});
 /// A row for all rays, then one for each group. `row` is row `r` of the run.
-std::vector<SummaryRow> summary_rows(std::size_t r, const measure::evaluate::TestedForm& row,
-                                     const measure::evaluate::FormSummary& summary,
+std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& row, const FormSummary& summary,
                                      const measure::evaluate::Groups& groups, const NameOfRay& name_of_ray);
 
 /// An operation that is the culprit of some rays. Operations are rows and not columns, because columns would differ
 /// from run to run.
 struct Culprit {
-    measure::evaluate::TestedForm row;
+    TestedForm row;
     std::string_view operation;
     std::uint64_t rays;
     double fraction;
@@ -46,12 +49,11 @@ struct Culprit {
 table::Table<Culprit> culprit_table();
 
 /// True if `culprit` is among the metrics.
-[[nodiscard]] bool asks_for_culprits(const std::vector<const measure::metric::Metric*>& metrics);
+[[nodiscard]] bool asks_for_culprits(const std::vector<const Metric*>& metrics);
 
 /// The most frequent first.
-std::vector<Culprit> culprits_of(const std::vector<const measure::metric::Metric*>& metrics,
-                                 const measure::evaluate::TestedForm& row,
-                                 const measure::evaluate::FormSummary& summary);
+std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& row,
+                                 const FormSummary& summary);
 
 /// Categories of the operations that are the culprit of any ray, the most frequent first; of equally frequent ones the
 /// first on the tape.
@@ -59,18 +61,18 @@ std::vector<std::size_t> culprits_by_count(const std::vector<std::uint64_t>& cou
 
 /// A ray of a band, as answered by a row of the run.
 struct BandRay {
-    const measure::evaluate::BandResult* result;
+    const BandResult* result;
     std::size_t i;
-    const measure::evaluate::TestedForm* row;
+    const TestedForm* row;
 
     [[nodiscard]] bool hit() const { return result->answers->hit[i] != 0; }
-    [[nodiscard]] file::Cell t() const { return result->answers->t[i]; }
+    [[nodiscard]] double t() const { return result->answers->t[i]; }
 };
 /// The column `outcome`.
 table::TableColumn<BandRay> outcome_column();
 /// The columns truth and truth_hex, and one for each metric.
-table::Table<BandRay> found_columns(const std::vector<const measure::metric::Metric*>& metrics);
+table::Table<BandRay> found_columns(const std::vector<const Metric*>& metrics);
 /// One row per pixel.
-table::Table<BandRay> pixel_table(const std::vector<const measure::metric::Metric*>& metrics);
+table::Table<BandRay> pixel_table(const std::vector<const Metric*>& metrics);
 
 }  // namespace lostbits::output::map

@@ -16,9 +16,6 @@ namespace lostbits::output::map {
 
 using image::LegendEntry;
 using image::Rgb8;
-using measure::answer::Outcome;
-using measure::evaluate::FormSummary;
-using measure::metric::Metric;
 using measure::metric::MetricDomain;
 
 namespace {
@@ -67,10 +64,11 @@ std::string faults_of(const FormSummary& s) {
     return text;
 }
 
-/// `22.7 of 53 lost, 30 kept`
+/// `22.7 lost, 30.3/53 kept`, which fits below a cell of a sheet. Bits that are kept are rounded down, as in tables,
+/// and lost ones up.
 std::string lost_and_kept(double lost, int precision) {
-    const double kept = precision - lost;
-    return fmt::format("{:.1f} of {} lost, {:.{}f} kept", lost, precision, kept, kept < 9.95 ? 1 : 0);
+    const std::string kept = file::kept_text(precision - lost);
+    return fmt::format("{:.1f} lost, {}/{} kept", precision - file::number_in(kept).value(), kept, precision);
 }
 
 /// Colour of a value that is one of the metric's categories.
@@ -107,7 +105,7 @@ MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, const 
                 categories.begin() + static_cast<std::ptrdiff_t>(values_) + 1, categories.end() - 1);
 }
 
-bool MetricPaint::applies_to(const measure::evaluate::TestedForm& row) const {
+bool MetricPaint::applies_to(const TestedForm& row) const {
     if (metric_->over == MetricDomain::pairs)  // distances exist only between values of t with the same meaning
         return row.against != nullptr &&
                (!metric_->categories.empty() || measure::answer::are_comparable(*row.form->info, *row.against->info));
@@ -263,7 +261,7 @@ std::string MetricPaint::widest_caption(std::uint64_t pixels) const {
         return fmt::format("median 1.23×10^-10 {0}; largest 1.23×10^-10 {0}; of {1} rays that both forms hit",
                            metric_->unit, pixels);
     return fmt::format(
-        "99% false miss, 99% false hit; 99 of 100 hits: at most 22.7 of 53 lost, 30 kept; of {} agreed hits", pixels);
+        "99% false miss, 99% false hit; 99 of 100 hits: at most 22.7 lost, 30.3/53 kept; of {} agreed hits", pixels);
 }
 
 }  // namespace lostbits::output::map

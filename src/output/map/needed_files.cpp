@@ -13,14 +13,10 @@
 
 namespace lostbits::output::map {
 
-using file::Cell;
 using intersect::Info;
-using measure::answer::Outcome;
-using measure::evaluate::NeededBand;
 using measure::evaluate::NeededStudy;
 using measure::evaluate::NeededSummary;
 using measure::evaluate::WidthCounts;
-using measure::metric::Statistic;
 using measure::metric::statistics;
 using table::Table;
 using table::when;
@@ -56,10 +52,10 @@ NeededColumns pictures_of(const NeededStudy& request, const NeededFilesOptions& 
               .title = fmt::format("{}: significand bits needed for {} correct {}", form->info->name, request.bits,
                                    request.bits == 1 ? "bit" : "bits"),
               .subtitle = {std::string(form->info->title),
-                           fmt::format("colour: the smallest width that decides correctly and, on a hit, keeps {} "
-                                       "correct bits, as does every wider one up to {}; "
-                                       "inputs are rounded to this width too",
-                                       request.bits, measure::evaluate::most_width)},
+                           fmt::format(
+                               "colour: the smallest width that decides correctly and, on a hit, keeps {} correct "
+                               "bits, as does every wider one up to {}; inputs are rounded to this width too",
+                               request.bits, measure::evaluate::most_width)},
               .look = look},
              columns.size(),
              pixel::drawn_by<NeededBand>(
@@ -81,16 +77,14 @@ struct NeededRow {
 
 Table<NeededRow> needed_table() {
     using R = NeededRow;
-    Table<R> table{
-        {"form", "string", "", "form under test", &R::form},
-        {"bits_asked", "integer", "bits", "B: the answer must be within half an ulp of B significand bits", &R::bits},
-        {"pixels", "integer", "", "rays, one per pixel", [](const R& r) { return r.summary->pixels(); }}};
+    Table<R> table{{"form", "form under test", &R::form},
+                   {"bits_asked", "bits", "B: the answer must be within half an ulp of B significand bits", &R::bits},
+                   {"pixels", "rays, one per pixel", [](const R& r) { return r.summary->pixels(); }}};
     const auto add = [&table](const std::string& prefix, const char* over, const auto& counts_of) {
-        for (const Statistic& s : statistics)
-            table.add({prefix + std::string(s.name), "number", "bits", std::string(s.meaning) + over,
-                       [s, counts_of](const R& r) {
+        for (const measure::metric::Statistic& s : statistics)
+            table.add({prefix + std::string(s.name), "bits", std::string(s.meaning) + over, [s, counts_of](const R& r) {
                            const WidthCounts& counts = counts_of(r);
-                           return counts.count() == 0 ? Cell() : Cell(s.of(counts));
+                           return when(counts.count() != 0, static_cast<double>(s.of(counts)));
                        }});
     };
     add(
@@ -101,11 +95,9 @@ Table<NeededRow> needed_table() {
         [](const R& r) -> const auto& { return r.summary->hits; });
     using S = NeededSummary;
     return table.add<S>(
-        {{"hits_beyond_53", "integer", "", "rays that truly hit and for which not even 53 bits suffice",
-          &S::hits_beyond},
-         {"misses_beyond_53", "integer", "", "rays that truly miss but that the form hits even with 53 bits",
-          &S::misses_beyond},
-         {"unresolved", "integer", "", "rays whose truth was not proved within the stated limit", &S::unresolved}},
+        {{"hits_beyond_53", "rays that truly hit and for which not even 53 bits suffice", &S::hits_beyond},
+         {"misses_beyond_53", "rays that truly miss but that the form hits even with 53 bits", &S::misses_beyond},
+         {"unresolved", "rays whose truth was not proved within the stated limit", &S::unresolved}},
         &R::summary);
 }
 
@@ -117,21 +109,21 @@ struct NeededPixel {
 
 Table<NeededPixel> needed_pixel_table(int bits) {
     using R = NeededPixel;
-    return {{"x", "integer", "pixel", "column, from the left",
+    return {{"x", "pixel", "column, from the left",
              [](const R& r) { return r.i % static_cast<std::size_t>(r.band->width); }},
-            {"y", "integer", "pixel", "row, from the top",
+            {"y", "pixel", "row, from the top",
              [](const R& r) {
                  return static_cast<std::size_t>(r.band->y0) + r.i / static_cast<std::size_t>(r.band->width);
              }},
-            {"truth", "string", "", "hit, miss or unresolved",
+            {"truth", "hit, miss or unresolved",
              [](const R& r) { return measure::truth::decision_names[static_cast<std::size_t>(r.truth.decision)]; }},
-            {"truth_object", "integer", "", "primitive that the ray truly hits first, from 0",
+            {"truth_object", "primitive that the ray truly hits first, from 0",
              [](const R& r) { return when(r.truth.is_hit(), r.truth.object); }},
-            {"needed", "number", "bits",
+            {"needed", "bits",
              fmt::format("smallest width that suffices for {} correct bits, as does every wider one; inf if not even "
                          "53 bits suffice",
                          bits),
-             [](const R& r) { return file::number_or_missing(r.band->needed[r.i]); }}};
+             table::or_missing([](const R& r) { return r.band->needed[r.i]; })}};
 }
 
 using NeededFormFiles = pixel::RowFiles<NeededBand, NeededPixel>;

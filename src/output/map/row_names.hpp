@@ -11,26 +11,29 @@
 
 namespace lostbits::output::map {
 
+using intersect::Info;
+using measure::evaluate::TestedForm;
+
 /// True if a form belongs to the catalogue. Its names begin with a shape; no name from outside does.
-[[nodiscard]] inline bool is_of_catalogue(const intersect::Info& info) {
+[[nodiscard]] inline bool is_of_catalogue(const Info& info) {
     return std::ranges::find(shape_names, info.name.substr(0, info.name.find('.'))) != shape_names.end();
 }
 
 /// `unified` for `sphere.unified`, if all forms have one shape. Forms outside the catalogue and sets keep their whole
 /// names.
-[[nodiscard]] inline std::string short_name(const intersect::Info& info) {
+[[nodiscard]] inline std::string short_name(const Info& info) {
     const bool is_alone = is_of_catalogue(info) && info.name.find('.') == info.name.rfind('.');
     return std::string(info.name.substr(is_alone ? info.name.find('.') + 1 : 0));
 }
 
 /// Title of a form for captions; a form from outside need not have one.
-[[nodiscard]] inline std::string title_of(const intersect::Info& info) {
+[[nodiscard]] inline std::string title_of(const Info& info) {
     if (!info.title.empty()) return std::string(info.title);
     return info.source.empty() ? "a form from outside" : "a form from outside: " + std::string(info.source);
 }
 
 /// `sphere.unified.f32`
-[[nodiscard]] inline std::string row_name(const measure::evaluate::TestedForm& row) {
+[[nodiscard]] inline std::string row_name(const TestedForm& row) {
     return std::string(row.form->info->name) + "." + row.format.name;
 }
 
@@ -55,7 +58,7 @@ struct TruthKind {
     const scene::camera::RayGenerator* generator;  ///< its ideal rays may have other origins
     friend bool operator==(const TruthKind&, const TruthKind&) = default;
 };
-[[nodiscard]] inline TruthKind truth_kind(const measure::evaluate::TestedForm& row) {
+[[nodiscard]] inline TruthKind truth_kind(const TestedForm& row) {
     return {row.form->info->direction, row.convention(), scene::rays::generator_of(*row.form)};
 }
 
@@ -67,8 +70,8 @@ struct RowGrid {
     std::vector<std::string> forms, formats;
     std::vector<GridCell> places;  ///< one per row
 
-    explicit RowGrid(const std::vector<measure::evaluate::TestedForm>& rows) {
-        for (const measure::evaluate::TestedForm& row : rows)
+    explicit RowGrid(const std::vector<TestedForm>& rows) {
+        for (const TestedForm& row : rows)
             places.push_back({find_or_add(forms, short_name(*row.form->info)), find_or_add(formats, row.format.name)});
     }
 };

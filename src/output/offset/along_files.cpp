@@ -6,14 +6,7 @@
 
 namespace lostbits::output::offset {
 
-using measure::offset::Along;
-using measure::offset::both_sides;
-using measure::offset::OffsetRow;
-using measure::offset::OffsetStudy;
-using measure::offset::OffsetSummary;
-using measure::offset::Side;
 using measure::offset::SideSummary;
-using measure::offset::Strategy;
 
 namespace {
 
@@ -36,8 +29,8 @@ AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetStudy& s
       along_(along),
       table_(folder, fmt::format("along.{}.csv", name_of(along)),
              "One row per value on the axis, strategy, side, kind of point, form and format",
-             table::Table<AlongRow>{{std::string(name_of(along)), "number", "",
-                                     std::string(measure::offset::meaning_of(along)), &AlongRow::place}}
+             table::Table<AlongRow>{
+                 {std::string(name_of(along)), std::string(measure::offset::meaning_of(along)), &AlongRow::place}}
                  .add(OffsetView::summary_table(), &AlongRow::of)) {}
 
 void AlongFiles::add(double k, std::vector<OffsetSummary> summaries) {
@@ -97,7 +90,7 @@ void AlongFiles::plot_size(std::size_t row, Side side) const {
 
 void AlongFiles::finish() {
     for (std::size_t r = 0; r < study_.rows.size(); ++r) {
-        for (const Side side : both_sides) {
+        for (const Side side : measure::offset::both_sides) {
             plot_wrong(r, side);
             plot_size(r, side);
         }

@@ -16,12 +16,6 @@ using measure::answer::Outcome;
 using measure::offset::both_sides;
 using measure::offset::Fault;
 using measure::offset::OffsetBand;
-using measure::offset::OffsetRow;
-using measure::offset::OffsetStudy;
-using measure::offset::OffsetSummary;
-using measure::offset::Side;
-using measure::offset::Strategy;
-using measure::offset::StrategyAtPoint;
 using pixel::colour_of;
 using pixel::PixelColumn;
 using pixel::PixelValue;
@@ -47,7 +41,7 @@ pixel::Look strategy_result_look() {
 
 StrategyResult strategy_result_of(const OffsetBand& band, std::size_t pixel, Side side, std::size_t strategy) {
     if (band.is_point[pixel] == 0) return StrategyResult::nowhere;
-    const StrategyAtPoint& at = band.at(pixel, side, strategy);
+    const measure::offset::StrategyAtPoint& at = band.at(pixel, side, strategy);
     if (at[Fault::self_hit] > 0) return StrategyResult::self_hit;
     if (at[Fault::lost_occluder] + at[Fault::begins_in_neighbour] + at[Fault::lost_exit] + at[Fault::not_finite] > 0)
         return StrategyResult::lost;
@@ -57,8 +51,7 @@ StrategyResult strategy_result_of(const OffsetBand& band, std::size_t pixel, Sid
 
 /// Colours of the smallest safe offset, and of pixels that are not on its scale.
 pixel::Look safe_look() {
-    return {{no_point,
-             // Not the colour of `every ray is right`, which other cells of the sheet have.
+    return {{no_point,  // Not the colour of `every ray is right`, which other cells of the sheet have.
              {"needs no offset", colour_of(Outcome::out_of_order)},
              {"no offset is safe", colour_of(Outcome::not_a_number)},
              {""}},
@@ -129,17 +122,17 @@ std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& stud
                                            static_cast<std::size_t>(strategy_result_of(band, i, side, k))};
                                    })});
             }
-            columns.push_back(
-                {{.file = stem + "safe.png",
-                  .title = fmt::format("The smallest safe offset {}", in_words(side)),
-                  .subtitle = {of_row,
-                               "colour: the smallest offset along the normal for which every ray is right by truth, "
-                               "clamped at both ends of the bar"},
-                  .look = of_safe,
-                  .places = {{0, line_of(r, side)}}},
-                 r,
-                 pixel::drawn_by<OffsetBand>(
-                     [side](const OffsetBand& band, std::size_t i) { return safe_offset(band, i, side); })});
+            columns.push_back({{.file = stem + "safe.png",
+                                .title = fmt::format("The smallest safe offset {}", in_words(side)),
+                                .subtitle = {of_row,
+                                             "colour: the smallest offset along the normal for which every ray is "
+                                             "right by truth, clamped at both ends of the bar"},
+                                .look = of_safe,
+                                .places = {{0, line_of(r, side)}}},
+                               r,
+                               pixel::drawn_by<OffsetBand>([side](const OffsetBand& band, std::size_t i) {
+                                   return safe_offset(band, i, side);
+                               })});
         }
     }
     return columns;
@@ -148,12 +141,10 @@ std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& stud
 pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::path& file) {
     image::SheetSpec spec{
         .title = study.scene.title,
-        .subtitle =
-            {fmt::format("{}, {} x {} pixels: outcomes of rays that leave the points that a form "
-                         "finds",
-                         study.scene.id, study.scene.width, study.scene.height),
-             "first column: the smallest safe offset, in ulps of the largest coordinate; then each strategy, with its "
-             "share of rays that go wrong"},
+        .subtitle = {fmt::format("{}, {} x {} pixels: outcomes of rays that leave the points that a form finds",
+                                 study.scene.id, study.scene.width, study.scene.height),
+                     "first column: the smallest safe offset, in ulps of the largest coordinate; then each strategy, "
+                     "with its share of rays that go wrong"},
         .forms = {"smallest safe"},
         .scales = {*safe_look().scale},
         .unit = safe_unit,
@@ -164,7 +155,7 @@ pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::
             spec.formats.push_back(fmt::format("{} {} {} {}", map::short_name(*row.row.form->info), row.row.format.name,
                                                name_of(row.point), name_of(side)));
     }
-    return {file, std::move(spec), true};
+    return {file, std::move(spec)};
 }
 
 std::vector<study::Note> OffsetView::notes(const OffsetStudy& study, const std::vector<OffsetSummary>& summaries) {
@@ -177,26 +168,24 @@ std::vector<study::Note> OffsetView::notes(const OffsetStudy& study, const std::
 Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy& study) {
     using R = study::PixelInBand<OffsetBand>;
     Table<R> table = study::place_columns<OffsetBand>();
-    table.add({"object", "integer", "", "primitive that the ray leaves, from 0",
-               [](const R& r) { return r.band->object[r.i]; }});
+    table.add({"object", "primitive that the ray leaves, from 0", [](const R& r) { return r.band->object[r.i]; }});
     for (const Side side : both_sides) {
         const std::string name(name_of(side));
         using P = measure::offset::SideOfPoint;
         table.add<P>(
-            {{"rays_" + name, "integer", "", "rays " + in_words(side), &P::rays},
-             {"safe_" + name, "number", "world units", "smallest safe offset; inf if no offset is safe", &P::safe},
-             {"quiet_" + name, "number", "world units",
+            {{"rays_" + name, "rays " + in_words(side), &P::rays},
+             {"safe_" + name, "world units", "smallest safe offset; inf if no offset is safe", &P::safe},
+             {"quiet_" + name, "world units",
               "smallest offset that is safe by truth and by the form's arithmetic; inf if none is", &P::quiet}},
             [side](const R& r) -> const P& { return r.band->sides[r.i][static_cast<std::size_t>(side)]; });
         for (std::size_t k = 0; k < study.strategies.size(); ++k) {
             const Strategy& s = *study.strategies[k];
             const std::string rays = "rays of " + std::string(s.name);
-            table.add(
-                {{short_name(s) + "_self_hits_" + name, "integer", "", rays + " that by truth hit what they leave",
-                  [side, k](const R& r) { return r.band->at(r.i, side, k)[Fault::self_hit]; }},
-                 {short_name(s) + "_bad_" + name, "integer", "",
-                  rays + " with any fault except a start on the wrong side, which alone does no harm",
-                  [side, k](const R& r) { return r.band->at(r.i, side, k).bad; }}});
+            table.add({{short_name(s) + "_self_hits_" + name, rays + " that by truth hit what they leave",
+                        [side, k](const R& r) { return r.band->at(r.i, side, k)[Fault::self_hit]; }},
+                       {short_name(s) + "_bad_" + name,
+                        rays + " with any fault except a start on the wrong side, which alone does no harm",
+                        [side, k](const R& r) { return r.band->at(r.i, side, k).bad; }}});
         }
     }
     return table;
@@ -204,17 +193,16 @@ Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy&
 
 Table<StrategyRow> OffsetView::summary_table() {
     using R = StrategyRow;
-    Table<R> table{
-        {"strategy", "string", "", "rule for the new origin: a name of `lostbits list strategies`",
-         [](const R& r) { return r.strategy->name; }},
-        {"side", "string", "", "side of the new rays: outside (light, mirror, hemisphere) or inside (refraction)",
-         [](const R& r) { return name_of(r.side); }},
-        {"point", "string", "", "starting point: as computed, or projected back onto the surface",
-         [](const R& r) { return name_of(r.row->point); }}};
+    Table<R> table{{"strategy", "rule for the new origin: a name of `lostbits list strategies`",
+                    [](const R& r) { return r.strategy->name; }},
+                   {"side", "side of the new rays: outside (light, mirror, hemisphere) or inside (refraction)",
+                    [](const R& r) { return name_of(r.side); }},
+                   {"point", "starting point: as computed, or projected back onto the surface",
+                    [](const R& r) { return name_of(r.row->point); }}};
     table.add(
         table::subject_columns("form that finds the points and is tested for self-hits", "format of all computations"),
         [](const R& r) -> const auto& { return r.row->row; });
-    table.add({"operations", "integer", "", "operations per new ray, as the strategy is written",
+    table.add({"operations", "operations per new ray, as the strategy is written",
                [](const R& r) { return r.strategy->operations(r.row->row.form->shape); }});
     for (const auto& column : measure::offset::offset_columns())
         table.add(table::measured_column<R>(
@@ -235,9 +223,9 @@ std::vector<StrategyRow> OffsetView::summary_rows(const OffsetStudy& study,
 std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r, const OffsetSummary& summary) {
     std::vector<std::string> lines;
     if (summary.points == 0) return lines;
-    const measure::offset::OffsetRow& row = study.rows[r];
+    const OffsetRow& row = study.rows[r];
     const std::string of = fmt::format("{} {} {}", row.row.form->info->name, row.row.format.name, name_of(row.point));
-    for (const measure::offset::Side side : measure::offset::both_sides) {
+    for (const Side side : measure::offset::both_sides) {
         const measure::offset::SideSummary& on = summary.on(side);
         std::string right;
         for (std::size_t k = 0; k < study.strategies.size(); ++k) {

@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,42 +14,46 @@
 
 namespace lostbits::output::offset {
 
+using measure::offset::Along;
+using measure::offset::OffsetRow;
+using measure::offset::OffsetStudy;
+using measure::offset::OffsetSummary;
+using measure::offset::Side;
+using measure::offset::Strategy;
+
 /// Name without its prefix: `integer` for `offset.integer`.
-[[nodiscard]] std::string short_name(const measure::offset::Strategy& strategy);
-/// Name of a row, such as `sphere.half_b.f32.computed`.
-[[nodiscard]] std::string row_name(const measure::offset::OffsetRow& row);
-/// Words for a side: `away from the primitive`, `into the primitive`.
-[[nodiscard]] std::string in_words(measure::offset::Side side);
+[[nodiscard]] std::string short_name(
+    const Strategy& strategy);  /// Name of a row, such as `sphere.half_b.f32.computed`.
+[[nodiscard]] std::string row_name(
+    const OffsetRow& row);  /// Words for a side: `away from the primitive`, `into the primitive`.
+[[nodiscard]] std::string in_words(Side side);
 
 /// A strategy on one side.
 struct StrategyRow {
-    const measure::offset::OffsetRow* row;
-    const measure::offset::OffsetSummary* summary;
-    measure::offset::Side side;
-    const measure::offset::Strategy* strategy;
+    const OffsetRow* row;
+    const OffsetSummary* summary;
+    Side side;
+    const Strategy* strategy;
     std::size_t place;  ///< index of the strategy
-};
-/// A view, see output/study/study_files.hpp. One sheet shows all offsets: the smallest safe offset and the strategies
+};  /// A view, see output/study/study_files.hpp. One sheet shows all offsets: the smallest safe offset and the
+    /// strategies
 /// across; forms, formats, kinds of points and sides down. `<form>.<format>.<point>.<side>.safe.png` and
 /// `….<strategy>.png` are its cells. `<form>.<format>.<point>.csv` has one row per pixel.
 struct OffsetView {
-    using Study = measure::offset::OffsetStudy;
+    using Study = OffsetStudy;
     using Band = Study::Band;
     using SummaryRow = StrategyRow;
     static constexpr const char* summary_title = "One row per strategy, side, kind of point, form and format";
     static constexpr const char* pixel_title = "One row per pixel with a point that counts";
 
     /// The columns strategy, side, point, form, format, operations and those of `offset_columns`.
-    static table::Table<StrategyRow> summary_table();
-    /// Every strategy on every side.
-    static std::vector<StrategyRow> summary_rows(const Study& study,
-                                                 const std::vector<measure::offset::OffsetSummary>& summaries);
+    static table::Table<StrategyRow> summary_table();  /// Every strategy on every side.
+    static std::vector<StrategyRow> summary_rows(const Study& study, const std::vector<OffsetSummary>& summaries);
     static std::string row_name(const Study& study, std::size_t row);
     static std::size_t pixels(const Band& band) { return band.is_point.size(); }
     static std::vector<pixel::PixelColumn<Band>> columns(const Study& study);
     static pixel::Sheet sheet(const Study& study, const std::filesystem::path& file);
-    static std::vector<study::Note> notes(const Study& study,
-                                          const std::vector<measure::offset::OffsetSummary>& summaries);
+    static std::vector<study::Note> notes(const Study& study, const std::vector<OffsetSummary>& summaries);
     static table::Table<study::PixelInBand<Band>> pixel_table(const Study& study);
     static bool has_row(const Band& band, std::size_t i) { return band.is_point[i] != 0; }
 };
@@ -58,8 +61,8 @@ struct OffsetView {
 /// Findings for row `r` of a study, one sentence per line. For each side: the largest of the smallest safe offsets,
 /// and the strategies that are right for every ray. Then the cheapest strategy that is right on both sides (`none`,
 /// which leaves the point as it is, is a strategy too). Empty if no point counts.
-[[nodiscard]] std::vector<std::string> summary_lines(const measure::offset::OffsetStudy& study, std::size_t r,
-                                                     const measure::offset::OffsetSummary& summary);
+[[nodiscard]] std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r,
+                                                     const OffsetSummary& summary);
 
 /// A strategy at a value on the axis.
 struct AlongRow {
@@ -70,33 +73,29 @@ struct AlongRow {
 /// `along.<axis>.csv` is the summary preceded by the value on the axis. `along.<axis>.<row>.<side>.wrong.png` plots the
 /// share of rays that go wrong, and `….size.png` the offsets together with the smallest safe one.
 class AlongFiles {
-public:
-    /// Opens the table. `study`, for the unchanged scene, must outlive it.
-    AlongFiles(const std::filesystem::path& folder, const measure::offset::OffsetStudy& study,
-               measure::offset::Along along);
+public:  /// Opens the table. `study`, for the unchanged scene, must outlive it.
+    AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, Along along);
 
-    void add(double k, std::vector<measure::offset::OffsetSummary> summaries);
-    /// Draws the plots and gives the table its final name.
+    void add(double k, std::vector<OffsetSummary> summaries);  /// Draws the plots and gives the table its final name.
     void finish();
     [[nodiscard]] const file::DataResource& resource() const { return table_.about(); }
 
 private:
-    void plot_wrong(std::size_t row, measure::offset::Side side) const;
-    void plot_size(std::size_t row, measure::offset::Side side) const;
-    [[nodiscard]] plot::LinePlotSpec spec_of(std::size_t row, measure::offset::Side side, const std::string& title,
-                                             plot::AxisSpec y) const;
-    /// The line of a strategy; without one, of the smallest safe offset.
-    [[nodiscard]] plot::Series series_of(std::size_t row, measure::offset::Side side,
+    void plot_wrong(std::size_t row, Side side) const;
+    void plot_size(std::size_t row, Side side) const;
+    [[nodiscard]] plot::LinePlotSpec spec_of(std::size_t row, Side side, const std::string& title, plot::AxisSpec y)
+        const;  /// The line of a strategy; without one, of the smallest safe offset.
+    [[nodiscard]] plot::Series series_of(std::size_t row, Side side,
                                          const std::function<double(const measure::offset::SideSummary&)>& value,
-                                         const measure::offset::Strategy* strategy = nullptr) const;
-    [[nodiscard]] std::filesystem::path file_of(std::size_t row, measure::offset::Side side, const char* what) const;
+                                         const Strategy* strategy = nullptr) const;
+    [[nodiscard]] std::filesystem::path file_of(std::size_t row, Side side, const char* what) const;
 
     std::filesystem::path folder_;
-    const measure::offset::OffsetStudy& study_;
-    measure::offset::Along along_;
+    const OffsetStudy& study_;
+    Along along_;
     table::TableFile<AlongRow> table_;
     std::vector<double> steps_;
-    std::vector<std::vector<measure::offset::OffsetSummary>> summaries_;  ///< one per step
+    std::vector<std::vector<OffsetSummary>> summaries_;  ///< one per step
 };
 
 }  // namespace lostbits::output::offset

@@ -236,10 +236,12 @@ std::string claims_table(const Report& report) {
         }
         const std::string title = title_of(subject.name, report);
         text += fmt::format(
-            "<details open class=\"part subject\"><summary>{}<code>{}</code> <small>{}</small></summary>\n"
-            "<table class=\"claims\">{}{}</tbody></table></details>\n",
+            "<details open class=\"part subject\"><summary>{}<code>{}</code> <small>{}</small></summary>\n{}{}{}"
+            "</details>\n",
             title.empty() ? "" : html(title) + " ", html(subject.name), counts_text(subject.claims.size(), counts),
-            header_row({"verdict", "sentence", "measured on", "quantity", "measured", "expected"}), rows);
+            begin_table({"verdict", "sentence", "measured on", "quantity", "measured", "expected"},
+                        " class=\"claims\""),
+            rows, end_table);
     }
     return text;
 }

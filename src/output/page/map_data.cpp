@@ -18,8 +18,6 @@ namespace lostbits::output::page {
 
 using intersect::Direction;
 using measure::evaluate::BandResult;
-using measure::evaluate::MapStudy;
-using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
 namespace {
@@ -29,8 +27,9 @@ namespace {
 constexpr std::array<std::string_view, 5> derived_metrics{"lost_bits", "correct_bits", "ulp_error", "relative_error",
                                                           "absolute_error"};
 
-bool is_derived(const Metric& m) { return std::ranges::find(derived_metrics, m.name) != derived_metrics.end(); }
-/// Stored for every true hit, whatever the form answers: values of neighbours lie nearly on a line.
+bool is_derived(const Metric& m) {
+    return std::ranges::find(derived_metrics, m.name) != derived_metrics.end();
+}  /// Stored for every true hit, whatever the form answers: values of neighbours lie nearly on a line.
 bool is_inherent(const Metric& m) { return m.name == "inherent_bits"; }
 bool is_condition(const Metric& m) { return m.name == "condition"; }
 
@@ -118,12 +117,10 @@ public:
         for (const auto& [m, layer] : stored_) all += layer.planes();
         return all;
     }
-    [[nodiscard]] std::size_t group() const { return group_; }
-    /// See `choose_rays`.
+    [[nodiscard]] std::size_t group() const { return group_; }  /// See `choose_rays`.
     [[nodiscard]] std::span<const float> sizes() const { return sizes_; }
 
-private:
-    /// For formats other than the native two: the bits of t in binary64, whose low bits are zero anyway.
+private:  /// For formats other than the native two: the bits of t in binary64, whose low bits are zero anyway.
     [[nodiscard]] std::uint64_t difference(double t, const BandResult& result, std::size_t i) const {
         const double near = result.truth(i).is_hit()
                                 ? result.band->rounded_truth(i, binary64, row_.form->info->direction, result.convention)
@@ -220,8 +217,8 @@ const char* coding_name(const Format& format) {
     return "plain64";
 }
 
-Json summary_json(const MapStudy& request, const TestedForm& row, const measure::evaluate::FormSummary& s,
-                  std::size_t group, const std::string& named) {
+Json summary_json(const MapStudy& request, const TestedForm& row, const FormSummary& s, std::size_t group,
+                  const std::string& named) {
     Json statistics = Json::object();
     for (std::size_t m = 0; m < request.metrics.size(); ++m) {
         if (!request.metrics[m]->categories.empty()) continue;
@@ -252,8 +249,7 @@ Json summary_json(const MapStudy& request, const TestedForm& row, const measure:
 
 }  // namespace
 
-Json MapData::index(const std::vector<measure::evaluate::FormSummary>& summaries, bool own_size,
-                    const std::string& named) const {
+Json MapData::index(const std::vector<FormSummary>& summaries, bool own_size, const std::string& named) const {
     const scene::file::Scene& scene = *request_.scene;
     Json rows = Json::array();
     for (std::size_t r = 0; r < rows_.size(); ++r)
@@ -269,7 +265,7 @@ Json MapData::index(const std::vector<measure::evaluate::FormSummary>& summaries
             {"rows", std::move(rows)}};
 }
 
-std::vector<Blob> MapData::blobs(const std::vector<measure::evaluate::FormSummary>& summaries) const {
+std::vector<Blob> MapData::blobs(const std::vector<FormSummary>& summaries) const {
     std::vector<Blob> all;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         std::string bytes;

@@ -13,6 +13,10 @@
 
 namespace lostbits::output::page {
 
+using measure::evaluate::FormSummary;
+using measure::evaluate::MapStudy;
+using measure::evaluate::TestedForm;
+
 /// A pixel whose operations the page holds. `why` holds the reasons, which the page spells as it spells names of
 /// outcomes.
 struct ChosenRay {
@@ -26,13 +30,11 @@ inline constexpr std::size_t parts_each_way = 4;
 /// Chooses, each once: the worst ray, the first of each kind of wrong decision, the largest and the median error, and
 /// the worst of each part of the picture. `sizes` has one value per pixel: |ulp_error| of a correct hit, infinity for a
 /// wrong decision, NaN without an error.
-[[nodiscard]] std::vector<ChosenRay> choose_rays(const measure::evaluate::FormSummary& summary,
-                                                 std::span<const float> sizes, int width);
+[[nodiscard]] std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const float> sizes, int width);
 
 /// The output of `explain` for each ray: its sentences, and its table with a row per operation. A compiled form has no
 /// operations.
-[[nodiscard]] Json rays_json(const measure::evaluate::MapStudy& request, const measure::evaluate::TestedForm& row,
-                             const std::vector<ChosenRay>& rays);
+[[nodiscard]] Json rays_json(constMapStudy& request, const TestedForm& row, const std::vector<ChosenRay>& rays);
 
 /// A packed piece of data, and the name by which the page finds it.
 struct Blob {
@@ -40,17 +42,17 @@ struct Blob {
 };
 
 /// Takes the results of a map row by row and keeps, exactly,
-///  - once for all rows that share a truth (by direction and convention): the true decision, RN64(t*) as its difference
-///    from the line through the two hits to the left, the remainder t* − RN64(t*) as a float, the bound as a power of
-///    two, and κ as a float;
-///  - for each row: the outcome, the primitive, and the bits of t less those of the truth, both in the row's format.
-///    Most answers are a few ulps away, so most differences are small;
-///  - every other metric as a float;
-///  - the output of `lostbits explain` for the rays of `choose_rays`.
+/// - once for all rows that share a truth (by direction and convention): the true decision, RN64(t*) as its difference
+/// from the line through the two hits to the left, the remainder t* − RN64(t*) as a float, the bound as a power of
+/// two, and κ as a float;
+/// - for each row: the outcome, the primitive, and the bits of t less those of the truth, both in the row's format.
+/// Most answers are a few ulps away, so most differences are small;
+/// - every other metric as a float;
+/// - the output of `lostbits explain` for the rays of `choose_rays`.
 /// The page itself computes the metrics that are functions of t and t* alone (`derived_metrics`).
 class MapData {
 public:
-    explicit MapData(const measure::evaluate::MapStudy& request);
+    explicit MapData(constMapStudy& request);
     ~MapData();
     MapData(const MapData&) = delete;
     MapData& operator=(const MapData&) = delete;
@@ -60,15 +62,14 @@ public:
 
     /// Everything but the pixels; call it after the map. `own_size`: the map has the scene's own size, so that claims
     /// are about the same rays. `named`: the scene with its size, as a command names it.
-    [[nodiscard]] Json index(const std::vector<measure::evaluate::FormSummary>& summaries, bool own_size,
-                             const std::string& named) const;
-    /// The pixels and the operations of the chosen rays; call it after the map.
-    [[nodiscard]] std::vector<Blob> blobs(const std::vector<measure::evaluate::FormSummary>& summaries) const;
+    [[nodiscard]] Json index(const std::vector<FormSummary>& summaries, bool own_size, const std::string& named)
+        const;  /// The pixels and the operations of the chosen rays; call it after the map.
+    [[nodiscard]] std::vector<Blob> blobs(const std::vector<FormSummary>& summaries) const;
 
 private:
     struct Group;
     class Row;
-    const measure::evaluate::MapStudy& request_;
+    constMapStudy& request_;
     std::vector<std::unique_ptr<Group>> groups_;
     std::vector<std::unique_ptr<Row>> rows_;
 };

@@ -235,14 +235,13 @@ constexpr const char* what_it_is =
 /// The findings of all maps: a row for each scene.
 std::string results_table(const std::vector<MapPart>& maps) {
     if (maps.empty()) return "";
-    std::string text =
-        "<table id=\"results\">" + header_row({"scene", "result", "forms and formats with wrong decisions"});
+    std::string text = begin_table({"scene", "result", "forms and formats with wrong decisions"}, " id=\"results\"");
     for (const MapPart& m : maps)
         text += fmt::format(
             "<tr><th scope=\"row\"><a class=\"jump\" href=\"#scene-{0}\" data-view=\"scene={0}\">{1}"
             "</a></th><td>{2}</td><td class=\"n\">{3} of {4}</td></tr>\n",
             html(m.id), html(m.title), html(m.finding), m.faulty, m.rows.size());
-    return text + "</tbody></table>\n";
+    return text + end_table;
 }
 
 /// Hints on what to do first.

@@ -15,10 +15,6 @@
 namespace lostbits::output::page {
 
 using measure::attribution::Explanation;
-using measure::evaluate::FormSummary;
-using measure::evaluate::MapStudy;
-using measure::evaluate::TestedForm;
-
 namespace {
 
 /// Pixel of the median of the finite errors; ties go to the first pixel. None if no error is finite.

@@ -15,21 +15,14 @@
 
 namespace lostbits::output::page {
 
-using measure::evaluate::FormSummary;
 using measure::metric::Metric;
-using measure::sweep::Onset;
 
 namespace {
 
-const char* spacing_name(scene::sweep::Axis::Spacing s) {
-    using S = scene::sweep::Axis::Spacing;
-    return s == S::log2 ? "log2" : s == S::linear ? "linear" : s == S::whole ? "whole" : "every_float";
-}
-
-}  // namespace
-
+/// `{"form":…,"format":…,"values":[statistic][cell],"outcomes":[cell][outcome],"true_hits":[cell]}`: the numbers of a
+/// row at every step, cell or case.
 Json row_json(const measure::evaluate::TestedForm& row, const std::vector<const Metric*>& metrics, std::size_t cells,
-              const std::function<const FormSummary&(std::size_t)>& at) {
+              const auto& at) {
     const auto columns = measure::evaluate::summary_columns(metrics);
     Json values = Json::array(), outcomes = Json::array(), true_hits = Json::array();
     for (const std::string_view name : sweep_statistics) {
@@ -51,37 +44,17 @@ Json row_json(const measure::evaluate::TestedForm& row, const std::vector<const 
             {"true_hits", std::move(true_hits)}};
 }
 
-Json sweep_json(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps,
-                const std::vector<Onset>& onsets) {
-    const scene::sweep::Axis& axis = request.sweep.axes.front();
-    Json rows = Json::array();
+/// Adds the statistics and the rows of a sweep. `at(r, cell)` is a result of row r, and `add(json, r)` adds what else
+/// the page shows of the row.
+Json with_rows(Json json, const auto& request, std::size_t cells, const auto& at, const auto& add) {
+    json["statistics"] = sweep_statistics;
+    Json& rows = json["rows"] = Json::array();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        Json row = row_json(request.rows[r], request.metrics, steps.size(),
-                            [&](std::size_t k) -> const FormSummary& { return steps[k].rows[r]; });
-        Json& found = row["onsets"] = Json::array();
-        for (const Onset& o : onsets) {
-            if (o.row != r || !o.found) continue;
-            const auto s = o.spread();
-            found.push_back(Json::array({o.event, o.statistic, number_json(o.threshold),
-                                         o.from_start ? Json() : number_json(o.last_good), number_json(o.first_bad),
-                                         number_json(s.low), number_json(s.high)}));
-        }
-        rows.push_back(std::move(row));
+        const auto at_cell = [&](std::size_t cell) -> const FormSummary& { return at(r, cell); };
+        add(rows.emplace_back(row_json(request.rows[r], request.metrics, cells, at_cell)), r);
     }
-    return {
-        {"id", request.sweep.id},
-        {"title", request.sweep.title},
-        {"kind", "line"},
-        {"axis", axis.name},
-        {"label", axis.label},
-        {"spacing", spacing_name(axis.spacing)},
-        {"steps", array_of(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
-        {"is_drawn", request.sweep.has_random_rays()},
-        {"statistics", sweep_statistics},
-        {"rows", std::move(rows)}};
+    return json;
 }
-
-namespace {
 
 Json axis_json(const scene::sweep::Axis& axis, const std::vector<double>& values) {
     return {{"name", axis.name}, {"label", axis.label}, {"values", array_of(values, number_json)}};
@@ -89,54 +62,68 @@ Json axis_json(const scene::sweep::Axis& axis, const std::vector<double>& values
 
 }  // namespace
 
-Json plane_json(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps) {
+Json sweep_json(const SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps,
+                const std::vector<Onset>& onsets) {
+    const scene::sweep::Axis& axis = request.sweep.axes.front();
+    return with_rows(
+        {{"id", request.sweep.id},
+         {"kind", "line"},
+         {"axis", axis.name},
+         {"label", axis.label},
+         {"steps", array_of(steps, [](const measure::sweep::SweepStep& s) { return number_json(s.values.front()); })},
+         {"is_drawn", request.sweep.has_random_rays()}},
+        request, steps.size(), [&](std::size_t r, std::size_t k) -> const FormSummary& { return steps[k].rows[r]; },
+        [&](Json& row, std::size_t r) {
+            Json& found = row["onsets"] = Json::array();
+            for (const Onset& o : onsets) {
+                if (o.row != r || !o.found) continue;
+                const auto s = o.spread();
+                found.push_back(Json::array({o.event, o.statistic, number_json(o.threshold),
+                                             o.from_start ? Json() : number_json(o.last_good), number_json(o.first_bad),
+                                             number_json(s.low), number_json(s.high)}));
+            }
+        });
+}
+
+Json plane_json(const SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps) {
     const sweep::SweepGrid plane(request, steps);
     const std::size_t columns = plane.x.size();
     const auto& axes = request.sweep.axes;
-    Json json{{"id", request.sweep.id},
-              {"title", request.sweep.title},
-              {"kind", "plane"},
-              {"is_drawn", request.sweep.has_random_rays()},
-              {"axes", Json::array({axis_json(axes[0], plane.x), axis_json(axes[1], plane.y)})}};
-    json["statistics"] = sweep_statistics;
-    Json& rows = json["rows"] = Json::array();
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const auto at = [&](std::size_t cell) -> const FormSummary& {
+    return with_rows(
+        {{"id", request.sweep.id},
+         {"kind", "plane"},
+         {"is_drawn", request.sweep.has_random_rays()},
+         {"axes", Json::array({axis_json(axes[0], plane.x), axis_json(axes[1], plane.y)})}},
+        request, columns * plane.y.size(),
+        [&](std::size_t r, std::size_t cell) -> const FormSummary& {
             return plane.at(r, cell % columns, cell / columns);
-        };
-        rows.push_back(row_json(request.rows[r], request.metrics, columns * plane.y.size(), at));
-    }
-    return json;
+        },
+        [](Json&, std::size_t) {});
 }
 
 Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std::vector<FormSummary>>& cases) {
     const scene::sweep::CaseFile& file = request.file;
+    const std::size_t inherent = measure::metric::index_of(request.metrics, "inherent_bits");
     Json names = Json::array();
     for (std::size_t i = 0; i < file.size(); ++i) names.push_back(Json::array({file.name(i), file.note_of(i)}));
-    Json json{{"id", file.id},
-              {"title", file.title},
-              {"kind", "cases"},
-              {"cases", names},
-              {"within_means", sweep::within_means(file)},
-              {"conventions", array_of(file.conventions, intersect::convention_name)}};
-    json["statistics"] = sweep_statistics;
-    Json& rows = json["rows"] = Json::array();
-    for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const auto at = [&](std::size_t cell) -> const FormSummary& { return cases[cell][r]; };
-        Json row = row_json(request.rows[r], request.metrics, cases.size(), at);
-        const std::size_t inherent = measure::metric::index_of(request.metrics, "inherent_bits");
-        row["inherent"] = array_of(cases, [&](const std::vector<FormSummary>& each) {
-            return number_json(inherent < request.metrics.size() ? each[r].metrics[inherent].quantile(1)
-                                                                 : measure::truth::missing);
+    return with_rows(
+        {{"id", file.id},
+         {"kind", "cases"},
+         {"cases", names},
+         {"within_means", sweep::within_means(file)},
+         {"conventions", array_of(file.conventions, intersect::convention_name)}},
+        request, cases.size(), [&](std::size_t r, std::size_t i) -> const FormSummary& { return cases[i][r]; },
+        [&](Json& row, std::size_t r) {
+            row["inherent"] = array_of(cases, [&](const std::vector<FormSummary>& each) {
+                return number_json(inherent < request.metrics.size() ? each[r].metrics[inherent].quantile(1)
+                                                                     : measure::truth::missing);
+            });
+            row["judged"] = intersect::convention_name(request.rows[r].judged);
+            row["verdicts"] = array_of(cases, [&](const std::vector<FormSummary>& each) {
+                return measure::sweep::verdict_names[static_cast<std::size_t>(
+                    measure::sweep::verdict_of(each[r], request.metrics, file.right_within_bits))];
+            });
         });
-        row["judged"] = intersect::convention_name(request.rows[r].judged);
-        row["verdicts"] = array_of(cases, [&](const std::vector<FormSummary>& each) {
-            return measure::sweep::verdict_names[static_cast<std::size_t>(
-                measure::sweep::verdict_of(each[r], request.metrics, file.right_within_bits))];
-        });
-        rows.push_back(std::move(row));
-    }
-    return json;
 }
 
 namespace {
@@ -158,7 +145,7 @@ std::string draws_text(const std::vector<Onset>& onsets) {
 
 }  // namespace
 
-std::string onset_table(const measure::sweep::SweepRequest& request, const std::vector<Onset>& onsets) {
+std::string onset_table(const SweepRequest& request, const std::vector<Onset>& onsets) {
     struct Wanted {
         const char *title, *event, *statistic;
         double share;  ///< of the significand; 0: the threshold is 1
@@ -175,8 +162,9 @@ std::string onset_table(const measure::sweep::SweepRequest& request, const std::
     });
     std::vector<std::string> names{"form", "format"};
     for (const Wanted& w : wanted) names.emplace_back(w.title);
-    std::string text = fmt::format("<table><caption>First value of {} at which each event happens{}</caption>{}",
-                                   html(request.sweep.axes.front().name), draws_text(onsets), header_row(names));
+    std::string text = begin_table(names, "",
+                                   fmt::format("First value of {} at which each event happens{}",
+                                               html(request.sweep.axes.front().name), draws_text(onsets)));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const measure::evaluate::TestedForm& row = request.rows[r];
         text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", html(row.form->info->name), row.format.name);
@@ -191,7 +179,7 @@ std::string onset_table(const measure::sweep::SweepRequest& request, const std::
         }
         text += "</tr>\n";
     }
-    return text + "</tbody></table>\n";
+    return text + end_table;
 }
 
 Json trade_json(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,35 +12,30 @@
 
 namespace lostbits::output::page {
 
+using measure::evaluate::FormSummary;
+using measure::sweep::Onset;
+using measure::sweep::SweepRequest;
+
 /// Columns of a sweep's samples.csv that the page shows.
 inline constexpr std::array<std::string_view, 7> sweep_statistics{
     "lost_bits_p50",     "lost_bits_p99",      "lost_bits_max",      "excess_bits_p99",
     "inherent_bits_p99", "false_hit_fraction", "false_miss_fraction"};
 
-/// `{"form":…,"format":…,"values":[statistic][cell],"outcomes":[cell][outcome],"true_hits":[cell]}`: the numbers of a
-/// row at every step, cell or case.
-[[nodiscard]] Json row_json(const measure::evaluate::TestedForm& row,
-                            const std::vector<const measure::metric::Metric*>& metrics, std::size_t cells,
-                            const std::function<const measure::evaluate::FormSummary&(std::size_t)>& at);
-
 /// A sweep along one axis: the axis with its values, and for every row the outcomes and each statistic at every step.
-[[nodiscard]] Json sweep_json(const measure::sweep::SweepRequest& request,
-                              const std::vector<measure::sweep::SweepStep>& steps,
-                              const std::vector<measure::sweep::Onset>& onsets);
+[[nodiscard]] Json sweep_json(const SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps,
+                              const std::vector<Onset>& onsets);
 
 /// A sweep over two axes: the axes with their values in rising order, and for every row the outcomes and
 /// `sweep_statistics` of each cell. The line of the lowest second value comes first.
-[[nodiscard]] Json plane_json(const measure::sweep::SweepRequest& request,
-                              const std::vector<measure::sweep::SweepStep>& steps);
+[[nodiscard]] Json plane_json(const SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps);
 
 /// Named cases: their names, and for every row (under each convention) verdict, outcomes and `sweep_statistics` of
 /// each.
 [[nodiscard]] Json case_json(const measure::sweep::CaseRequest& request,
-                             const std::vector<std::vector<measure::evaluate::FormSummary>>& cases);
+                             const std::vector<std::vector<FormSummary>>& cases);
 
 /// HTML table with a line per row of the sweep: the values at which errors first occur.
-[[nodiscard]] std::string onset_table(const measure::sweep::SweepRequest& request,
-                                      const std::vector<measure::sweep::Onset>& onsets);
+[[nodiscard]] std::string onset_table(const SweepRequest& request, const std::vector<Onset>& onsets);
 
 /// Points of a trade for each set of rays: time, kept bits and wrong decisions.
 [[nodiscard]] Json trade_json(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result);

@@ -13,8 +13,6 @@
 
 namespace lostbits::output::page {
 
-using measure::answer::Outcome;
-using measure::choice::Candidate;
 using measure::offset::both_sides;
 using measure::offset::Side;
 
@@ -41,14 +39,11 @@ constexpr StrategyColumn strategy_columns[] = {{"rays wrong", "bad_fraction", tr
                                                {"times larger, p50", "oversize_p50", false},
                                                {"p99", "oversize_p99", false}};
 
-std::string caption_of(Side side) { return fmt::format("<caption>Rays {}</caption>", offset::in_words(side)); }
-
 }  // namespace
 
-std::string summary_table(const measure::evaluate::MapStudy& request,
-                          const std::vector<measure::evaluate::FormSummary>& summaries) {
+std::string summary_table(constMapStudy& request, const std::vector<FormSummary>& summaries) {
     const auto columns = measure::evaluate::summary_columns(request.metrics);
-    const auto value = [&](std::string_view name, const measure::evaluate::FormSummary& s) {
+    const auto value = [&](std::string_view name, const FormSummary& s) {
         return measure::evaluate::find_column(columns, name)->value(s);
     };
     struct Counted {
@@ -65,15 +60,15 @@ std::string summary_table(const measure::evaluate::MapStudy& request,
     std::vector<std::string> names{"form", "format"};
     for (const Counted& count : counts) names.emplace_back(count.title);
     names.insert(names.end(), {"agreed hits", "lost bits p50", "p99", "max", "excess p99", "worst pixel"});
-    std::string text = "<table>" + header_row(names);
+    std::string text = begin_table(names);
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const measure::evaluate::FormSummary& s = summaries[r];
-        const measure::evaluate::TestedForm& row = request.rows[r];
+        const FormSummary& s = summaries[r];
+        const TestedForm& row = request.rows[r];
         text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(row)),
                             html(row.form->info->name), row.format.name);
         for (const Counted& count : counts)
             text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(count.column, s)));
-        text += fmt::format("<td class=\"n\">{}</td>", s.count(Outcome::agree_hit));
+        text += fmt::format("<td class=\"n\">{}</td>", s.count(measure::answer::Outcome::agree_hit));
         if (s.true_hits > 0 && !s.agreement().is_enough()) {
             text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", s.agreement().too_few());
         } else {
@@ -89,14 +84,14 @@ std::string summary_table(const measure::evaluate::MapStudy& request,
                 html(request.scene->id), html(request.scene->id), html(row.form->info->name), row.format.name, worst->x,
                 worst->y, worst->x, worst->y);
     }
-    return text + "</tbody></table>\n";
+    return text + end_table;
 }
 
 std::string choice_table(const choice::ChoiceResult& chosen) {
-    std::string text = "<table>" + header_row({"form", "format", "registers", "ns per ray and primitive", "bits kept",
-                                               "rays wrong", "meets the requirement"});
+    std::string text = begin_table({"form", "format", "registers", "ns per ray and primitive", "bits kept",
+                                    "rays wrong", "meets the requirement"});
     for (const std::size_t k : measure::choice::by_price(chosen.all)) {
-        const Candidate& c = chosen.all[k];
+        const measure::choice::Candidate& c = chosen.all[k];
         text += fmt::format("<tr{}><th scope=\"row\">{}</th><td>{}</td><td>{}</td>",
                             chosen.meets == k ? " class=\"chosen\"" : "", html(c.row.form->info->name),
                             c.row.format.name, c.isa == "scalar" ? "one ray" : fmt::format("{} bits", c.isa));
@@ -107,7 +102,7 @@ std::string choice_table(const choice::ChoiceResult& chosen) {
                                                   : c.quality.meets(chosen.request.requirement) ? "yes"
                                                                                                 : "no");
     }
-    return text + "</tbody></table>\n";
+    return text + end_table;
 }
 
 std::string mend_table(const repair::MendResult& r) {
@@ -119,7 +114,7 @@ std::string mend_table(const repair::MendResult& r) {
         "bits kept",  "rays wrong",           "on other rays: bits kept",
         "rays wrong", "meets the requirement"};
     if (!r.prices.empty()) names.insert(names.end(), {"ns per ray and primitive in packs", "ns alone", "front"});
-    std::string text = "<table>" + header_row(names);
+    std::string text = begin_table(names);
     const auto add = [&text](double value) { text += fmt::format("<td class=\"n\">{}</td>", shown(value)); };
     for (const repair::FormRow& row : rows_of(r)) {
         if (!row.told) continue;
@@ -141,7 +136,7 @@ std::string mend_table(const repair::MendResult& r) {
         }
         text += "</tr>\n";
     }
-    return text + "</tbody></table>\n";
+    return text + end_table;
 }
 
 std::string offset_table(const measure::offset::OffsetStudy& study, const measure::offset::OffsetSummary& summary) {
@@ -149,7 +144,7 @@ std::string offset_table(const measure::offset::OffsetStudy& study, const measur
     for (const Side side : both_sides) {
         std::vector<std::string> names{"strategy"};
         for (const StrategyColumn& column : strategy_columns) names.emplace_back(column.name);
-        text += "<table>" + caption_of(side) + header_row(names);
+        text += begin_table(names, "", fmt::format("Rays {}", offset::in_words(side)));
         for (std::size_t k = 0; k < study.strategies.size(); ++k) {
             text += fmt::format("<tr><th scope=\"row\">{}</th>", html(offset::short_name(*study.strategies[k])));
             for (const StrategyColumn& column : strategy_columns) {
@@ -159,7 +154,7 @@ std::string offset_table(const measure::offset::OffsetStudy& study, const measur
             }
             text += "</tr>\n";
         }
-        text += "</tbody></table>\n";
+        text += end_table;
     }
     return text + "</div>\n";
 }
@@ -170,13 +165,13 @@ std::string offset_overview(const std::vector<OffsetPart>& parts) {
         const auto s = static_cast<std::size_t>(side);
         std::vector<std::string> names{"strategy"};
         for (const OffsetPart& p : parts) names.push_back(p.id);
-        text += "<table>" + caption_of(side) + header_row(names);
+        text += begin_table(names, "", fmt::format("Rays {}", offset::in_words(side)));
         for (std::size_t k = 0; k < parts.front().strategies.size(); ++k) {
             text += fmt::format("<tr><th scope=\"row\">{}</th>", html(parts.front().strategies[k]));
             for (const OffsetPart& p : parts) text += share_cell(p.bad[s][k]);
             text += "</tr>\n";
         }
-        text += "</tbody></table>\n";
+        text += end_table;
     }
     return text + "</div>\n";
 }

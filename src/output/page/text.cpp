@@ -20,8 +20,10 @@ std::string prose(std::string_view text) {
     }
 }
 
-std::string header_row(const std::vector<std::string>& names) {
-    std::string text = "<thead><tr>";
+std::string begin_table(const std::vector<std::string>& names, std::string_view attributes,
+                        const std::string& caption) {
+    std::string text = fmt::format("<div class=\"scrolls\"><table{}>{}<thead><tr>", attributes,
+                                   caption.empty() ? "" : fmt::format("<caption>{}</caption>", caption));
     for (const std::string& name : names) text += fmt::format("<th scope=\"col\">{}</th>", html(name));
     return text + "</tr></thead><tbody>\n";
 }

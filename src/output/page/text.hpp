@@ -20,8 +20,11 @@ using file::html;
 /// dash.
 [[nodiscard]] std::string shown(double value);
 
-/// The head of a table, up to its first row.
-[[nodiscard]] std::string header_row(const std::vector<std::string>& names);
+/// A table up to its first row, in a box of its own, which scrolls sideways where the window is narrower. `attributes`
+/// begin with a blank, and `caption` is HTML.
+[[nodiscard]] std::string begin_table(const std::vector<std::string>& names, std::string_view attributes = "",
+                                      const std::string& caption = "");
+inline constexpr const char* end_table = "</tbody></table></div>\n";
 
 /// JSON object whose members keep the order in which they are added.
 using Json = nlohmann::ordered_json;

@@ -6,11 +6,10 @@
 namespace lostbits::output::picture {
 
 using measure::picture::RenderBand;
-using measure::picture::RenderStudy;
 
 table::Table<StageRow> RenderView::summary_table() {
     using R = StageRow;
-    table::Table<R> table{{"stage", "string", "", "last stage of the picture: visible, diffuse, shadows or phong",
+    table::Table<R> table{{"stage", "last stage of the picture: visible, diffuse, shadows or phong",
                            [](const R& r) { return name_of(r.stage); }}};
     table.add(table::subject_columns("form that finds hits and shadows", "format of all computations"), &R::row);
     for (const auto& column : measure::picture::render_columns())

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -11,6 +10,9 @@
 #include "output/study/study_files.hpp"
 
 namespace lostbits::output::picture {
+
+using measure::picture::RenderStudy;
+using measure::picture::RenderSummary;
 
 /// A pixel of a picture. NaN and a colour that is not proved have colours that no picture has.
 [[nodiscard]] pixel::PixelValue pixel_of(const measure::picture::Painted& painted);
@@ -22,12 +24,12 @@ namespace lostbits::output::picture {
 [[nodiscard]] std::vector<pixel::Category> shadow_categories();
 
 /// The note under a thumbnail, for a first glance.
-[[nodiscard]] std::string glance(const measure::picture::RenderSummary& s);
+[[nodiscard]] std::string glance(const RenderSummary& s);
 
 struct StageRow {
     scene::file::Stage stage;
     const measure::evaluate::TestedForm* row;
-    const measure::picture::RenderSummary* summary;
+    const RenderSummary* summary;
 };
 
 /// A view, see output/study/study_files.hpp. The sheet has forms across, the certified picture first; stages and
@@ -42,7 +44,7 @@ struct StageRow {
 /// `class.shadow` (UINT, in the order of the attributes `lostbits:seen` and `lostbits:shadow`); `class.object` and
 /// `class.true_object` (0 is none, otherwise 1 + the index of the sphere, counted from 0).
 struct RenderView {
-    using Study = measure::picture::RenderStudy;
+    using Study = RenderStudy;
     using Band = Study::Band;
     using SummaryRow = StageRow;
     static constexpr const char* summary_title = "One row per stage, form and format";

@@ -11,9 +11,6 @@ namespace lostbits::output::picture {
 
 using image::Rgb8;
 using measure::answer::Outcome;
-using measure::evaluate::TestedForm;
-using measure::picture::RenderStudy;
-using measure::picture::RenderSummary;
 using measure::picture::Seen;
 using measure::picture::ShadeRule;
 using measure::picture::Shadow;
@@ -138,7 +135,7 @@ private:
 
     [[nodiscard]] pixel::ColumnSpec map_spec(std::size_t r, std::string file, const std::string& title,
                                              const char* note, SharedLook look) const {
-        const TestedForm& row = study_.rows[r];
+        const measure::evaluate::TestedForm& row = study_.rows[r];
         return {.file = std::move(file),
                 .title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, title),
                 .subtitle = {map::title_of(*row.form->info), note},

@@ -17,13 +17,9 @@ ColumnWriter::ColumnWriter(Pages pages, std::vector<ColumnSpec> columns)
       captions_(columns_.size()) {
     for (const ColumnSpec& column : columns_) counts_.emplace_back(column.look->categories.size());
     if (!pages.opened) return;
-    for (std::size_t s = 0; s < pages.sheets.size(); ++s) {
-        auto& [file, spec, counted] = pages.sheets[s];
+    for (auto& [file, spec] : pages.sheets) {
         spec.field_width = pages.scene.width;
         spec.field_height = pages.scene.height;
-        spec.legend = sheet_legend(s, true);
-        for (LegendEntry& entry : spec.legend)
-            if (counted) entry.count = widest_count(pages.scene.pixels());
         sheets_.push_back(std::make_unique<image::ContactSheet>(file, std::move(spec)));
     }
     for (const ColumnSpec& column : columns_) {
@@ -68,7 +64,7 @@ void ColumnWriter::put(std::size_t column, int y0, const Strip& strip) {
 }
 
 /// Lists each name once, in the order of the columns.
-std::vector<LegendEntry> ColumnWriter::sheet_legend(std::size_t sheet, bool all) const {
+std::vector<LegendEntry> ColumnWriter::sheet_legend(std::size_t sheet) const {
     std::vector<LegendEntry> entries;
     std::vector<bool> occurs;
     const Look* summed = nullptr;
@@ -90,18 +86,14 @@ std::vector<LegendEntry> ColumnWriter::sheet_legend(std::size_t sheet, bool all)
                 static_cast<std::size_t>(std::ranges::find(entries, label, &LegendEntry::label) - entries.begin());
             if (at == entries.size()) {
                 entries.push_back({label, colour, ""});
-                occurs.push_back(all);
+                occurs.push_back(false);
             }
             if (counts_[c][k] > 0) occurs[at] = true;
         }
     }
-    if (summed) {
-        entries = all ? summed->widest_legend(pixels_) : summed->legend(sum, pixels_);
-        for (LegendEntry& entry : entries) entry.count.clear();
-        return entries;
-    }
-    std::vector<LegendEntry> shown;
-    for (std::size_t k = 0; k < entries.size(); ++k)
+    std::vector<LegendEntry> shown = summed ? summed->legend(sum, pixels_) : std::vector<LegendEntry>();
+    for (LegendEntry& entry : shown) entry.count.clear();
+    for (std::size_t k = 0; !summed && k < entries.size(); ++k)
         if (occurs[k]) shown.push_back(entries[k]);
     return shown;
 }
@@ -116,7 +108,7 @@ void ColumnWriter::finish(const std::vector<SheetEnd>& ends) {
     intersect::process::in_parallel(std::size_t{0}, singles_.size(), [this](std::size_t c) { finish_single(c); });
     for (std::size_t s = 0; s < sheets_.size(); ++s) {
         const SheetEnd end = ends.empty() ? SheetEnd{} : ends[s];
-        auto legend = sheet_legend(s, false);
+        auto legend = sheet_legend(s);
         if (!legend.empty()) legend.front().label += end.remark;
         sheets_[s]->finish(legend, end.order, end.headline);
     }

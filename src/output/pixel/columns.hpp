@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,8 +48,7 @@ void fields(Bits& bits, Strip& strip) {
 /// A sheet of columns.
 struct Sheet {
     std::filesystem::path file;
-    image::SheetSpec spec;  ///< without the legend and the size of the cells, which are added later
-    bool counted = false;   ///< its legend has space for counts
+    image::SheetSpec spec;  ///< without the size of the cells, which is added later
 };
 
 /// Selects the files that are written for a scene, and their folder.
@@ -109,8 +107,8 @@ public:
     void finish(const std::vector<SheetEnd>& ends = {});
 
 private:
-    /// Legend of a sheet: every category if `all`, otherwise only those that have a pixel.
-    [[nodiscard]] std::vector<image::LegendEntry> sheet_legend(std::size_t sheet, bool all) const;
+    /// Legend of a sheet: the categories that have a pixel.
+    [[nodiscard]] std::vector<image::LegendEntry> sheet_legend(std::size_t sheet) const;
     void open_single(const Pages& pages, const ColumnSpec& column);
     void finish_single(std::size_t column);
 

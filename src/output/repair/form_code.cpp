@@ -14,8 +14,6 @@
 
 namespace lostbits::output::repair {
 
-using intersect::table::Intersector;
-
 namespace {
 
 /// Words that cannot be names: keywords of C++, and the functions and parameters of the code.

@@ -10,12 +10,13 @@
 
 namespace lostbits::output::repair {
 
+using intersect::table::Intersector;
+
 /// The statements of `intersect`, one per line. T is the number of the form and W the wider one; `wide(x)` and
 /// `narrow(x)` convert between them. The last statement is the return. Operations have the names that the source gives
 /// them. The lines of a tape and of the same tape with wider operations differ only in conversions and types. `like` is
 /// a tape of the same form: equal operations have the names that they have there.
-std::vector<std::string> statements(const Tape& tape, const intersect::table::Intersector& form,
-                                    const Tape* like = nullptr);
+std::vector<std::string> statements(const Tape& tape, const Intersector& form, const Tape* like = nullptr);
 
 /// Texts and properties of a form's file.
 struct FormTexts {
@@ -35,12 +36,12 @@ std::string type_name(const std::string& form);
 /// A header that holds the form, for the catalogue or for a library of lostbits_form.hpp. For a form under a matrix,
 /// `intersect` also takes the matrix, twelve numbers as they are stored, row by row. No list of forms accepts such a
 /// form.
-std::string form_header(const Tape& tape, const intersect::table::Intersector& like, const FormTexts& words);
+std::string form_header(const Tape& tape, const Intersector& like, const FormTexts& words);
 
 /// A GLSL file that holds the function `words.name`. It uses floats only, and doubles if operations are wider in them.
 /// The operations of two floats as one number, and of an fma, are written out, because drivers round their own in
 /// different ways. Throws InputError for a form of doubles, and for operations that GLSL does not have.
-std::string shader_code(const Tape& tape, const intersect::table::Intersector& like, const FormTexts& words);
+std::string shader_code(const Tape& tape, const Intersector& like, const FormTexts& words);
 
 /// Lines that differ, as in a diff: `- old`, `+ new`, in the order of the new text.
 std::vector<std::string> changed_lines(const std::vector<std::string>& before, const std::vector<std::string>& after);

@@ -16,9 +16,8 @@
 
 namespace lostbits::output::repair {
 
-using file::number_or_missing;
-using measure::repair::RowQuality;
 using measure::speed::ParetoPoint;
+using table::or_missing;
 using table::Table;
 using table::when;
 
@@ -105,18 +104,18 @@ image::Canvas front_plot(const MendResult& r) {
     plot::ScatterPlotSpec spec;
     spec.title = fmt::format("{} against kept bits: {} on {}", timed ? "Time" : "Wider operations",
                              r.request.row.form->info->name, r.request.id());
-    spec.subtitle = {fmt::format("Required: {}.", choice::in_words(requirement)),
-                     "Named: the form, its repairs, and the Pareto front, on which fewer wrong decisions count before "
-                     "more bits." +
-                         (timed ? std::string() : " The catalogue: only forms in " + r.request.row.format.name + ".")};
+    spec.subtitle = {
+        fmt::format("Required: {}.", choice::in_words(requirement)),
+        "Named: the form, its repairs, and the Pareto front, on which fewer wrong decisions count before more bits." +
+            (timed ? std::string() : " The catalogue: only forms in " + r.request.row.format.name + ".")};
     if (timed) spec.x = {"time per ray and primitive in packs, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
     else spec.x = {"operations in " + name_of_wider(r.mended.wider), plot::AxisSpec::Scale::linear, 0.0, {}};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, {}, {}};
     const std::vector<FormRow> rows = rows_of(r);
     std::vector<speed::FrontPoint> points;
     for (const FormRow& row : rows) {
-        const bool is_own = row.kind != "catalogue";
-        // The wider operations inside a form of the catalogue are not counted.
+        const bool is_own =
+            row.kind != "catalogue";  // The wider operations inside a form of the catalogue are not counted.
         const bool has_place =
             timed ? row.price != nullptr : is_own || measure::choice::computes_in(row.row).name == row.row.format.name;
         if (!has_place || (!is_own && row.row.form == r.request.row.form)) continue;
@@ -140,56 +139,50 @@ image::Canvas front_plot(const MendResult& r) {
 
 Table<FormRow> form_table() {
     using R = FormRow;
-    Table<R> table{{"kind", "string", "",
-                    "own: the form; wider: with a minimal set of its operations wider; symmetric: with a set that "
-                    "treats x, y and z alike; all_wider: with all of them wider; rewritten: the form written another "
-                    "way; catalogue",
-                    &R::kind}};
+    Table<R> table{
+        {"kind",
+         "own: the form; wider: with a minimal set of its operations wider; symmetric: with a set that treats x, y and "
+         "z alike; all_wider: with all of them wider; rewritten: the form written another way; catalogue",
+         &R::kind}};
     table.add(table::subject_columns("form", "of its inputs and answers"), &R::row);
-    table.add(
-        {{"wider", "string", "", "format of the wider operations; missing if there are none", &R::wider},
-         {"wider_operations", "integer", "", "number of its operations that are done wider; missing for the catalogue",
-          [](const R& r) { return when(r.operations != 0, r.wide); }},
-         {"operations", "integer", "", "number of its rounding operations; missing for the catalogue",
-          [](const R& r) { return when(r.operations != 0, r.operations); }},
-         {"rules", "string", "", "rules that rewrote it, in order; missing if it was not rewritten", &R::rules}});
+    table.add({{"wider", "format of the wider operations; missing if there are none", &R::wider},
+               {"wider_operations", "number of its operations that are done wider; missing for the catalogue",
+                [](const R& r) { return when(r.operations != 0, r.wide); }},
+               {"operations", "number of its rounding operations; missing for the catalogue",
+                [](const R& r) { return when(r.operations != 0, r.operations); }},
+               {"rules", "rules that rewrote it, in order; missing if it was not rewritten", &R::rules}});
     table.add(choice::quality_columns(), &R::quality);
-    table.add({"meets", "boolean", "", "true if it meets the requirement", &R::meets});
+    table.add({"meets", "true if it meets the requirement", &R::meets});
     table.add<RowQuality>(
-        {{"apart_rays", "integer", "", "rays that the search did not use; missing if they were not measured",
-          &RowQuality::rays},
-         {"apart_wrong", "integer", "", "number of these that are decided wrongly", &RowQuality::wrong},
-         {"apart_kept_bits", "number", "bits", "bits kept on these",
-          [](const RowQuality& w) { return number_or_missing(w.kept_bits); }}},
+        {{"apart_rays", "rays that the search did not use; missing if they were not measured", &RowQuality::rays},
+         {"apart_wrong", "number of these that are decided wrongly", &RowQuality::wrong},
+         {"apart_kept_bits", "bits", "bits kept on these", or_missing(&RowQuality::kept_bits)}},
         &R::apart);
-    using P = measure::repair::Price;
+    using P = Price;
     table.add<P>(
-        {{"isa", "string", "", "registers of `time_ns`; missing, like the times, if nothing was compiled", &P::isa},
-         {"time_ns", "number", "ns", "per ray and primitive in packs, median",
-          [](const P& p) { return p.packed.median * 1e9; }},
-         {"single_time_ns", "number", "ns", "per ray and primitive, one ray at a time, median",
+        {{"isa", "registers of `time_ns`; missing, like the times, if nothing was compiled", &P::isa},
+         {"time_ns", "ns", "per ray and primitive in packs, median", [](const P& p) { return p.packed.median * 1e9; }},
+         {"single_time_ns", "ns", "per ray and primitive, one ray at a time, median",
           [](const P& p) { return p.single.median * 1e9; }}},
         &R::price);
-    return table.add({"front", "boolean", "",
-                      "true if no other form is at least as accurate and as fast in packs, and better in one of the "
-                      "two",
-                      [](const R& r) { return when(r.price != nullptr, r.front); }});
+    return table.add(
+        {"front", "true if no other form is at least as accurate and as fast in packs, and better in one of the two",
+         [](const R& r) { return when(r.price != nullptr, r.front); }});
 }
 
 Table<MinimalRow> minimal_table() {
     using R = MinimalRow;
-    return {{"operation", "string", "",
-             "operation of the set with its name in the source; this row is for the form with this operation as it "
-             "was and the others wider",
-             &R::operation},
-            {"step", "integer", "",
-             "its index among the form's operations, from 1; operations on constants alone are not counted", &R::step},
-            {"rays", "integer", "", "rays whose truth is known", [](const R& r) { return r.without->rays; }},
-            {"wrong", "integer", "", "rays decided wrongly without it", [](const R& r) { return r.without->wrong; }},
-            {"kept_bits", "number", "bits", "bits kept without it",
-             [](const R& r) { return number_or_missing(r.without->kept_bits); }},
-            {"meets", "boolean", "",
-             "true if the requirement is met without it: always 0, or the set would not be minimal", &R::meets}};
+    return {
+        {"operation",
+         "operation of the set with its name in the source; this row is for the form with this operation as it was and "
+         "the others wider",
+         &R::operation},
+        {"step", "its index among the form's operations, from 1; operations on constants alone are not counted",
+         &R::step},
+        {"rays", "rays whose truth is known", [](const R& r) { return r.without->rays; }},
+        {"wrong", "rays decided wrongly without it", [](const R& r) { return r.without->wrong; }},
+        {"kept_bits", "bits", "bits kept without it", or_missing([](const R& r) { return r.without->kept_bits; })},
+        {"meets", "true if the requirement is met without it: always 0, or the set would not be minimal", &R::meets}};
 }
 
 namespace {
@@ -228,19 +221,17 @@ std::vector<MinimalRow> minimal_rows(const MendResult& r) {
 Table<ProbeRow> probe_table() {
     using R = ProbeRow;
     Table<R> table{
-        {"kind", "string", "", "the form on these rays, as in mend.csv", [](const R& r) { return r.form.kind; }},
-        {"name", "string", "", "the set or the rules; the form's own name for own",
-         [](const R& r) { return r.form.name; }},
-        {"probe", "string", "",
+        {"kind", "the form on these rays, as in mend.csv", [](const R& r) { return r.form.kind; }},
+        {"name", "the set or the rules; the form's own name for own", [](const R& r) { return r.form.name; }},
+        {"probe",
          "rays and primitives moved together: yzx, zxy, yxz: axes in that order; mirrored: in x, y and z; "
          "quarter_turn: about z; rotated: by 147 degrees about (1, 2, 3)",
          &R::probe}};
-    table.add<RowQuality>({{"rays", "integer", "", "rays whose truth is known", &RowQuality::rays},
-                           {"wrong", "integer", "", "number of these that are decided wrongly", &RowQuality::wrong},
-                           {"kept_bits", "number", "bits", "bits kept",
-                            [](const RowQuality& w) { return number_or_missing(w.kept_bits); }}},
+    table.add<RowQuality>({{"rays", "rays whose truth is known", &RowQuality::rays},
+                           {"wrong", "number of these that are decided wrongly", &RowQuality::wrong},
+                           {"kept_bits", "bits", "bits kept", or_missing(&RowQuality::kept_bits)}},
                           &R::quality);
-    return table.add({"meets", "boolean", "", "true if it meets the requirement there", &R::meets});
+    return table.add({"meets", "true if it meets the requirement there", &R::meets});
 }
 
 std::vector<ProbeRow> probe_rows(const MendResult& r) {

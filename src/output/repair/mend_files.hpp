@@ -16,20 +16,24 @@
 
 namespace lostbits::output::repair {
 
+using measure::choice::GrowthMargin;
+using measure::repair::Price;
+using measure::repair::RowQuality;
+
 /// All results of a repair.
 struct MendResult {
     const measure::repair::MendRequest& request;
     const measure::repair::Mended& mended;
     /// Forms of the catalogue for the same primitives in the same format, most accurate first, and their accuracy.
     std::vector<measure::evaluate::TestedForm> catalogue;
-    std::vector<measure::repair::RowQuality> catalogue_quality;
-    std::vector<measure::choice::GrowthMargin> margins = {};  ///< margins of the form with its set
+    std::vector<RowQuality> catalogue_quality;
+    std::vector<GrowthMargin> margins = {};  ///< margins of the form with its set
     /// Margins of each other way of writing it; empty for one that fails the requirement.
-    std::vector<std::vector<measure::choice::GrowthMargin>> rewritten_margins = {};
-    std::vector<measure::choice::GrowthMargin> symmetric_margins = {};  ///< margins of the form with its symmetric set
+    std::vector<std::vector<GrowthMargin>> rewritten_margins = {};
+    std::vector<GrowthMargin> symmetric_margins = {};  ///< margins of the form with its symmetric set
     /// Times of the form, the set if there is one, the symmetric set if there is one, each other way of writing it, and
     /// the catalogue; empty if nothing was timed.
-    std::vector<measure::repair::Price> prices = {};
+    std::vector<Price> prices = {};
     std::string no_price = {};  ///< reason why nothing was timed although it was asked for
 
     [[nodiscard]] bool has_set() const { return mended.set && !mended.set->operations.empty(); }
@@ -41,12 +45,12 @@ MendResult result_of(const measure::repair::MendRequest& request, const measure:
 /// A resulting form: the set, the symmetric set, or another way of writing the form.
 struct Proposal {
     Tape tape;
-    const measure::repair::RowQuality *quality, *apart;
-    const std::vector<measure::repair::RowQuality>* probed;  ///< worth on each probe of the result
-    const measure::repair::Rewritten* rewritten;             ///< null: it is one of the sets
-    const std::vector<NodeId>* wider;                        ///< operations of the set; null: it is none
-    bool symmetric = false;                                  ///< it is the symmetric set
-    const measure::repair::Price* price = nullptr;           ///< null: not timed
+    const RowQuality *quality, *apart;
+    const std::vector<RowQuality>* probed;        ///< worth on each probe of the result
+    const measure::repair::Rewritten* rewritten;  ///< null: it is one of the sets
+    const std::vector<NodeId>* wider;             ///< operations of the set; null: it is none
+    bool symmetric = false;                       ///< it is the symmetric set
+    const Price* price = nullptr;                 ///< null: not timed
 
     /// True if it meets a requirement on every exact probe of the result.
     [[nodiscard]] bool is_symmetric(const MendResult& result) const;
@@ -80,13 +84,13 @@ struct FormRow {
     measure::evaluate::TestedForm row;  ///< for the catalogue its own, else the form's
     std::size_t operations = 0;         ///< rounding operations; 0 for the catalogue
     std::size_t wide = 0;               ///< number of operations that are done wider
-    const measure::repair::RowQuality* quality = nullptr;
-    const measure::repair::RowQuality* apart = nullptr;  ///< on rays that the search did not use; null: not measured
-    const std::vector<measure::repair::RowQuality>* probed = nullptr;  ///< on each probe; null: not measured
-    std::string rules = {};                                            ///< rules that rewrote it
-    std::string wider = {};                                            ///< format of the wider operations
-    bool meets = false;                                                ///< meets the requirement
-    const measure::repair::Price* price = nullptr;                     ///< null: not timed
+    const RowQuality* quality = nullptr;
+    const RowQuality* apart = nullptr;                ///< on rays that the search did not use; null: not measured
+    const std::vector<RowQuality>* probed = nullptr;  ///< on each probe; null: not measured
+    std::string rules = {};                           ///< rules that rewrote it
+    std::string wider = {};                           ///< format of the wider operations
+    bool meets = false;                               ///< meets the requirement
+    const Price* price = nullptr;                     ///< null: not timed
     bool front = false;  ///< it was timed, and no other is at least as accurate and as fast, and better in one
     const std::vector<NodeId>* set = nullptr;  ///< operations of the set that is done wider; null: it is none
     bool told =
@@ -110,14 +114,14 @@ image::Canvas front_plot(const MendResult& result);
 struct MinimalRow {
     std::string operation;
     int step;  ///< index among the operations that do not depend on constants alone
-    const measure::repair::RowQuality* without;
+    const RowQuality* without;
     bool meets;
 };
 /// A row of probes.csv: a form on the rays of a probe.
 struct ProbeRow {
     FormRow form;
     std::string_view probe;
-    const measure::repair::RowQuality* quality;
+    const RowQuality* quality;
     bool meets;
 };
 table::Table<ProbeRow> probe_table();

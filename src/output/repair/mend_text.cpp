@@ -16,9 +16,6 @@
 namespace lostbits::output::repair {
 
 using measure::attribution::TapeText;
-using measure::choice::GrowthMargin;
-using measure::repair::Price;
-using measure::repair::RowQuality;
 
 namespace {
 

@@ -15,8 +15,6 @@
 
 namespace lostbits::output::repair {
 
-using intersect::table::Intersector;
-
 namespace {
 
 /// A function that the text may call. The functions that it calls itself are defined before it.

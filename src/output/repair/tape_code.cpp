@@ -18,14 +18,14 @@ constexpr std::size_t short_enough = 56;
 
 }  // namespace
 
-std::vector<std::string> input_names_of(const intersect::table::Intersector& form) {
+std::vector<std::string> input_names_of(const Intersector& form) {
     Primitive<double> primitive(form.shape);
     if (form.is_placed) primitive.placed.emplace();
     return intersect::table::input_names(form, intersect::Target<double>(primitive));
 }
 
-TapeCode::TapeCode(const Tape& tape, const intersect::table::Intersector& form, std::vector<NodeId> wanted,
-                   LanguageNames language, const TapeCode* like)
+TapeCode::TapeCode(const Tape& tape, const Intersector& form, std::vector<NodeId> wanted, LanguageNames language,
+                   const TapeCode* like)
     : tape_(tape),
       wanted_(std::move(wanted)),
       slice_(tape, wanted_),

@@ -13,6 +13,8 @@
 
 namespace lostbits::output::repair {
 
+using intersect::table::Intersector;
+
 /// Names of the numbers of the primitive in a language, and words that cannot be names there.
 struct LanguageNames {
     std::string primitive;  ///< prefix of `centre.x`
@@ -20,7 +22,7 @@ struct LanguageNames {
 };
 
 /// Names of the inputs on the tape of a form: of a ray, of a primitive, and of its matrix if it has one.
-std::vector<std::string> input_names_of(const intersect::table::Intersector& form);
+std::vector<std::string> input_names_of(const Intersector& form);
 
 class TapeCode {
 public:
@@ -36,8 +38,8 @@ public:
 protected:
     /// Code for whatever `wanted` is computed from. `like`: operations without a name of their own have the names that
     /// they have there.
-    TapeCode(const Tape& tape, const intersect::table::Intersector& form, std::vector<NodeId> wanted,
-             LanguageNames language, const TapeCode* like = nullptr);
+    TapeCode(const Tape& tape, const Intersector& form, std::vector<NodeId> wanted, LanguageNames language,
+             const TapeCode* like = nullptr);
 
     [[nodiscard]] virtual std::string statement(NodeId i) const = 0;
     [[nodiscard]] virtual std::string expression(NodeId i) const = 0;

@@ -7,27 +7,23 @@
 
 namespace lostbits::output::speed {
 
-using measure::speed::Timing;
-
 table::Table<KernelKey> kernel_columns(const std::string& form) {
-    return {{"form", "string", "", form, &KernelKey::form},
-            {"format", "string", "", "format of the computation", &KernelKey::format},
-            {"isa", "string", "", "bits of the registers that hold rays side by side; scalar: one ray at a time",
-             &KernelKey::isa}};
+    return {{"form", form, &KernelKey::form},
+            {"format", "format of the computation", &KernelKey::format},
+            {"isa", "bits of the registers that hold rays side by side; scalar: one ray at a time", &KernelKey::isa}};
 }
 
 table::Table<Timing> time_columns(const std::string& median, const std::string& quartiles_of) {
-    return {{"time_ns", "number", "ns", median, [](const Timing& t) { return t.median * 1e9; }},
-            {"time_ns_q1", "number", "ns", quartiles_of + "first quartile",
-             [](const Timing& t) { return t.low_quartile * 1e9; }},
-            {"time_ns_q3", "number", "ns", quartiles_of + "third quartile",
-             [](const Timing& t) { return t.high_quartile * 1e9; }}};
+    return {
+        {"time_ns", "ns", median, [](const Timing& t) { return t.median * 1e9; }},
+        {"time_ns_q1", "ns", quartiles_of + "first quartile", [](const Timing& t) { return t.low_quartile * 1e9; }},
+        {"time_ns_q3", "ns", quartiles_of + "third quartile", [](const Timing& t) { return t.high_quartile * 1e9; }}};
 }
 
 std::size_t colour_of(const Format& format) { return format.engine == Format::Engine::native64 ? 1 : 0; }
 
 void add_front(plot::ScatterPlotSpec& spec, const std::vector<FrontPoint>& points) {
-    std::vector<measure::speed::ParetoPoint> worths;
+    std::vector<ParetoPoint> worths;
     for (const FrontPoint& p : points) worths.push_back(p.quality);
     const auto beaten = measure::speed::dominated(worths);
     std::vector<std::size_t> front;

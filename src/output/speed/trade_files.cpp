@@ -17,12 +17,10 @@
 
 namespace lostbits::output::speed {
 
-using file::number_or_missing;
 using measure::answer::Outcome;
 using measure::speed::TradeKernel;
-using measure::speed::TradeRequest;
-using measure::speed::TradeResult;
 using plot::ScatterPlotSpec;
+using table::or_missing;
 using table::Table;
 
 namespace {
@@ -34,32 +32,29 @@ Table<TimeRow> time_table() {
     using Timed = TradeResult::Timed;
     Table<R> table;
     table.add(kernel_columns(form_meaning), &R::name);
-    table.add(
-        {"working_set", "string", "",
-         "location of rays and answers: l1, l2 (half of the cache), memory (read again and again); scene: rays of "
-         "the scene, taken evenly from its picture",
-         [](const R& r) { return r.load->working_set; }});
-    table.add<Timed>({{"working_set_bytes", "integer", "B", "bytes of rays and answers", &Timed::bytes},
-                      {"working_set_rays", "integer", "", "number of rays in these bytes", &Timed::rays},
-                      {"hit_rate", "number", "1",
+    table.add({"working_set",
+               "location of rays and answers: l1, l2 (half of the cache), memory (read again and again); scene: rays "
+               "of the scene, taken evenly from its picture",
+               [](const R& r) { return r.load->working_set; }});
+    table.add<Timed>({{"working_set_bytes", "B", "bytes of rays and answers", &Timed::bytes},
+                      {"working_set_rays", "number of rays in these bytes", &Timed::rays},
+                      {"hit_rate", "1",
                        "share of the rays that hit; in l1 a processor can learn the few hundred rays, so kernels with "
                        "branches look faster than they are",
                        &Timed::hit_rate}},
                      &R::timed);
-    const auto timing = [](const R& r) -> const measure::speed::Timing& { return r.timed->timing; };
+    const auto timing = [](const R& r) -> const Timing& { return r.timed->timing; };
     table.add(
         time_columns("per ray, for a scene per ray and primitive; median of the repetitions, and so for the quartiles"),
         timing);
-    table.add<measure::speed::Timing>(
-        {{"spread", "number", "1", "(third - first quartile)/median",
-          [](const auto& t) { return (t.high_quartile - t.low_quartile) / t.median; }},
-         {"rays_per_second", "number", "1/s", "1/time", [](const auto& t) { return 1 / t.median; }}},
-        timing);
-    table.add(
-        {"repetitions", "integer", "", "number of measurements, one in each round over all kernels", &R::repetitions});
+    table.add<Timing>({{"spread", "1", "(third - first quartile)/median",
+                        [](const auto& t) { return (t.high_quartile - t.low_quartile) / t.median; }},
+                       {"rays_per_second", "1/s", "1/time", [](const auto& t) { return 1 / t.median; }}},
+                      timing);
+    table.add({"repetitions", "number of measurements, one in each round over all kernels", &R::repetitions});
     for (std::size_t k = 0; k < operation_names.size(); ++k) {
         const std::string name(operation_names[k]);
-        table.add({"ops_" + name, "integer", "",
+        table.add({"ops_" + name,
                    fmt::format("{} in one evaluation of the form on a hit, as it is written, with constants folded",
                                name == "add"      ? "additions and subtractions"
                                : name == "choose" ? "selects, minima and maxima"
@@ -73,40 +68,39 @@ Table<TimeRow> time_table() {
 Table<ParetoRow> pareto_table() {
     using R = ParetoRow;
     const auto fraction = [](Outcome o, const auto& whole) {
-        return [o, whole](const R& r) {
-            return number_or_missing(measure::truth::fraction(r.accuracy->count(o), std::invoke(whole, *r.accuracy)));
-        };
+        return or_missing([o, whole](const R& r) {
+            return measure::truth::fraction(r.accuracy->count(o), std::invoke(whole, *r.accuracy));
+        });
     };
     const auto quantile = [](const measure::metric::Distribution* R::*metric, double q) {
-        return [metric, q](const R& r) { return number_or_missing((r.*metric)->quantile(q)); };
+        return or_missing([metric, q](const R& r) { return (r.*metric)->quantile(q); });
     };
-    Table<R> table{{"ray_set", "string", "", "set of rays on which accuracy is measured", &R::set}};
+    Table<R> table{{"ray_set", "set of rays on which accuracy is measured", &R::set}};
     table.add(kernel_columns(form_meaning), &R::name);
-    table.add(
-        {{"time_ns", "number", "ns",
-          "median, per ray of the easy set, working set l1, hit rate 0.5; for a scene, per ray and primitive of the "
-          "scene",
-          [](const R& r) { return r.quality.time_ns; }},
-         {"rays", "integer", "", "number of rays in the set", [](const R& r) { return r.accuracy->rays; }},
-         {"lost_bits_p50", "number", "bits", "median over the correct hits", quantile(&R::lost, 0.5)},
-         {"lost_bits_p99", "number", "bits", "99th percentile over the correct hits", quantile(&R::lost, 0.99)},
-         {"excess_bits_p99", "number", "bits", "99th percentile of the bits lost beyond what the problem itself costs",
-          quantile(&R::excess, 0.99)},
-         {"kept_bits_p99", "number", "bits", "significand bits of the format minus lost_bits_p99",
-          [](const R& r) { return number_or_missing(r.quality.kept_bits); }},
-         {"false_hit_fraction", "number", "1", "false hits among the rays that truly miss",
-          fraction(Outcome::false_hit, &measure::evaluate::FormSummary::true_misses)},
-         {"false_miss_fraction", "number", "1", "false misses among the rays that truly hit",
-          fraction(Outcome::false_miss, &measure::evaluate::FormSummary::true_hits)},
-         {"wrong_fraction", "number", "1",
-          "share of false hits, false misses, NaNs and, for a scene, hits of another primitive, among all rays whose "
-          "truth is known",
-          [](const R& r) { return r.quality.wrong_fraction; }},
-         {"dominated", "boolean", "",
-          "true if another entry of the set is at least as fast and at least as accurate, and better in one of the "
-          "two; the more accurate entry has the smaller wrong_fraction or, if these are equal, the greater "
-          "kept_bits_p99",
-          &R::dominated}});
+    table.add({{"time_ns", "ns",
+                "median, per ray of the easy set, working set l1, hit rate 0.5; for a scene, per ray and primitive of "
+                "the scene",
+                [](const R& r) { return r.quality.time_ns; }},
+               {"rays", "number of rays in the set", [](const R& r) { return r.accuracy->rays; }},
+               {"lost_bits_p50", "bits", "median over the correct hits", quantile(&R::lost, 0.5)},
+               {"lost_bits_p99", "bits", "99th percentile over the correct hits", quantile(&R::lost, 0.99)},
+               {"excess_bits_p99", "bits", "99th percentile of the bits lost beyond what the problem itself costs",
+                quantile(&R::excess, 0.99)},
+               {"kept_bits_p99", "bits", "significand bits of the format minus lost_bits_p99",
+                or_missing([](const R& r) { return r.quality.kept_bits; })},
+               {"false_hit_fraction", "1", "false hits among the rays that truly miss",
+                fraction(Outcome::false_hit, &measure::evaluate::FormSummary::true_misses)},
+               {"false_miss_fraction", "1", "false misses among the rays that truly hit",
+                fraction(Outcome::false_miss, &measure::evaluate::FormSummary::true_hits)},
+               {"wrong_fraction", "1",
+                "share of false hits, false misses, NaNs and, for a scene, hits of another primitive, among all rays "
+                "whose truth is known",
+                [](const R& r) { return r.quality.wrong_fraction; }},
+               {"dominated",
+                "true if another entry of the set is at least as fast and at least as accurate, and better in one of "
+                "the two; the more accurate entry has the smaller wrong_fraction or, if these are equal, the greater "
+                "kept_bits_p99",
+                &R::dominated}});
     return table;
 }
 
@@ -138,9 +132,8 @@ std::string in_words(const TradeKernel& kernel) {
 
 }  // namespace
 
-std::vector<measure::speed::ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result,
-                                                          std::size_t set) {
-    std::vector<measure::speed::ParetoPoint> all;
+std::vector<ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result, std::size_t set) {
+    std::vector<ParetoPoint> all;
     const std::size_t load = measure::speed::reference_load(request.loads);
     for (std::size_t k = 0; k < request.kernels.size(); ++k) {
         all.push_back(measure::speed::pareto_point(result.times[k][load].timing, request.kernels[k].measured,
@@ -195,8 +188,8 @@ std::string shown_rays(const TradeRequest& request, const TradeResult& result, s
                            scene::toml::counted(judged, "ray"), timed.rays, timed.primitives, repeated);
     const auto sets = measure::speed::trade_sets(request);
     return fmt::format(
-        "Accuracy: {} rays of the set {}. Time{}: rays like those of the set {}, {:.0f} KiB of them and "
-        "of answers in the first-level cache, every other ray a hit; {}",
+        "Accuracy: {} rays of the set {}. Time{}: rays like those of the set {}, {:.0f} KiB of them and of answers in "
+        "the first-level cache, every other ray a hit; {}",
         judged, sets[set].name, set == 0 ? "" : ", the same in the pictures of all sets", sets.front().name,
         static_cast<double>(timed.bytes) / 1024, repeated);
 }
@@ -214,20 +207,19 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
     spec.title = fmt::format("Time against kept bits: {}", measure::speed::trade_sets(request)[set].title);
     spec.subtitle = {shown_rays(request, result, set),
                      "Named: the Pareto front, and every form from outside lostbits. Fewer wrong decisions count "
-                     "before more bits, so the front may step down to a "
-                     "form that is never wrong."};
+                     "before more bits, so the front may step down to a form that is never wrong."};
     spec.x = {request.scene ? scene_time_title : time_title, plot::AxisSpec::Scale::log2, {}, {}, false, true};
     spec.y = {kept_title, plot::AxisSpec::Scale::linear, {}, {}};
     std::vector<FrontPoint> points;
     for (std::size_t k = 0; k < all.size(); ++k) {
         const TradeKernel& kernel = request.kernels[k];
-        points.push_back({.row = kernel.measured,
-                          .quality = all[k],
-                          .time = result.times[k][load].timing,
-                          .marker = marker_of(kernel),
-                          // A form from outside is always named, because its author looks for it.
-                          .named = !map::is_of_catalogue(*kernel.measured.form->info),
-                          .hollow = !all[k].never_wrong()});
+        points.push_back(
+            {.row = kernel.measured,
+             .quality = all[k],
+             .time = result.times[k][load].timing,
+             .marker = marker_of(kernel),  // A form from outside is always named, because its author looks for it.
+             .named = !map::is_of_catalogue(*kernel.measured.form->info),
+             .hollow = !all[k].never_wrong()});
     }
     add_front(spec, points);
     spec.keys = keys_of(request);
@@ -237,8 +229,7 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
 namespace {
 
 /// The kernels on a set of rays, the fastest register width of each form and format, by time.
-std::string ranking_text(const TradeRequest& request, const TradeResult& result,
-                         const std::vector<measure::speed::ParetoPoint>& all) {
+std::string ranking_text(const TradeRequest& request, const TradeResult& result, const std::vector<ParetoPoint>& all) {
     const auto dominated = measure::speed::dominated(all);
     const auto timing = [&](std::size_t k) {
         return result.times[k][measure::speed::reference_load(request.loads)].timing;
@@ -252,7 +243,7 @@ std::string ranking_text(const TradeRequest& request, const TradeResult& result,
     for (const std::size_t k : order) {
         const auto [form, format, isa] = name_of(request.kernels[k]);
         if (!seen.emplace(form, format).second) continue;
-        const measure::speed::Timing t = timing(k);
+        const Timing t = timing(k);
         const double kept = all[k].kept_bits;
         text += fmt::format("  {} {:<28} {:<5} {:>9} {:>9.2f} {:>5.1f}% {:>15} {:>7.3g}%\n", dominated[k] ? ' ' : '*',
                             form, format, isa, all[k].time_ns, 50 * (t.high_quartile - t.low_quartile) / t.median,
@@ -262,7 +253,7 @@ std::string ranking_text(const TradeRequest& request, const TradeResult& result,
 }
 
 /// The cheapest kernel for each number of bits; numbers of bits with the same answer are one line.
-std::string cheapest_text(const TradeRequest& request, const std::vector<measure::speed::ParetoPoint>& all) {
+std::string cheapest_text(const TradeRequest& request, const std::vector<ParetoPoint>& all) {
     std::vector<std::pair<std::string, std::string>> lines;  // bits, answer
     for (const int bits : measure::speed::asked_bits) {
         const auto best = measure::speed::cheapest(all, bits);

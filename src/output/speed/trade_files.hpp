@@ -16,21 +16,25 @@
 
 namespace lostbits::output::speed {
 
+using measure::speed::ParetoPoint;
+using measure::speed::Timing;
+using measure::speed::TradeRequest;
+using measure::speed::TradeResult;
+
 /// Name of a kernel in tables.
 struct KernelKey {
     std::string_view form, format, isa;
-};
-/// The columns form, format and isa. `form` is the meaning of the first.
+};  /// The columns form, format and isa. `form` is the meaning of the first.
 table::Table<KernelKey> kernel_columns(const std::string& form);
 
 /// The columns time_ns, time_ns_q1 and time_ns_q3.
-table::Table<measure::speed::Timing> time_columns(const std::string& median, const std::string& quartiles_of = "");
+table::Table<Timing> time_columns(const std::string& median, const std::string& quartiles_of = "");
 
 /// A kernel in the plane of time and kept bits.
 struct FrontPoint {
     const measure::evaluate::TestedForm& row;
-    measure::speed::ParetoPoint quality;
-    std::optional<measure::speed::Timing> time;  ///< none: it has no quartiles
+    ParetoPoint quality;
+    std::optional<Timing> time;  ///< none: it has no quartiles
     int marker = 0;
     bool named = false;      ///< wherever it lies; points on the front are always named
     bool hollow = false;     ///< it decides too many rays wrongly
@@ -39,8 +43,7 @@ struct FrontPoint {
 
 /// Adds points with the quartiles of their times. Points that are neither on the Pareto front nor named are grey, and
 /// the colour shows the format. A stepped line joins the front; it is dashed between points that are sometimes wrong.
-void add_front(plot::ScatterPlotSpec& spec, const std::vector<FrontPoint>& points);
-/// Colour of points in a format.
+void add_front(plot::ScatterPlotSpec& spec, const std::vector<FrontPoint>& points);  /// Colour of points in a format.
 std::size_t colour_of(const Format& format);
 
 /// A kernel with one of the loads.
@@ -50,12 +53,11 @@ struct TimeRow {
     const measure::speed::TradeResult::Timed* timed;
     int repetitions;
     const OperationCounts* operations;
-};
-/// A kernel on one of the sets of rays.
+};  /// A kernel on one of the sets of rays.
 struct ParetoRow {
     std::string_view set;
     KernelKey name;
-    measure::speed::ParetoPoint quality;
+    ParetoPoint quality;
     const measure::evaluate::FormSummary* accuracy;
     const measure::metric::Distribution *lost, *excess;
     bool dominated;
@@ -64,26 +66,25 @@ struct ParetoRow {
 /// Opens its files before the work and gives them their final names when they are complete.
 class TradeFiles {
 public:
-    TradeFiles(const measure::speed::TradeRequest& request, const std::filesystem::path& folder);
-    void finish(const measure::speed::TradeResult& result);
+    TradeFiles(const TradeRequest& request, const std::filesystem::path& folder);
+    void finish(const TradeResult& result);
 
 private:
-    void write_times(const measure::speed::TradeResult& result);
-    void write_pareto(const measure::speed::TradeResult& result);
+    void write_times(const TradeResult& result);
+    void write_pareto(const TradeResult& result);
 
-    const measure::speed::TradeRequest& request_;
+    const TradeRequest& request_;
     std::filesystem::path folder_;
     table::TableFile<TimeRow> times_;
     table::TableFile<ParetoRow> pareto_;
 };
 
 /// Accuracy of every kernel on a set of rays, with its time under the reference load.
-std::vector<measure::speed::ParetoPoint> pareto_points_of(const measure::speed::TradeRequest& request,
-                                                          const measure::speed::TradeResult& result, std::size_t set);
+std::vector<ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result, std::size_t set);
 
 /// For each set of rays: a table of the forms by time, and the cheapest that keeps each number of bits. Then how the
 /// times were measured.
-std::string trade_text(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result);
+std::string trade_text(const TradeRequest& request, const TradeResult& result);
 
 /// Titles of the axes of the picture, here and on the page.
 inline constexpr const char *time_title = "time per ray of the easy set, ns",
@@ -96,7 +97,6 @@ std::string registers_of(const measure::speed::TradeKernel& kernel);
 /// Plot of a trade: markers by register width, colours by format. Dominated kernels are grey, and those that decide any
 /// ray wrongly are hollow. A stepped line joins the kernels that are not dominated; it is dashed between those that are
 /// sometimes wrong.
-plot::ScatterPlotSpec trade_plot(const measure::speed::TradeRequest& request, const measure::speed::TradeResult& result,
-                                 std::size_t set);
+plot::ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& result, std::size_t set);
 
 }  // namespace lostbits::output::speed

@@ -37,10 +37,8 @@ struct PixelInBand {
 template <class Band>
 table::Table<PixelInBand<Band>> place_columns() {
     using R = PixelInBand<Band>;
-    return {
-        {"x", "integer", "", "column of the pixel", [](const R& r) { return static_cast<int>(r.i) % r.band->width; }},
-        {"y", "integer", "", "row of the pixel",
-         [](const R& r) { return r.band->y0 + static_cast<int>(r.i) / r.band->width; }}};
+    return {{"x", "column of the pixel", [](const R& r) { return static_cast<int>(r.i) % r.band->width; }},
+            {"y", "row of the pixel", [](const R& r) { return r.band->y0 + static_cast<int>(r.i) / r.band->width; }}};
 }
 
 /// A text below a cell of the sheet.

@@ -14,8 +14,6 @@
 namespace lostbits::output::sweep {
 
 using measure::answer::Outcome;
-using measure::evaluate::FormSummary;
-using measure::sweep::CaseRequest;
 using measure::sweep::Verdict;
 
 std::string right_means(const scene::sweep::CaseFile& file) {
@@ -36,13 +34,13 @@ table::Table<CaseRow> case_table(const CaseRequest& request) {
     summary.set_meaning("worst_x", "ray with the largest |ulp_error| in its group, from 0");
     summary.set_meaning("worst_y", "0");
     table::Table<R> table{
-        {"case", "string", "", "name of the case", &R::name},
-        {"convention", "string", "",
+        {"case", "name of the case", &R::name},
+        {"convention",
          "convention by which touching and t = 0 are judged: the form's own (own); touching is a hit (closed) or a "
          "miss (open); "
          "t = 0 is a hit in both",
          [](const R& r) { return intersect::convention_name(r.summary.row.judged); }},
-        {"verdict", "string", "",
+        {"verdict",
          fmt::format(
              "right ({}), within_inputs (every decision is right, and every answer is {}: half an ulp in each input "
              "would cost the remaining bits), wrong_value, or the most frequent wrong decision",

@@ -11,6 +11,9 @@
 
 namespace lostbits::output::sweep {
 
+using measure::evaluate::FormSummary;
+using measure::sweep::CaseRequest;
+
 /// Colour of a case that a form answers right.
 inline constexpr image::Rgb8 case_right_colour{226, 238, 226};
 
@@ -33,19 +36,18 @@ struct CaseRow {
 class CaseFiles {
 public:
     /// `named` names the file to `lostbits explain`.
-    CaseFiles(const measure::sweep::CaseRequest& request, const std::filesystem::path& folder, std::string named);
-    void finish(const std::vector<std::vector<measure::evaluate::FormSummary>>& cases);
+    CaseFiles(const CaseRequest& request, const std::filesystem::path& folder, std::string named);
+    void finish(const std::vector<std::vector<FormSummary>>& cases);
 
 private:
-    const measure::sweep::CaseRequest& request_;
+    const CaseRequest& request_;
     std::filesystem::path folder_;
     std::string named_;
     table::TableFile<CaseRow> csv_;
 };
 
 /// The matrix of forms (columns, by format) and cases (rows) for the rows judged by one convention.
-image::Canvas case_matrix(const measure::sweep::CaseRequest& request,
-                          const std::vector<std::vector<measure::evaluate::FormSummary>>& cases,
+image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vector<FormSummary>>& cases,
                           std::optional<intersect::Touching> judged = {});
 
 }  // namespace lostbits::output::sweep

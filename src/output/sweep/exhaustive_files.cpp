@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -16,24 +15,18 @@
 
 namespace lostbits::output::sweep {
 
-using file::Cell;
 using measure::answer::Outcome;
-using measure::sweep::ExhaustiveRequest;
-using measure::sweep::ExhaustiveState;
 using measure::sweep::first_events;
-using measure::sweep::FloatAnswer;
 using measure::sweep::FloatTally;
-using measure::sweep::RangeFinding;
 using scene::sweep::float_at;
 using table::Table;
-using table::when;
 
 /// Some of the floats of a ray, as answered by a form in a format.
 struct FloatsRow {
     struct Worst {
         std::uint32_t place;
         double ulps, at_most;
-        FloatAnswer answer;
+        measure::sweep::FloatAnswer answer;
     };
     /// Finds the worst float by asking the form again.
     void find_worst() {
@@ -53,7 +46,7 @@ struct FloatsRow {
     const FloatTally& tally;
     std::optional<Worst> worst = {};
     std::string binade = {}, statement = {};
-    Cell right_up_to = {};
+    std::optional<std::string> right_up_to = {};
 };
 
 /// First float among them at which an event happens, if any.
@@ -72,7 +65,7 @@ std::string float_bits(std::uint32_t place) {
     return fmt::format("{:#010x}", std::bit_cast<std::uint32_t>(float_at(place)));
 }
 
-Cell hex_cell(std::uint32_t place) { return file::hex(static_cast<double>(float_at(place))); }
+std::string hex_of(std::uint32_t place) { return file::hex(static_cast<double>(float_at(place))); }
 
 std::string_view outcome_name(Outcome o) { return measure::answer::outcome_names[static_cast<std::size_t>(o)]; }
 
@@ -83,21 +76,20 @@ Table<FloatsRow> subject_columns() {
     table.add(
         table::subject_columns(), [](const R& r) -> const auto& { return r.request.rows[r.row]; });
     return table.add(
-        {{"ray", "string", "", "name of the ray", [](const R& r) { return r.request.sweep.rays[r.ray].name; }},
-         {"axis", "string", "",
-          "name of the number that takes every float; columns in the unit of the axis are values of it",
+        {{"ray", "name of the ray", [](const R& r) { return r.request.sweep.rays[r.ray].name; }},
+         {"axis", "name of the number that takes every float; columns in the unit of the axis are values of it",
           [](const R& r) { return r.request.sweep.axis.name; }}});
 }
 
 Table<FloatsRow> end_columns(const std::string& unit) {
-    return {{"from_hex", "string", unit, "the first float that was tried, exactly",
-             [](const FloatsRow& r) { return hex_cell(r.floats.first); }},
-            {"to_hex", "string", unit, "the last float that was tried, exactly",
-             [](const FloatsRow& r) { return hex_cell(r.floats.last); }}};
+    return {{"from_hex", unit, "the first float that was tried, exactly",
+             [](const FloatsRow& r) { return hex_of(r.floats.first); }},
+            {"to_hex", unit, "the last float that was tried, exactly",
+             [](const FloatsRow& r) { return hex_of(r.floats.last); }}};
 }
 
 table::TableColumn<FloatsRow> count_column() {
-    return {"floats", "integer", "", "number of floats that were tried, by counting",
+    return {"floats", "number of floats that were tried, by counting",
             [](const FloatsRow& r) { return r.tally.floats(); }};
 }
 
@@ -107,7 +99,7 @@ Table<FloatsRow> outcome_columns(const ExhaustiveRequest& request) {
     const std::size_t outcomes =
         request.sweep.mesh ? measure::answer::outcome_names.size() : measure::answer::outcomes_of_one_primitive;
     for (std::size_t o = 0; o < outcomes; ++o)
-        table.add({std::string(measure::answer::outcome_names[o]), "integer", "", "floats with this outcome",
+        table.add({std::string(measure::answer::outcome_names[o]), "floats with this outcome",
                    [o](const FloatsRow& r) { return r.tally.outcomes[o]; }});
     return table;
 }
@@ -116,25 +108,23 @@ Table<FloatsRow> worst_columns(const std::string& unit) {
     using W = FloatsRow::Worst;
     Table<FloatsRow> table;
     table.add<W>(
-        {{"lost_bits_max", "number", "bits",
-          "lost bits of the worst float; missing if no float is a hit for both form and truth",
+        {{"lost_bits_max", "bits", "lost bits of the worst float; missing if no float is a hit for both form and truth",
           [](const W& w) { return measure::truth::lost_bits(w.ulps, binary32.precision); }},
-         {"worst_ulp_error", "number", "ulp",
+         {"worst_ulp_error", "ulp",
           "(t − t*)/ulp(t*) of the float at which it is largest in size, by the unrounded truth", &W::ulps},
-         {"ulp_error_at_most", "number", "ulp",
+         {"ulp_error_at_most", "ulp",
           "bound on the size of the error of every float: close to the worst, and above it by at most 2^-8 ulp "
           "if thousands "
           "of floats are equally bad",
           &W::at_most},
-         {"worst_at", "number", unit, "the worst float", [](const W& w) { return float_at(w.place); }},
-         {"worst_hex", "string", unit, "the worst float, exactly", [](const W& w) { return hex_cell(w.place); }},
-         {"worst_bits", "string", "", "bits of the worst float", [](const W& w) { return float_bits(w.place); }},
-         {"worst_t_hex", "string", "t", "the form's answer at the worst float",
-          [](const W& w) { return file::hex(w.answer.t); }},
-         {"worst_truth_hex", "string", "t", "t*, correctly rounded to binary64",
+         {"worst_at", unit, "the worst float", [](const W& w) { return float_at(w.place); }},
+         {"worst_hex", unit, "the worst float, exactly", [](const W& w) { return hex_of(w.place); }},
+         {"worst_bits", "bits of the worst float", [](const W& w) { return float_bits(w.place); }},
+         {"worst_t_hex", "t", "the form's answer at the worst float", [](const W& w) { return file::hex(w.answer.t); }},
+         {"worst_truth_hex", "t", "t*, correctly rounded to binary64",
           [](const W& w) { return file::hex(w.answer.truth); }}},
         &FloatsRow::worst);
-    return table.add({"worst_explain", "string", "", "the command that explains the worst float",
+    return table.add({"worst_explain", "the command that explains the worst float",
                       [](const FloatsRow& r) { return r.worst ? r.explain(r.worst->place) : ""; }});
 }
 
@@ -144,34 +134,32 @@ Table<FloatsRow> wrong_columns(const std::string& unit) {
     Table<R> table;
     const auto add = [&](const std::string& w, std::optional<Wrong> FloatTally::*wrong) {
         table.add<Wrong>(
-            {{w + "_wrong_hex", "string", unit, "the " + w + " float with a wrong decision, exactly",
-              [](const Wrong& x) { return hex_cell(x.place); }},
-             {w + "_wrong_bits", "string", "", "bits of that float",
-              [](const Wrong& x) { return float_bits(x.place); }},
-             {w + "_wrong_outcome", "string", "", "outcome of that float",
-              [](const Wrong& x) { return outcome_name(x.outcome); }}},
+            {{w + "_wrong_hex", unit, "the " + w + " float with a wrong decision, exactly",
+              [](const Wrong& x) { return hex_of(x.place); }},
+             {w + "_wrong_bits", "bits of that float", [](const Wrong& x) { return float_bits(x.place); }},
+             {w + "_wrong_outcome", "outcome of that float", [](const Wrong& x) { return outcome_name(x.outcome); }}},
             [wrong](const R& r) -> const auto& { return r.tally.*wrong; });
     };
     add("first", &FloatTally::first_wrong);
     add("last", &FloatTally::last_wrong);
     return table.add(
-        {{"fault_explain", "string", "", "the command that explains the first float with a wrong decision",
+        {{"fault_explain", "the command that explains the first float with a wrong decision",
           [](const R& r) { return r.tally.first_wrong ? r.explain(r.tally.first_wrong->place) : ""; }},
-         {"padding_max", "number", "u",
+         {"padding_max", "u",
           "for a form that tests a box: the largest padding of tmax that any hit it misses would need, which is the "
           "metric padding; 0 if it misses none whose slab intervals come apart",
           [](const R& r) {
               const double padding = measure::sweep::padding_max(r.request.rows[r.row], r.tally);
-              return when(padding >= 0, padding);
+              return table::when(padding >= 0, padding);
           }},
-         {"padding_hex", "string", unit, "the float that needs this padding, exactly",
-          [](const R& r) { return r.tally.padding ? hex_cell(r.tally.padding->place) : Cell(); }}});
+         {"padding_hex", unit, "the float that needs this padding, exactly",
+          [](const R& r) { return r.tally.padding ? std::optional(hex_of(r.tally.padding->place)) : std::nullopt; }}});
 }
 
 Table<FloatsRow> binade_table(const ExhaustiveRequest& request) {
     const std::string& unit = request.sweep.axis.unit;
     return subject_columns()
-        .add({"binade", "string", "",
+        .add({"binade",
               "sign and power of two of its floats; zeros, subnormals, infinities and NaNs have rows of their own",
               &FloatsRow::binade})
         .add(end_columns(unit))
@@ -185,12 +173,12 @@ Table<FloatsRow> statement_table(const ExhaustiveRequest& request) {
     return subject_columns()
         .add(end_columns(unit))
         .add(outcome_columns(request))
-        .add({"right_up_to_hex", "string", unit,
+        .add({"right_up_to_hex", unit,
               "the last float before the first wrong decision; missing if no decision is wrong, or the first one is",
               &FloatsRow::right_up_to})
         .add(wrong_columns(unit))
         .add(worst_columns(unit))
-        .add({"statement", "string", "", "the row in words", &FloatsRow::statement});
+        .add({"statement", "the row in words", &FloatsRow::statement});
 }
 
 Table<FloatEventRow> onset_table(const ExhaustiveRequest& request) {
@@ -199,32 +187,30 @@ Table<FloatEventRow> onset_table(const ExhaustiveRequest& request) {
     const auto value = [](std::uint32_t place) { return float_at(place); };
     Table<R> table;
     table.add(subject_columns().add(end_columns(unit)), &R::of);
-    table.add({{"event", "string", "", "the event: lost_bits reach the threshold, or an outcome occurs",
-                [](const R& r) {
-                    return r.is_of_bits() ? std::string_view("lost_bits") : outcome_name(first_events[r.event].outcome);
-                }},
-               {"threshold", "number", "bits", "threshold of the lost bits; 1 for an outcome",
-                [](const R& r) { return r.is_of_bits() ? first_events[r.event].lost_bits : 1; }},
-               {"found", "boolean", "", "true if the event happens at any of the floats",
-                [](const R& r) { return r.bad.has_value(); }}});
-    using P = std::uint32_t;
-    table.add<P>(
-        {{"last_good", "number", unit, "the float before the event; missing if the first float is bad already", value}},
-        &R::good);
-    table.add<P>(
-        {{"first_bad", "number", unit, "the first float at which it happens, the neighbour of last_good", value}},
-        &R::bad);
-    table.add<P>({{"last_good_hex", "string", unit, "last_good, exactly", hex_cell}}, &R::good);
-    table.add<P>({{"first_bad_hex", "string", unit, "first_bad, exactly", hex_cell},
-                  {"first_bad_bits", "string", "", "bits of first_bad", float_bits}},
-                 &R::bad);
     table.add(
-        {"ulp_error", "number", "ulp", "(t − t*)/ulp(t*) at first_bad; missing for an outcome", [](const R& r) -> Cell {
-             if (!r.bad || !r.is_of_bits()) return {};
-             return answer_at(r.of.request, r.of.ray, r.of.row, *r.bad).ulps;
-         }});
+        {{"event", "the event: lost_bits reach the threshold, or an outcome occurs",
+          [](const R& r) {
+              return r.is_of_bits() ? std::string_view("lost_bits") : outcome_name(first_events[r.event].outcome);
+          }},
+         {"threshold", "bits", "threshold of the lost bits; 1 for an outcome",
+          [](const R& r) { return r.is_of_bits() ? first_events[r.event].lost_bits : 1; }},
+         {"found", "true if the event happens at any of the floats", [](const R& r) { return r.bad.has_value(); }}});
+    using P = std::uint32_t;
+    table.add<P>({{"last_good", unit, "the float before the event; missing if the first float is bad already", value}},
+                 &R::good);
+    table.add<P>({{"first_bad", unit, "the first float at which it happens, the neighbour of last_good", value}},
+                 &R::bad);
+    table.add<P>({{"last_good_hex", unit, "last_good, exactly", hex_of}}, &R::good);
+    table.add<P>(
+        {{"first_bad_hex", unit, "first_bad, exactly", hex_of}, {"first_bad_bits", "bits of first_bad", float_bits}},
+        &R::bad);
+    table.add({"ulp_error", "ulp", "(t − t*)/ulp(t*) at first_bad; missing for an outcome",
+               [](const R& r) -> std::optional<double> {
+                   if (!r.bad || !r.is_of_bits()) return {};
+                   return answer_at(r.of.request, r.of.ray, r.of.row, *r.bad).ulps;
+               }});
     table.add(Table<FloatsRow>{count_column()}, &R::of);
-    return table.add({"explain", "string", "", "the command that explains the first bad float",
+    return table.add({"explain", "the command that explains the first bad float",
                       [](const R& r) { return r.bad ? r.of.explain(*r.bad) : ""; }});
 }
 
@@ -329,7 +315,7 @@ void ExhaustiveFiles::finish(const ExhaustiveState& state, const std::vector<Ran
         FloatsRow of{request_, f.ray, f.row, f.floats, f.tally};
         of.find_worst();
         if (const auto& wrong = f.tally.first_wrong)
-            if (const auto good = f.before(wrong->place)) of.right_up_to = hex_cell(*good);
+            if (const auto good = f.before(wrong->place)) of.right_up_to = hex_of(*good);
         of.statement = statement(request_, f);
         statements_.add(of);
     }

@@ -11,21 +11,24 @@
 
 namespace lostbits::output::sweep {
 
+using measure::sweep::ExhaustiveRequest;
+using measure::sweep::ExhaustiveState;
+using measure::sweep::RangeFinding;
+
 struct FloatsRow;
 struct FloatEventRow;
 
 /// Opens the tables before the work and gives them their final names in `finish`.
 class ExhaustiveFiles {
 public:
-    ExhaustiveFiles(const measure::sweep::ExhaustiveRequest& request, const std::filesystem::path& folder);
-    void finish(const measure::sweep::ExhaustiveState& state,
-                const std::vector<measure::sweep::RangeFinding>& findings);
+    ExhaustiveFiles(const ExhaustiveRequest& request, const std::filesystem::path& folder);
+    void finish(const ExhaustiveState& state, const std::vector<RangeFinding>& findings);
 
 private:
-    void add_binades(const measure::sweep::ExhaustiveState& state);
-    void add_onsets(const measure::sweep::RangeFinding& finding);
+    void add_binades(const ExhaustiveState& state);
+    void add_onsets(const RangeFinding& finding);
 
-    const measure::sweep::ExhaustiveRequest& request_;
+    const ExhaustiveRequest& request_;
     std::filesystem::path folder_;
     table::TableFile<FloatsRow> binades_, statements_;
     table::TableFile<FloatEventRow> onsets_;
@@ -41,12 +44,10 @@ struct ExhaustivePlots {
 /// Plots with a line for each form, ray and sign, which is level from the smallest float of a binade that was tried to
 /// the largest. Zeros, infinities and NaNs are not on the axis; the tables have them. Nothing if the other floats are
 /// of one binade of either sign.
-std::optional<ExhaustivePlots> exhaustive_plots(const measure::sweep::ExhaustiveRequest& request,
-                                                const measure::sweep::ExhaustiveState& state);
+std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request, const ExhaustiveState& state);
 
 /// `all 8388608 floats between 0x1p+0 (1) and … were tried: sphere.schoolbook decides correctly for every float up to
 /// …, and first fails at …: a false miss`. The number of floats was counted.
-[[nodiscard]] std::string statement(const measure::sweep::ExhaustiveRequest& request,
-                                    const measure::sweep::RangeFinding& finding);
+[[nodiscard]] std::string statement(const ExhaustiveRequest& request, const RangeFinding& finding);
 
 }  // namespace lostbits::output::sweep

@@ -17,8 +17,6 @@
 namespace lostbits::output::sweep {
 
 using measure::sweep::BinadePart;
-using measure::sweep::ExhaustiveRequest;
-using measure::sweep::ExhaustiveState;
 using measure::sweep::FloatTally;
 
 namespace {

@@ -10,9 +10,6 @@
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::sweep {
-using measure::sweep::Onset;
-using measure::sweep::SweepRequest;
-using measure::sweep::SweepStep;
 using table::Table;
 using table::when;
 
@@ -24,8 +21,8 @@ Table<AtStep<Known>> along_axes(const SweepRequest& request, const Table<Known>&
     Table<R> table;
     std::size_t place = 0;
     for (const scene::sweep::Axis& axis : request.sweep.axes)
-        table.add_exact({axis.name, "number", axis.unit, "value of the axis",
-                         [k = place++](const R& r) { return r.step->values[k]; }});
+        table.add_exact(
+            {axis.name, axis.unit, "value of the axis", [k = place++](const R& r) { return r.step->values[k]; }});
     return table.add(columns, &R::known);
 }
 
@@ -35,11 +32,13 @@ constexpr const char* views_meaning =
 }  // namespace
 
 Table<SampleRow> sample_table(const SweepRequest& request) {
-    auto summary = map::summary_table(request.metrics, request.sweep.shapes(), request.sweep.has_mesh());
-    // Rays of a sweep form no picture. The position of the worst ray is its index in its set.
+    auto summary = map::summary_table(
+        request.metrics, request.sweep.shapes(),
+        request.sweep
+            .has_mesh());  // Rays of a sweep form no picture. The position of the worst ray is its index in its set.
     summary.set_meaning("worst_x", "ray with the largest |ulp_error| in its group, from 0");
     summary.set_meaning("worst_y", "row of a scene's picture, 0 for a ray distribution");
-    summary.add({"views", "integer", "", views_meaning, [](const map::SummaryRow& r) { return r.summary->views; }});
+    summary.add({"views", views_meaning, [](const map::SummaryRow& r) { return r.summary->views; }});
     return along_axes(request, summary);
 }
 
@@ -58,10 +57,11 @@ Table<Onset> onset_table(const SweepRequest& request) {
     const scene::sweep::Axis& axis = request.sweep.axes.front();
     const auto is_good = [](const R& r) { return r.found && !r.from_start; };
     const auto is_bad_again = [](const R& r) { return r.recovers && !r.good_at_end; };
-    const table::CellOf<R> last_good = [=](const R&r) { return when(is_good(r), r.last_good); },
-                           first_bad = [](const R&r) { return when(r.found, r.first_bad); },
-                           last_good_after = [](const R&r) { return when(r.recovers, r.last_good_after); },
-                           bad_again = [=](const R&r) { return when(is_bad_again(r), r.bad_again); };
+    const auto last_good = [=](const R& r) { return when(is_good(r), r.last_good); };
+    const auto first_bad = [](const R& r) { return when(r.found, r.first_bad); };
+    const auto last_good_after = [](const R& r) { return when(r.recovers, r.last_good_after); };
+    const auto bad_again = [=](const R& r) { return when(is_bad_again(r), r.bad_again); };
+    const auto exactly = [](const auto& value) { return [value](const R& r) { return table::exactly(value(r)); }; };
     const auto of_draws = [](double measure::metric::Spread::*part) {
         return [part](const R& r) {
             const auto spread = r.spread();
@@ -72,54 +72,46 @@ Table<Onset> onset_table(const SweepRequest& request) {
     table.add(
         table::subject_columns(), [&request](const R& r) -> const auto& { return request.rows[r.row]; });
     return table.add(
-        {{"event", "string", "",
-          "the event: lost_bits, or the loss in a step of a transform, reach the threshold, or an "
-          "outcome "
-          "occurs",
+        {{"event",
+          "the event: lost_bits, or the loss in a step of a transform, reach the threshold, or an outcome occurs",
           &R::event},
-         {"statistic", "string", "", "p50, p99 or max over the rays of a step; count for an outcome", &R::statistic},
-         {"threshold", "number", "bits", "threshold of the statistic; in ulps for a step of a transform; 1 for a count",
+         {"statistic", "p50, p99 or max over the rays of a step; count for an outcome", &R::statistic},
+         {"threshold", "bits", "threshold of the statistic; in ulps for a step of a transform; 1 for a count",
           &R::threshold},
-         {"read_from", "string", "",
+         {"read_from",
           "first: steps are read in their order; last: from the last step backwards, so that `first` and `last` below "
-          "are "
-          "the "
-          "other way round",
+          "are the other way round",
           [](const R& r) { return r.from_last ? "last" : "first"; }},
-         {"found", "boolean", "", "true if the event happens within the sweep", &R::found},
-         {"last_good_" + axis.name, "number", axis.unit,
+         {"found", "true if the event happens within the sweep", &R::found},
+         {"last_good_" + axis.name, axis.unit,
           "last value before the event, in reading order; missing if the step where reading starts is bad already",
           last_good},
-         {"first_bad_" + axis.name, "number", axis.unit,
-          "first value at which it is seen: one of the steps, narrowed by bisection between two; it may happen "
-          "earlier "
+         {"first_bad_" + axis.name, axis.unit,
+          "first value at which it is seen: one of the steps, narrowed by bisection between two; it may happen earlier "
           "between samples",
           first_bad},
-         {"last_good_hex", "string", axis.unit, "the last good value, exactly", table::exactly<R>(last_good)},
-         {"first_bad_hex", "string", axis.unit, "the first bad value, exactly", table::exactly<R>(first_bad)},
-         {"value_at_first_bad", "number", "", "the statistic at the first bad value",
+         {"last_good_hex", axis.unit, "the last good value, exactly", exactly(last_good)},
+         {"first_bad_hex", axis.unit, "the first bad value, exactly", exactly(first_bad)},
+         {"value_at_first_bad", "the statistic at the first bad value",
           [](const R& r) { return when(r.found, r.value_at_first_bad); }},
-         {"recovers", "boolean", "", "true if a step after the first bad one is good again", &R::recovers},
-         {"last_good_after_" + axis.name, "number", axis.unit,
+         {"recovers", "true if a step after the first bad one is good again", &R::recovers},
+         {"last_good_after_" + axis.name, axis.unit,
           "the last good value after the first bad one; missing if there is none", last_good_after},
-         {"bad_again_" + axis.name, "number", axis.unit,
+         {"bad_again_" + axis.name, axis.unit,
           "value from which it is bad to the end, narrowed by bisection; missing if the last step is good", bad_again},
-         {"last_good_after_hex", "string", axis.unit, "that last good value, exactly",
-          table::exactly<R>(last_good_after)},
-         {"bad_again_hex", "string", axis.unit, "that value, exactly", table::exactly<R>(bad_again)},
-         {"rays", "integer", "", "number of rays in each step; with more rays the first failure comes earlier",
-          &R::rays},
-         {"views", "integer", "", views_meaning, &R::views},
-         {"draws", "integer", "", "sets of rays tried, one per seed; the columns above are for the file's own seed",
+         {"last_good_after_hex", axis.unit, "that last good value, exactly", exactly(last_good_after)},
+         {"bad_again_hex", axis.unit, "that value, exactly", exactly(bad_again)},
+         {"rays", "number of rays in each step; with more rays the first failure comes earlier", &R::rays},
+         {"views", views_meaning, &R::views},
+         {"draws", "sets of rays tried, one per seed; the columns above are for the file's own seed",
           [](const R& r) { return 1 + r.further.size(); }},
-         {"draws_found", "integer", "",
-          "draws in which the event happens within the sweep; the columns below are about these draws",
+         {"draws_found", "draws in which the event happens within the sweep; the columns below are about these draws",
           [](const R& r) { return r.spread().draws; }},
-         {"first_bad_low", "number", axis.unit, "smallest first bad value of these draws",
+         {"first_bad_low", axis.unit, "smallest first bad value of these draws",
           of_draws(&measure::metric::Spread::low)},
-         {"first_bad_median", "number", axis.unit, "median first bad value of these draws, the lower of two",
+         {"first_bad_median", axis.unit, "median first bad value of these draws, the lower of two",
           of_draws(&measure::metric::Spread::median)},
-         {"first_bad_high", "number", axis.unit, "largest first bad value of these draws",
+         {"first_bad_high", axis.unit, "largest first bad value of these draws",
           of_draws(&measure::metric::Spread::high)}});
 }
 
@@ -133,9 +125,10 @@ void SweepFiles::require_own_columns(const SweepRequest& request) {
             const auto at = std::ranges::find_if(
                 axes, [&column](const auto& axis) { return column.name.find(axis.name) != std::string::npos; });
             if (at == axes.end()) throw std::logic_error("column " + column.name + " appears twice");
-            scene::toml::fail(at->where, fmt::format("an axis named \"{}\" would give the results two columns "
-                                                     "named \"{}\"; choose another name",
-                                                     at->name, column.name));
+            scene::toml::fail(
+                at->where,
+                fmt::format("an axis named \"{}\" would give the results two columns named \"{}\"; choose another name",
+                            at->name, column.name));
         }
     }
 }
@@ -143,8 +136,8 @@ void SweepFiles::require_own_columns(const SweepRequest& request) {
 SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path& folder)
     : request_(request),
       folder_(folder),
-      samples_(folder, "samples.csv", "One row per form, format and step", sample_table(request)) {
-    // An onset is a position on one axis.
+      samples_(folder, "samples.csv", "One row per form, format and step",
+               sample_table(request)) {  // An onset is a position on one axis.
     if (request.sweep.axes.size() == 1)
         onsets_.emplace(folder, "onsets.csv", "One row per form, format, event, threshold and end of the axis",
                         onset_table(request));

@@ -17,11 +17,7 @@
 
 namespace lostbits::output::sweep {
 
-using measure::answer::Outcome;
-using measure::evaluate::FormSummary;
 using measure::evaluate::TestedForm;
-using measure::sweep::SweepRequest;
-using measure::sweep::SweepStep;
 
 namespace {
 
@@ -224,7 +220,6 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
          .field_height = static_cast<int>(plane.y.size()),
          .scales = {scale.bar()},
          .unit = scale.unit(),
-         .legend = legend,
          .note_lines = 2});
     for (std::size_t r = 0; r < all.size(); ++r) {
         const auto& [form, format] = grid.places[r];

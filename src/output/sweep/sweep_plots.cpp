@@ -18,12 +18,8 @@
 
 namespace lostbits::output::sweep {
 
-using measure::answer::Outcome;
-using measure::evaluate::FormSummary;
 using measure::evaluate::TestedForm;
 using measure::sweep::Onset;
-using measure::sweep::SweepRequest;
-using measure::sweep::SweepStep;
 using plot::LinePlotSpec;
 using plot::Series;
 

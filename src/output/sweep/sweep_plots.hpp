@@ -11,10 +11,15 @@
 
 namespace lostbits::output::sweep {
 
+using measure::answer::Outcome;
+using measure::evaluate::FormSummary;
+using measure::sweep::SweepRequest;
+using measure::sweep::SweepStep;
+
 /// A sweep and its results.
 struct MeasuredSweep {
-    const measure::sweep::SweepRequest& request;
-    const std::vector<measure::sweep::SweepStep>& steps;
+    const SweepRequest& request;
+    const std::vector<SweepStep>& steps;
     const std::vector<measure::sweep::Onset>& onsets;
 };
 
@@ -25,7 +30,7 @@ plot::AxisSpec plot_axis(const scene::sweep::Axis& axis);
 /// Axis of lost bits in a format, whose name is in the title: `lost bits, of 24 in f32`.
 plot::AxisSpec lost_bits_axis(const FloatFormat& format, std::string_view name);
 /// Share of rays with a wrong decision or NaN.
-double wrong_share(const measure::evaluate::FormSummary& s);
+double wrong_share(const FormSummary& s);
 
 /// Writes the pictures of a sweep. For one axis: `lost_bits_p50.<format>.png` and `lost_bits_p99.<format>.png` with
 /// every form, the conditioning envelope (inherent bits, if the request measures them) and the sweep's own marks;
@@ -44,26 +49,25 @@ struct PlotSize {
 image::Canvas lost_bits_plot(const MeasuredSweep& sweep, const Format& format, double q, PlotSize size = {});
 
 /// Plot of the share of rays with one wrong outcome in one format, on a log axis with 0 drawn below it.
-image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, measure::answer::Outcome outcome,
-                         PlotSize size = {});
+image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size = {});
 
 /// True if any ray of a form in the format has the outcome.
-[[nodiscard]] bool occurs(const MeasuredSweep& sweep, const Format& format, measure::answer::Outcome outcome);
+[[nodiscard]] bool occurs(const MeasuredSweep& sweep, const Format& format, Outcome outcome);
 /// Outcomes that have such a plot: false hits, false misses, and other wrong outcomes that occur.
-[[nodiscard]] std::vector<measure::answer::Outcome> wrong_outcomes(const MeasuredSweep& sweep, const Format& format);
+[[nodiscard]] std::vector<Outcome> wrong_outcomes(const MeasuredSweep& sweep, const Format& format);
 /// `False hits`
-[[nodiscard]] std::string wrong_title(measure::answer::Outcome outcome);
+[[nodiscard]] std::string wrong_title(Outcome outcome);
 
 /// The steps of a sweep over two axes as a plane: columns by rising first axis, lines by rising second axis.
 class SweepGrid {
 public:
-    SweepGrid(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps);
+    SweepGrid(const SweepRequest& request, const std::vector<SweepStep>& steps);
     /// Results of one row of the request.
-    [[nodiscard]] const measure::evaluate::FormSummary& at(std::size_t row, std::size_t column, std::size_t line) const;
+    [[nodiscard]] const FormSummary& at(std::size_t row, std::size_t column, std::size_t line) const;
     std::vector<double> x, y;
 
 private:
-    const std::vector<measure::sweep::SweepStep>& steps_;
+    const std::vector<SweepStep>& steps_;
     bool x_falls_, y_falls_;
 };
 
@@ -78,18 +82,17 @@ inline constexpr const char* nowhere_outlined =
 /// rays are wrong. It is outlined where the form loses the bits, and hatched where too few hits agree. In
 /// `<form>.<format>.exr` columns are the first axis's values in rising order, and rows the second's from the top, the
 /// highest first; the attributes hold the values.
-void write_planes(const std::filesystem::path& folder, const measure::sweep::SweepRequest& request,
-                  const std::vector<measure::sweep::SweepStep>& steps, bool singles);
+void write_planes(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
+                  bool singles);
 /// One of the single pictures.
-image::Canvas plane_picture(const measure::sweep::SweepRequest& request,
-                            const std::vector<measure::sweep::SweepStep>& steps, std::size_t row);
+image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row);
 /// Writes the sheet. A step has one colour there. Cells that the outline would not enclose are paler instead
 /// (`map::paler_means`).
-void write_plane_sheet(const std::filesystem::path& path, const measure::sweep::SweepRequest& request,
-                       const std::vector<measure::sweep::SweepStep>& steps);
+void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& request,
+                       const std::vector<SweepStep>& steps);
 
 /// Quantile of a metric over agreed hits; NaN, a gap in the line, if too few hits agree.
-[[nodiscard]] double drawn_quantile(const measure::evaluate::FormSummary& s, std::size_t metric, double q);
+[[nodiscard]] double drawn_quantile(const FormSummary& s, std::size_t metric, double q);
 /// Meaning of a gap, here and on the page.
 [[nodiscard]] std::string gap_means();
 

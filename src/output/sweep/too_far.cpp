@@ -28,7 +28,7 @@ bool is_too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format,
 
 }  // namespace
 
-double drawn_quantile(const measure::evaluate::FormSummary& s, std::size_t metric, double q) {
+double drawn_quantile(const FormSummary& s, std::size_t metric, double q) {
     return s.agreement().is_enough() ? s.metrics[metric].quantile(q) : std::numeric_limits<double>::quiet_NaN();
 }
 
@@ -60,9 +60,9 @@ void shade_and_note(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const 
         shade.to = part->to;
         shade.label = too_far_means;
     }
-    const auto is_withheld = [&](const measure::sweep::SweepStep& step) {
+    const auto is_withheld = [&](const SweepStep& step) {
         for (std::size_t r = 0; r < step.rows.size(); ++r) {
-            const measure::evaluate::FormSummary& s = step.rows[r];
+            const FormSummary& s = step.rows[r];
             if (sweep.request.rows[r].format == format && s.true_hits > 0 && !s.agreement().is_enough()) return true;
         }
         return false;

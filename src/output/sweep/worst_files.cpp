@@ -16,12 +16,12 @@
 
 namespace lostbits::output::sweep {
 
-using file::number_or_missing;
 using measure::answer::Outcome;
 using measure::edges::NearestRay;
 using measure::edges::sought;
 using measure::sweep::WorstRequest;
 using measure::sweep::WorstResult;
+using table::or_missing;
 
 namespace {
 
@@ -89,32 +89,31 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
     const auto worst = [](const R& r) -> const std::optional<W>& { return r.worst; };
     table::Table<R> table;
     table.add(table::subject_columns(), &R::row);
-    table.add({"found", "boolean", "", "true if the form hit anything within the ranges",
-               [](const R& r) { return r.worst.has_value(); }});
+    table.add(
+        {"found", "true if the form hit anything within the ranges", [](const R& r) { return r.worst.has_value(); }});
     table::Table<W> of_worst{
-        {"outcome", "string", "", "outcome of the worst ray",
+        {"outcome", "outcome of the worst ray",
          [](const W& w) { return measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]; }},
-        {std::string(metric.name), "number", std::string(metric.unit),
+        {std::string(metric.name), std::string(metric.unit),
          "value for the worst ray; missing if its decision is wrong",
          [](const W& w) { return table::when(w.outcome == Outcome::agree_hit, w.value); }},
-        {"distance_radii", "number", "r",
+        {"distance_radii", "r",
          "distance from the ray's origin to the centre of the sphere; missing for other primitives",
-         [](const W& w) { return number_or_missing(w.distance); }},
-        {"evaluations", "integer", "", "rays tried", &W::evaluations}};
-    of_worst.add_exact({"t", "number", "t", "the form's answer, in its own unit",
+         or_missing(&W::distance)},
+        {"evaluations", "rays tried", &W::evaluations}};
+    of_worst.add_exact({"t", "t", "the form's answer, in its own unit",
                         [](const W& w) { return table::when(w.outcome != Outcome::false_miss, w.t); }});
-    of_worst.add_exact({"truth", "number", "t",
-                        "t*, correctly rounded to binary64, in the same unit; missing for a miss",
-                        [](const W& w) { return number_or_missing(w.truth); }});
+    of_worst.add_exact({"truth", "t", "t*, correctly rounded to binary64, in the same unit; missing for a miss",
+                        or_missing(&W::truth)});
     of_worst.add(table::ray_columns("of the worst ray"), &W::ray);
     of_worst.add(table::primitive_columns(request.search.shape, "of its primitive"), &W::primitive);
     table.add(of_worst, worst);
-    return table.add({"explain", "string", "", "the command that explains the worst ray and prints these numbers again",
-                      [](const R& r) {
-                          if (!r.worst) return std::string();
-                          const scene::rays::RayGroup one = alone(*r.worst);
-                          return attribution::explain_command(attribution::name_of_ray(&one), r.row);
-                      }});
+    return table.add(
+        {"explain", "the command that explains the worst ray and prints these numbers again", [](const R& r) {
+             if (!r.worst) return std::string();
+             const scene::rays::RayGroup one = alone(*r.worst);
+             return attribution::explain_command(attribution::name_of_ray(&one), r.row);
+         }});
 }
 
 std::string case_of(const WorstRequest& request, const measure::evaluate::TestedForm& row, const WorstResult& w) {
@@ -169,26 +168,25 @@ table::Table<NearestRow> nearest_table() {
     const auto nearest = [](const R& r) -> const std::optional<N>& { return r.nearest; };
     table::Table<R> table;
     table.add(table::subject_columns(), &R::row);
-    table.add({{"outcome", "string", "", "the outcome that was searched for: crack or double_hit", &R::outcome},
-               {"found", "boolean", "", "true if a ray with that outcome was found",
-                [](const R& r) { return r.nearest.has_value(); }}});
+    table.add(
+        {{"outcome", "the outcome that was searched for: crack or double_hit", &R::outcome},
+         {"found", "true if a ray with that outcome was found", [](const R& r) { return r.nearest.has_value(); }}});
     table.add<N>(
-        {{"distance_edges", "number", "1",
+        {{"distance_edges", "1",
           "distance of the nearest such ray, from the eye to the point of the edge that it aims at, in lengths of the "
           "edge",
           &N::distance}},
         nearest);
-    table.add({"rays", "integer", "", "rays tried", &R::rays});
-    table.add<N>({{"face_a", "integer", "", "index of one triangle of the edge among the primitives of the scene",
+    table.add({"rays", "rays tried", &R::rays});
+    table.add<N>({{"face_a", "index of one triangle of the edge among the primitives of the scene",
                    [](const N& n) { return n.faces[0]; }},
-                  {"face_b", "integer", "", "index of the other triangle", [](const N& n) { return n.faces[1]; }},
-                  {"t", "number", "t", "the form's answer, in its own unit; missing if it misses",
-                   [](const N& n) { return number_or_missing(n.t); }},
-                  {"truth", "number", "t", "t*, correctly rounded to binary64, in the same unit", &N::truth}},
+                  {"face_b", "index of the other triangle", [](const N& n) { return n.faces[1]; }},
+                  {"t", "t", "the form's answer, in its own unit; missing if it misses", or_missing(&N::t)},
+                  {"truth", "t", "t*, correctly rounded to binary64, in the same unit", &N::truth}},
                  nearest);
     table.add(table::ray_columns("of the nearest ray"),
               [](const R& r) { return r.nearest ? &r.nearest->ray : nullptr; });
-    return table.add({"explain", "string", "", "the command that explains that ray", &R::explain});
+    return table.add({"explain", "the command that explains that ray", &R::explain});
 }
 
 struct CensusRow {
@@ -202,13 +200,11 @@ table::Table<CensusRow> census_table() {
     table::Table<R> table;
     table.add(table::subject_columns(), &R::row);
     table.add(
-        {{"target", "string", "", "what the rays are aimed at: points of an edge, or its ends (vertex)",
+        {{"target", "what the rays are aimed at: points of an edge, or its ends (vertex)",
           [](const R& r) { return std::string(measure::edges::edge_target_names.at(r.target)); }},
-         {"rays", "integer", "", "rays, from all distances of the search", [](const R& r) { return r.count.rays; }},
-         {"crack", "integer", "", "rays that the form lets through the surface",
-          [](const R& r) { return r.count.with[0]; }},
-         {"double_hit", "integer", "",
-          "crossings that the form counts twice, without rays that truly meet two triangles at one t",
+         {"rays", "rays, from all distances of the search", [](const R& r) { return r.count.rays; }},
+         {"crack", "rays that the form lets through the surface", [](const R& r) { return r.count.with[0]; }},
+         {"double_hit", "crossings that the form counts twice, without rays that truly meet two triangles at one t",
           [](const R& r) { return r.count.with[1]; }}});
     return table;
 }

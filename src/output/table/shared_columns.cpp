@@ -7,8 +7,8 @@ namespace lostbits::output::table {
 using measure::evaluate::TestedForm;
 
 Table<TestedForm> subject_columns(const std::string& form, const std::string& format) {
-    return {{"form", "string", "", form, [](const TestedForm& row) { return row.form->info->name; }},
-            {"format", "string", "", format, [](const TestedForm& row) { return row.format.name; }}};
+    return {{"form", form, [](const TestedForm& row) { return row.form->info->name; }},
+            {"format", format, [](const TestedForm& row) { return row.format.name; }}};
 }
 
 Table<Ray<double>> ray_columns(const std::string& of) {
@@ -16,7 +16,7 @@ Table<Ray<double>> ray_columns(const std::string& of) {
     Table<R> table;
     const auto add = [&](const std::string& part, Vec<double> R::*vector) {
         for (int k = 0; k < 3; ++k)
-            table.add({part + "_" + "xyz"[k] + "_hex", "string", "", of,
+            table.add({part + "_" + "xyz"[k] + "_hex", of,
                        [vector, k](const R& ray) { return file::hex((ray.*vector)[k]); }});
     };
     add("origin", &R::origin);
@@ -29,7 +29,7 @@ Table<Primitive<double>> primitive_columns(Shape shape, const std::string& of) {
     Table<S> table;
     std::size_t place = 0;
     for (const auto& name : number_names(shape))
-        table.add({std::string(name) + "_hex", "string", "", of,
+        table.add({std::string(name) + "_hex", of,
                    [k = place++](const S& primitive) { return file::hex(primitive.used()[k]); }});
     return table;
 }

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <algorithm>
+#include <concepts>
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
-#include <memory>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -20,14 +20,37 @@ namespace lostbits::output::table {
 
 using file::Cell;
 
-/// Computes the cell of a column from a row of type R. A pointer to a member of R serves too.
+/// Computes the cell of a column from a row of type R.
 template <class R>
 using CellOf = std::function<Cell(const R&)>;
 
+/// Type of a column whose values are of type T, or optional ones.
+template <class T>
+constexpr const char* type_of_values() {
+    if constexpr (requires(T x) { x.value(); }) return type_of_values<typename T::value_type>();
+    else
+        return std::is_same_v<T, bool>                   ? "boolean"
+               : std::is_integral_v<T>                   ? "integer"
+               : std::is_floating_point_v<T>             ? "number"
+               : std::is_constructible_v<std::string, T> ? "string"
+                                                         : nullptr;
+}
+
+/// A column: its name, unit and meaning, and how a row's value in it is computed. The type is that of the values.
 template <class R>
 struct TableColumn {
-    TableColumn(std::string name, std::string type, std::string unit, std::string meaning, CellOf<R> cell)
-        : about{std::move(name), std::move(type), std::move(unit), std::move(meaning)}, value(std::move(cell)) {}
+    /// `value` is a function of a row or a pointer to a member of it.
+    template <class Value>
+    requires std::invocable<Value, const R&> TableColumn(std::string name, std::string unit, std::string meaning,
+                                                         Value compute)
+        : TableColumn({std::move(name), type_of_values<std::remove_cvref_t<std::invoke_result_t<Value, const R&>>>(),
+                       std::move(unit), std::move(meaning)},
+                      [compute](const R& row) { return Cell(std::invoke(compute, row)); }) {}
+    template <class Value>
+    requires std::invocable<Value, const R&> TableColumn(std::string name, std::string meaning, Value compute)
+        : TableColumn(std::move(name), "", std::move(meaning), std::move(compute)) {}
+    /// For values whose type is known only at run time.
+    TableColumn(file::Column described, CellOf<R> compute) : about(std::move(described)), value(std::move(compute)) {}
 
     file::Column about;
     CellOf<R> value;
@@ -35,25 +58,28 @@ struct TableColumn {
 
 /// x if `there`, otherwise a missing cell.
 template <class T>
-Cell when(bool there, const T& x) {
-    return there ? Cell(x) : Cell();
+std::optional<T> when(bool there, const T& x) {
+    return there ? std::optional(x) : std::nullopt;
 }
 
-/// Writes a number as a C hexadecimal float. A missing number stays missing.
-template <class R>
-CellOf<R> exactly(CellOf<R> value) {
-    return [value = std::move(value)](const R& row) {
-        const Cell cell = value(row);
-        return cell.is_missing() ? Cell() : Cell(file::hex(cell.number()));
-    };
+/// The number that `value` finds in a row; missing if it is NaN.
+template <class Value>
+auto or_missing(Value value) {
+    return [value](const auto& row) { return file::number_or_missing(std::invoke(value, row)); };
+}
+
+/// A cell as a C hexadecimal float. A missing number stays missing.
+inline std::optional<std::string> exactly(const Cell& cell) {
+    return cell.is_missing() ? std::nullopt : std::optional(file::hex(cell.number()));
 }
 
 /// A column of numbers from the description `column` of a measured quantity, which must outlive it. A cell is
 /// `value(column, row)`; NaN is missing.
 template <class R, class Measured, class Value>
 TableColumn<R> measured_column(const Measured& column, const Value& value) {
-    return {std::string(column.name), column.whole ? "integer" : "number", std::string(column.unit),
-            std::string(column.meaning), [&column, value](const R& row) {
+    return {{std::string(column.name), column.whole ? "integer" : "number", std::string(column.unit),
+             std::string(column.meaning)},
+            [&column, value](const R& row) {
                 const double x = value(column, row);
                 return column.whole && !std::isnan(x) ? Cell(static_cast<std::uint64_t>(x))
                                                       : file::number_or_missing(x);
@@ -80,8 +106,7 @@ public:
     template <class Part, class Find>
     Table& add(const Table<Part>& columns, const Find& find) {
         for (const TableColumn<Part>& column : columns) {
-            const auto& [name, type, unit, meaning] = column.about;
-            add({name, type, unit, meaning, [find, value = column.value](const R& row) {
+            add({column.about, [find, value = column.value](const R& row) {
                      const Part* const part = address(std::invoke(find, row));
                      return part != nullptr ? value(*part) : Cell();
                  }});
@@ -91,8 +116,8 @@ public:
     /// Adds a column of decimals and a column `NAME_hex` with the exact values.
     Table& add_exact(const TableColumn<R>& column) {
         add(column);
-        return add(
-            {column.about.name + "_hex", "string", column.about.unit, "the same, exactly", exactly<R>(column.value)});
+        return add({column.about.name + "_hex", column.about.unit, "the same, exactly",
+                    [value = column.value](const R& row) { return exactly(value(row)); }});
     }
 
     /// The column of this name, or null.

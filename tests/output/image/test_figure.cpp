@@ -139,7 +139,9 @@ TEST_CASE("the files of a picture are of the kinds that the run asks for, and re
     if (std::system("pdftotext -v >/dev/null 2>&1") != 0) return;
     const std::string said = output_of("pdftotext -layout '" + (all / "map.pdf").string() + "' -");
     for (const char* part : {"lost bits", "false hit", "mean 3.2"}) CHECK(said.find(part) != std::string::npos);
-    CHECK(output_of("pdftotext '" + (all / "plot.f32.pdf").string() + "' -").find("upwards") != std::string::npos);
+    const std::string plot = output_of("pdftotext '" + (all / "plot.f32.pdf").string() + "' -");
+    CHECK(plot.find("upwards") != std::string::npos);
+    CHECK(plot.find("2^-10") != std::string::npos);
 }
 
 }  // namespace test_figure

@@ -214,8 +214,7 @@ PngImage sheet_of(const fs::path& path, std::size_t forms, std::size_t formats, 
                .field_width = 64,
                .field_height = 32,
                .scales = {viridis()},
-               .unit = "lost bits",
-               .legend = legend_of("123456 (99.9%)")});
+               .unit = "lost bits"});
     std::vector<std::thread> workers;
     for (unsigned t = 0; t < threads; ++t) {
         workers.emplace_back([&, t] {
@@ -262,8 +261,7 @@ TEST_CASE("each row of a contact sheet has its own colour bar where formats diff
                                           .field_width = 64,
                                           .field_height = 64,
                                           .scales = std::move(scales),
-                                          .unit = "bits",
-                                          .legend = {}});
+                                          .unit = "bits"});
         page.finish({});
         return backend().read_png(folder / name);
     };
@@ -289,7 +287,6 @@ TEST_CASE("forms that are alike in every format share a column, and a headline t
                                              .field_height = 160,
                                              .scales = {},
                                              .unit = "",
-                                             .legend = {},
                                              .collapses = collapses});
         for (std::size_t form = 0; form < 8; ++form) {
             page.add_rows(form, 0, 0, std::vector<Rgb8>(160 * 160, Rgb8{1, 2, 3}));
@@ -323,7 +320,6 @@ TEST_CASE("the forms that differ most come first: the best, the worst, and the m
                                           .field_height = 160,
                                           .scales = {},
                                           .unit = "",
-                                          .legend = {},
                                           .collapses = true});
     // Neighbours among the first five are nearly alike, the others are far apart.
     const auto colour = [](std::size_t form) {
@@ -355,7 +351,6 @@ TEST_CASE("a cell enlarges the samples around a pixel in the corner that is fart
                                           .field_height = 160,
                                           .scales = {},
                                           .unit = "",
-                                          .legend = {},
                                           .zooms = true});
     std::vector<Rgb8> field(160 * 160, Rgb8{1, 2, 3});
     field[20 * 160 + 30] = {250, 0, 7};
@@ -368,6 +363,23 @@ TEST_CASE("a cell enlarges the samples around a pixel in the corner that is fart
     CHECK(rim_is_blank(image));
 }
 
+TEST_CASE("the legend of a sheet takes the space of the classes that occur", "[contact_sheet]") {
+    const Scratch folder;
+    const auto height = [&](std::vector<LegendEntry> legend) {
+        ContactSheet sheet(folder / "s.png", {.title = "T",
+                                              .subtitle = {},
+                                              .forms = {"a", "b"},
+                                              .formats = {"f32"},
+                                              .field_width = 64,
+                                              .field_height = 64});
+        sheet.finish(legend);
+        return backend().read_png(folder / "s.png").height;
+    };
+    const auto entries = legend_of("9 (1.0%)");
+    CHECK(height({}) < height({entries[0]}));
+    CHECK(height({entries[0]}) < height(entries));
+}
+
 TEST_CASE("a cell without data is drawn as empty, and a wrong cell is refused", "[contact_sheet]") {
     const Scratch folder;
     const SheetSpec spec{.title = "T",
@@ -377,8 +389,7 @@ TEST_CASE("a cell without data is drawn as empty, and a wrong cell is refused", 
                          .field_width = 64,
                          .field_height = 64,
                          .scales = {},
-                         .unit = "",
-                         .legend = {}};
+                         .unit = ""};
     ContactSheet sheet(folder / "s.png", spec);
     sheet.add_rows(0, 0, 0, std::vector<Rgb8>(64 * 64, Rgb8{1, 2, 3}));
     sheet.add_rows(1, 0, 0, std::vector<Rgb8>(64 * 63, Rgb8{4, 5, 6}));

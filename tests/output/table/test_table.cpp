@@ -26,19 +26,41 @@ struct Row {
 
 Table<Part> part_columns(const std::string& prefix) {
     Table<Part> table;
-    table.add_exact({prefix + "_x", "number", "ulp", "a number", &Part::x});
-    return table.add({prefix + "_count", "integer", "", "a count", &Part::count});
+    table.add_exact({prefix + "_x", "ulp", "a number", &Part::x});
+    return table.add({prefix + "_count", "a count", &Part::count});
 }
 
 Table<Row> row_table() {
-    Table<Row> table{{"name", "string", "", "what it is", &Row::name}};
+    Table<Row> table{{"name", "what it is", &Row::name}};
     table.add(part_columns("own"), &Row::own);
     table.add(part_columns("shared"), &Row::shared);
-    return table.add({"small", "number", "1", "missing where it is not small",
+    return table.add({"small", "1", "missing where it is not small",
                       [](const Row& r) { return when(r.own && r.own->count < 9, 0.5); }});
 }
 
 }  // namespace
+
+TEST_CASE("the type of a column is that of its values", "[table]") {
+    struct Any {
+        double x;
+        bool is;
+    };
+    const Table<Any> table{{"member", "", &Any::x},
+                           {"narrow", "", [](const Any& r) { return static_cast<float>(r.x); }},
+                           {"missing", "", or_missing(&Any::x)},
+                           {"is", "", &Any::is},
+                           {"place", "", [](const Any& r) { return r.is ? 1 : 0; }},
+                           {"there", "", [](const Any& r) { return when(r.is, std::uint64_t{3}); }},
+                           {"text", "", [](const Any& r) { return r.is ? "a" : "b"; }},
+                           {"maybe", "", [](const Any& r) { return when(r.is, std::string_view("a")); }},
+                           {{"known later", "integer", "", ""}, [](const Any&) { return 1; }}};
+    std::string types;
+    for (const auto& column : table.columns()) types += column.type + " ";
+    CHECK(types == "number number number boolean integer integer string string integer ");
+    CHECK(table.begin()[2].value({std::numeric_limits<double>::quiet_NaN(), true}).is_missing());
+    CHECK(table.begin()[5].value({0, false}).is_missing());
+    CHECK(table.begin()[5].value({0, true}).text() == "3");
+}
 
 TEST_CASE("a table writes the values of its columns, and nothing for a missing part", "[table]") {
     const Scratch folder;
@@ -72,7 +94,7 @@ TEST_CASE("a table writes the values of its columns, and nothing for a missing p
 }
 
 TEST_CASE("a cell of the wrong type for its column is refused", "[table]") {
-    const Table<Row> table{{"name", "integer", "", "no number", &Row::name}};
+    const Table<Row> table{{{"name", "integer", "", "no number"}, [](const Row& r) { return r.name; }}};
     lostbits::output::file::CsvWriter csv(table.columns());
     CHECK_THROWS_AS(table.add_row(csv, Row{"text", {}, nullptr}), std::logic_error);
 }
