@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <sstream>
 #include <utility>
 
 #include "measure/attribution/tape_text.hpp"
@@ -56,9 +57,19 @@ std::string own_is_enough(const MendResult& r) {
                                          in_words(r.mended.own_apart, r.request.requirement)));
 }
 
-std::string diff_of(const MendResult& r, const Tape& now) {
+/// The change of a proposal: as a patch of the user's file, and else as lines of the formula.
+std::string change_of(const MendResult& r, std::size_t k) {
+    const measure::repair::Patch* const patch = k < r.patches.size() ? &r.patches[k] : nullptr;
     std::string text;
-    for (const std::string& line : changed_lines(r, now)) text += fmt::format("    {}\n", line);
+    if (patch == nullptr || patch->diff.empty()) {
+        for (const std::string& line : changed_lines(r, proposals_of(r)[k].tape)) text += fmt::format("    {}\n", line);
+        if (patch != nullptr && !patch->why_not.empty())
+            text += fmt::format("  It is not a patch of {}: {}.\n", patch->file, patch->why_not);
+        return text;
+    }
+    text = "  As a patch for `patch -p0`; the patched file was compiled and has these operations' bits:\n";
+    std::istringstream lines(patch->diff);
+    for (std::string line; std::getline(lines, line);) text += fmt::format("    {}\n", line);
     return text;
 }
 
@@ -120,7 +131,7 @@ std::string symmetric_in_words(const MendResult& r) {
         "With {} of its {} operations in {}, the same ones for x, y and z, it keeps {}.\n  They are in: {}.\n",
         set.operations.size(), m.operations, name_of_wider(m.wider), in_words(set.quality, r.request.requirement),
         names_of(r, set.operations));
-    text += diff_of(r, with_wider(m, set.operations));
+    text += change_of(r, r.has_set() ? 1 : 0);
     text += fmt::format("  These are {} of its {} groups of operations that are alike up to an exchange of axes; {}.\n",
                         set.groups, set.of,
                         set.is_smallest ? "no groups with fewer operations are enough (all were tried)"
@@ -138,7 +149,7 @@ std::string set_in_words(const MendResult& r) {
         fmt::format("With {} of its {} operations in {} it keeps {} ({} with all of them).\n", n, m.operations, wider,
                     in_words(m.set->quality, requirement), in_words(m.all, requirement));
     text += fmt::format("  They are in: {}.\n", names_of(r, m.set->operations));
-    text += diff_of(r, with_wider(m, m.set->operations));
+    text += change_of(r, 0);
     const auto best = std::ranges::min_element(m.set->without, measure::repair::is_more_accurate);
     text += fmt::format(
         "  No operation can be spared: with any one of the {} as it was, the requirement fails; the best of these {} "
@@ -197,7 +208,7 @@ std::string rewritten_in_words(const MendResult& r, std::size_t k) {
         text += fmt::format("  {}: {}{}{}.\n", rule->name, rule->identity, rule->condition.empty() ? "" : "; where ",
                             rule->condition);
     }
-    text += diff_of(r, one.tape);
+    text += change_of(r, proposals_of(r).size() - r.mended.rewriting.found.size() + k);
     text += apart_in_words(r, one.quality, one.apart) + probes_in_words(r, one.probed);
     return k < r.rewritten_margins.size() ? text + margins_in_words(r.rewritten_margins[k], r) : text;
 }
@@ -256,6 +267,11 @@ MendResult result_of(const measure::repair::MendRequest& request, const measure:
         else if (proposal.symmetric) r.symmetric_margins = std::move(margins);
         else r.margins = std::move(margins);
     }
+    measure::repair::Patcher patcher(request, mended.tape);
+    if (!patcher.has_file()) return r;
+    for (const Proposal& proposal : proposals_of(r))
+        r.patches.push_back(proposal.quality->meets(request.requirement) ? patcher.patch_of(proposal.tape)
+                                                                         : measure::repair::Patch());
     return r;
 }
 
