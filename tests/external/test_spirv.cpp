@@ -77,6 +77,7 @@ TEST_CASE("spirv: signatures of GLSL and HLSL", "[external]") {
                "1/direction = invDir, lo = boxMin, hi = boxMax; hit where the result is not 0, t"},
           Case{"public.glsl:triangle", "a = v0, b = v1, c = v2; t = its x; hit where t is not negative"},
           Case{"public.hlsl:hit_triangle", "origin = ray.origin, direction = ray.direction, a = v0, b = v1, c = v2"},
+          Case{"public.hlsl:sphere_roots", "hit where the result is not 0, t = near, far = far"},
           Case{"features.glsl:many@59", "centre = ball, radius = r"},
           Case{"features.glsl:whole", "centre = ball, radius = ball.w"},
           Case{"features.glsl:odd", "centre = ball, radius = ball.w; t = the result"},
