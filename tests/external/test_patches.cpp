@@ -112,7 +112,7 @@ TEST_CASE("patches: an expression begins and ends where its operator says", "[ex
           Case{"return -b - sqrtf(d) / a;", "sqrtf(d)", 12}, Case{"if (b * b - c < 0.0f) f();", "b * b - c < 0.0f", 14},
           Case{"y = r->o[0] - s.c[0], z = 1;", "r->o[0] - s.c[0]", 12}, Case{"y = x < 0 ? a - b : c;", "a - b", 14},
           Case{"y = /* - */ a / std::sqrt(b); // - 1", "std::sqrt(b)", 16}, Case{"y = 1e-5f - x;", "1e-5f - x", 10},
-          Case{"y = a - -b - c;", "a - -b - c", 11}}) {
+          Case{"y = a - -b - c;", "a - -b - c", 11}, Case{"y = a - b - c;", "a - b", 6}}) {
         CAPTURE(text, at);
         const TextSpan span = SourceTokens(text).expression_at(at);
         CHECK(std::string(text).substr(span.begin, span.end - span.begin) == around);
