@@ -102,15 +102,17 @@ void write_page(const std::filesystem::path& path, const MendResult& result, con
     output::file::write_file(path, output::page::page(report));
 }
 
-/// Throws InputError if the name of the file is not an identifier with .hpp or .glsl, since the form, and its struct or
-/// function, get that name; and if the folder of the file does not exist. Only the folder `out` is made.
+/// Throws InputError if the name of the file does not end in .patch, or is not an identifier with .hpp or .glsl, since
+/// the form, and its struct or function, get that name; and if the folder of the file does not exist. Only the folder
+/// `out` is made.
 void require_code_name(const std::filesystem::path& path, const std::filesystem::path& out) {
     static const std::regex name("[A-Za-z][A-Za-z0-9_]*");
-    const bool known = path.extension() == ".hpp" || path.extension() == ".glsl";
-    if (!known || !std::regex_match(path.stem().string(), name))
+    const bool is_patch = path.extension() == ".patch";
+    const bool known = path.extension() == ".hpp" || path.extension() == ".glsl" || is_patch;
+    if (!known || (!is_patch && !std::regex_match(path.stem().string(), name)))
         throw InputError("--emit " + path.string() +
-                         ": the form gets the name of the file; write a name of letters, digits and _ with .hpp or "
-                         ".glsl, as in half_b_mended.hpp");
+                         ": the form gets the name of the file; write a name of letters, digits and _ with .hpp, "
+                         ".glsl or .patch, as in half_b_mended.hpp");
     const auto folder = path.parent_path();
     const bool is_made = !out.empty() && folder.lexically_normal() == (out / "").lexically_normal().parent_path();
     if (!folder.empty() && !is_made && !std::filesystem::is_directory(folder))
@@ -258,7 +260,8 @@ void add_mend(const shell::Command& program, const Common& common) {
     command.add("--price", o->price, "Compile the changed forms and time them beside the form and the catalogue");
     command.add("--compiler", o->compiler, "The compiler that --price uses (default: c++)");
     command.add("--emit", o->emit,
-                "Also write the mended form: NAME.hpp is a header of C++, NAME.glsl a shader's function");
+                "Also write the mended form: NAME.hpp is a header of C++, NAME.glsl a shader's function, NAME.patch a "
+                "patch of the file of --function");
     command.add("-o,--out", o->out, "Folder for the results");
     command.runs([o, &common] { return run(*o, common); });
 }

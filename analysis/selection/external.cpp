@@ -22,9 +22,11 @@
 #include "intersect/process/child.hpp"
 #include "intersect/process/own_state.hpp"
 #include "intersect/table/table.hpp"
+#include "measure/tape/driver_difference.hpp"
 #include "number/error.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
+#include "scene/toml/counted.hpp"
 #include "scene/toml/files_of_run.hpp"
 
 namespace lostbits::analysis::selection {
@@ -215,6 +217,59 @@ ExternalForms open_each(const ExternalOptions& words, int threads) {
     return found;
 }
 
+namespace {
+
+/// `adds x + (y + z) in place of (x + y) + z`, or how far the first operation is off.
+std::string difference_in_words(const measure::tape::DriverDifference& found) {
+    std::vector<std::string> all;
+    for (const auto& rewriting : found.rewritings)
+        all.push_back(rewriting.name + (rewriting.sites.size() > 1 ? fmt::format(" ({} times)", rewriting.sites.size())
+                                                                   : std::string()));
+    if (found.inexact != no_node)
+        all.push_back(fmt::format("is up to {} in the last place off in an operation",
+                                  scene::toml::counted(static_cast<std::uint64_t>(found.ulps), "unit")));
+    return fmt::format("{}", fmt::join(all, ", and "));
+}
+
+/// Compares a function of a shader with what drivers answer, where the same function is also given to `--shader`.
+void note_drivers(const intersect::function::UserFunction& function) {
+    const auto& program = function.row;
+    const std::string from =
+        fmt::format("{}:{} on ", std::filesystem::path(function.path).filename().string(), function.line);
+    // Without words in the file --shader takes one t for the near root, and --function for the first one.
+    const auto tells_both = [](intersect::Roots roots) { return roots == intersect::Roots::both; };
+    for (const auto& row : intersect::table::intersectors()) {
+        for (const ForeignForm* const form : intersect::external::behind(row)) {
+            if (!form->contract.source.starts_with(from) || form->contract.bits != 32 || function.bits != 32 ||
+                row.shape != program.shape || tells_both(form->contract.roots) != tells_both(program.info->roots))
+                continue;
+            const auto found = measure::tape::driver_difference(row, program);
+            const std::string who = fmt::format("lostbits: {} ({})", row.info->name, form->contract.source);
+            if (found.differ == 0) {
+                fmt::print(stderr, "{}: the driver has the bits of the program on {} random rays\n", who, found.rays);
+                continue;
+            }
+            const std::string differs =
+                fmt::format("{}: the driver has other bits than the program on {} of {} random rays", who, found.differ,
+                            found.rays);
+            if (!found.is_explained()) {
+                fmt::print(stderr,
+                           "{}; no rewriting that was tried explains all of them (another order of sums, fused "
+                           "products, reciprocals, common factors, subnormal numbers as 0, an inexact quotient or "
+                           "root), so the operation cannot be named\n",
+                           differs);
+                continue;
+            }
+            const std::string line =
+                intersect::function::quoted_line(*program.info, *find_format("f32"), found.first());
+            fmt::print(stderr, "{}: it {}\n{}", differs, difference_in_words(found),
+                       line.empty() ? "" : "first here: " + line);
+        }
+    }
+}
+
+}  // namespace
+
 void open_external(const ExternalOptions& words, int threads) {
     ExternalForms found = open_each(words, threads);
     // A library with formulas has the C interface too, for --isolate and `plugin check`; the formulas are used here.
@@ -224,8 +279,11 @@ void open_external(const ExternalOptions& words, int threads) {
     });
     intersect::external::register_formulas(found.formulas);
     intersect::external::register_forms(std::move(found.forms));
-    for (const std::string& named : words.functions)
-        intersect::function::register_forms(load_shown_function(named, words));
+    for (const std::string& named : words.functions) {
+        auto function = load_shown_function(named, words);
+        if (!words.quiet) note_drivers(*function);
+        intersect::function::register_forms(std::move(function));
+    }
 }
 
 std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std::string& named,

@@ -118,6 +118,28 @@ TEST_CASE("functions: the operations give the bits of the compiled function", "[
     }
 }
 
+TEST_CASE("functions: whole numbers beside a number have the bits of the C library", "[external]") {
+    const Scratch made;
+    for (const char* const f : {"floor", "ceil", "trunc", "round", "rint"}) {
+        CAPTURE(f);
+        const std::string own = f;
+        const std::string file = made.write(
+            "whole.c",
+            "#include <math.h>\nfloat in_float(const float o[3], const float d[3], const float c[3], float r) {\n"
+            "    return " +
+                own + "f(o[0] * 4) + d[1] * " + own + "f(c[0] * 2e3f) + " + own +
+                "f(r * 1e30f);\n}\n"
+                "double in_double(const double o[3], const double d[3], const double c[3], double r) {\n    return " +
+                own + "(o[0] * 4) + " + own + "(d[1] * 0.5) * " + own + "(c[0] * 1e9) + r;\n}\n");
+        for (const char* const name : {":in_float", ":in_double"}) {
+            const auto g = intersect::function::load_function(file + name + ":sphere(o, d, c, r)", {});
+            const auto alone = g->written->row(g->answers->info);
+            if (g->answers->of32) CHECK(differences(g->row.native32, alone.native32, g->row.shape) == 0);
+            else CHECK(differences(g->row.native64, alone.native64, g->row.shape) == 0);
+        }
+    }
+}
+
 TEST_CASE("functions: the same operations as a form of the catalogue have its answers", "[external]") {
     const auto f = intersect::function::load_function(folder + "sphere.c:schoolbook", {});
     for (const auto& row : intersect::table::catalogue())

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 #include <deque>
 #include <filesystem>
 #include <limits>
@@ -21,6 +22,9 @@
 namespace lostbits::intersect::function {
 
 namespace {
+
+/// Number of operations up to which the compiled function is optimised: 20,000 take clang more than a minute.
+constexpr std::size_t most_optimised = 4000;
 
 /// Parts of `FILE:NAME` or `FILE:NAME:WORDS`.
 struct Named {
@@ -88,34 +92,49 @@ std::string probed_ir(Compiler& compiler, SourceLanguage language, const Named& 
     throw InputError(no_function(whole, parts.file.string(), parts.function, language));
 }
 
-bool says_miss(const MissValue& s, double t, double far) {
+/// The decision that t means a miss, of numbers or of recorded operations.
+template <class Decisions>
+auto means_miss(const MissValue& s, const Decisions& d) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
     switch (s.kind) {
-        case MissValue::Kind::negative: return t < 0;
-        case MissValue::Kind::infinite: return std::isinf(t);
-        case MissValue::Kind::nan: return std::isnan(t);
-        case MissValue::Kind::zero: return t <= 0;
-        case MissValue::Kind::above: return t >= s.bound;
-        case MissValue::Kind::crossed: return t > far || far < 0;
-        default: return false;
+        case MissValue::Kind::negative: return d.compare(TapeOp::less, d.t, d.number(0));
+        case MissValue::Kind::infinite:
+            return d.either(d.compare(TapeOp::greater_equal, d.t, d.number(infinity)),
+                            d.compare(TapeOp::less_equal, d.t, d.number(-infinity)));
+        case MissValue::Kind::nan: return d.opposite(d.compare(TapeOp::less_equal, d.t, d.t));
+        case MissValue::Kind::zero: return d.compare(TapeOp::less_equal, d.t, d.number(0));
+        case MissValue::Kind::above: return d.compare(TapeOp::greater_equal, d.t, d.number(s.bound));
+        case MissValue::Kind::crossed:
+            return d.either(d.compare(TapeOp::greater, d.t, d.far), d.compare(TapeOp::less, d.far, d.number(0)));
+        default: return d.never();
     }
 }
 
-Mask miss_mask(const MissValue& s, Nodes& nodes, NodeId t, NodeId far) {
-    const auto against = [&](TapeOp op, double x) { return nodes.compare(op, t, nodes.constant(x, false)); };
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    switch (s.kind) {
-        case MissValue::Kind::negative: return against(TapeOp::less, 0);
-        case MissValue::Kind::infinite:
-            return nodes.either(against(TapeOp::greater_equal, infinity), against(TapeOp::less_equal, -infinity));
-        case MissValue::Kind::nan: return nodes.is_nan(t);
-        case MissValue::Kind::zero: return against(TapeOp::less_equal, 0);
-        case MissValue::Kind::above: return against(TapeOp::greater_equal, s.bound);
-        case MissValue::Kind::crossed:
-            return nodes.either(nodes.compare(TapeOp::greater, t, far),
-                                nodes.compare(TapeOp::less, far, nodes.constant(0, false)));
-        default: return no;
+struct NumberDecisions {
+    double t, far;
+    [[nodiscard]] static double number(double x) { return x; }
+    [[nodiscard]] static bool compare(TapeOp op, double a, double b) {
+        switch (op) {
+            case TapeOp::less: return a < b;
+            case TapeOp::less_equal: return a <= b;
+            case TapeOp::greater: return a > b;
+            default: return a >= b;
+        }
     }
-}
+    [[nodiscard]] static bool either(bool a, bool b) { return a || b; }
+    [[nodiscard]] static bool opposite(bool a) { return !a; }
+    [[nodiscard]] static bool never() { return false; }
+};
+
+struct NodeDecisions {
+    Nodes& nodes;
+    NodeId t, far;
+    [[nodiscard]] NodeId number(double x) const { return nodes.constant(x, false); }
+    [[nodiscard]] Mask compare(TapeOp op, NodeId a, NodeId b) const { return nodes.compare(op, a, b); }
+    [[nodiscard]] Mask either(Mask a, Mask b) const { return nodes.either(a, b); }
+    [[nodiscard]] Mask opposite(Mask a) const { return nodes.opposite(a); }
+    [[nodiscard]] static Mask never() { return no; }
+};
 
 /// Value that the function returns for a miss, guessed from the constants that its t may be.
 MissValue guessed_sentinel(const Nodes& nodes, NodeId t, NodeId far) {
@@ -163,7 +182,7 @@ void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& sentinel, 
         std::array<S, 2> out{};
         int hit = 0;
         entry(in.data(), out.data(), &hit);
-        batch.hit[i] = hit != 0 && !says_miss(sentinel, out[0], out[1]) ? 1 : 0;
+        batch.hit[i] = hit != 0 && !means_miss(sentinel, NumberDecisions{out[0], out[1]}) ? 1 : 0;
         near_far[2 * i] = out[0], near_far[2 * i + 1] = out[1];
     }
 }
@@ -191,6 +210,31 @@ Outputs outputs_of(Nodes& nodes, const external::Contract& c, const Walk::Answer
         hit = nodes.both(hit, nodes.opposite(nodes.compare(TapeOp::less_equal, far, zero)));
     if ((c.flags & LB_LINE) != 0) hit = nodes.both(hit, nodes.opposite(nodes.compare(TapeOp::less, far, zero)));
     return {hit, nodes.select(ahead, near, at_0 ? zero : far), near, far};
+}
+
+WrittenIn written_in(const fs::path& file, SourceLanguage language) {
+    if (language == SourceLanguage::c) return WrittenIn::c;
+    if (language == SourceLanguage::cpp) return WrittenIn::cpp;
+    if (language == SourceLanguage::rust) return WrittenIn::rust;
+    if (file.extension() == ".hlsl") return WrittenIn::hlsl;
+    return is_shader(file) && file.extension() != ".spv" ? WrittenIn::glsl : WrittenIn::other;
+}
+
+/// The numbers of the arguments, and what the variables of the function receive.
+std::vector<NamedNumber> names_of(const UserSignature& s, const Walk& walk, const std::vector<NodeId>& operation_of) {
+    std::vector<NamedNumber> all;
+    for (const InputSlot& in : s.inputs) {
+        const std::size_t open = in.source.find("in[");
+        if (open == std::string::npos || in.slot.argument < 0) continue;
+        all.push_back({.text = text_of_part(s.arguments[static_cast<std::size_t>(in.slot.argument)], in.slot.at),
+                       .operation = no_node,
+                       .input = std::atoi(in.source.c_str() + open + 3),
+                       .is_inverse = open > 0});
+    }
+    for (const Walk::Stored& v : walk.stored())
+        if (const NodeId operation = operation_of[static_cast<std::size_t>(v.node)]; operation != no_node)
+            all.push_back({.text = v.name, .operation = operation, .place = v.place, .declared = v.declared});
+    return all;
 }
 
 template <class S>
@@ -275,6 +319,8 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     const SourceLanguage language = language_of(parts.file, named);
     auto made = std::make_unique<UserFunction>();
     made->path = parts.file.string();
+    made->name = named.substr(made->path.size());
+    made->language = written_in(parts.file, language);
     Compiler compiler(parts.file, language, terms);
     const bool is_ir = language == SourceLanguage::llvm;
     const Compiler::FileText file = is_ir ? compiler.ir_of_file() : Compiler::FileText{{}, text_of(parts.file)};
@@ -303,6 +349,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
         made->shown = who + ": " + signature.shown + "; " + words;
     else made->shown = who + ": " + signature.shown;
 
+    made->bits = signature.bits, made->line = signature.line;
     external::Contract& contract = signature.contract;
     if (contract.name.empty()) contract.name = plain_name(parts.function);
     contract.source = parts.file.filename().string();
@@ -312,7 +359,8 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     if (signature.sentinel.kind == MissValue::Kind::crossed && answer.far == no_node)
         throw InputError(who + ": miss is crossed, but it answers no far t");
     if (answer.t != no_node)
-        hit = nodes.both(hit, nodes.opposite(miss_mask(signature.sentinel, nodes, answer.t, answer.far)));
+        hit =
+            nodes.both(hit, nodes.opposite(means_miss(signature.sentinel, NodeDecisions{nodes, answer.t, answer.far})));
     const Outputs out = outputs_of(nodes, contract, answer, hit);
     // The answer itself may have no variable, so it is named here.
     if (out.t != no_node && contract.roots != Roots::none) nodes.name(out.t, "t", 100);
@@ -320,6 +368,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     written.formula.name = contract.name;
     written.formula.shape = contract.shape;
     table::require_sense(written.formula);
+    made->names = names_of(signature, walk, written.operation_of);
     made->places = walk.places();
     for (SourcePlace& p : made->places)
         if (const fs::path relative = fs::path(p.file).lexically_normal(); relative == compiler.file())
@@ -331,7 +380,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
     const auto formula = std::make_shared<const table::WrittenFormula>(std::move(written.formula));
     made->written = std::make_unique<table::WrittenForm>(formula, formula);
 
-    const external::Library library = compiler.library(wrapper);
+    const external::Library library = compiler.library(wrapper, formula->operations.size() > most_optimised);
     external::ForeignForm form{contract, made->path, {}};
     const char* const name = external::lasting_text(external::name_in_messages(form));
     const auto bind = [&]<class S>(S) {

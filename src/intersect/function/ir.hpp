@@ -22,7 +22,7 @@ struct Type {
     std::vector<std::size_t> at = {};     ///< offset of each part of a structure
     std::size_t count = 0;                ///< number of items of a sequence
 
-    /// Part k of a structure or of a sequence, and its offset; null if there is none.
+    /// Part k of a structure or of a sequence, and its offset; null behind the last one.
     [[nodiscard]] const Type* part(std::size_t k, std::size_t& offset) const;
 };
 

@@ -144,6 +144,39 @@ NodeId Nodes::least(TapeOp op, NodeId a, NodeId b) {
     return select(either(compare(first, b, a), is_nan(a)), b, a);
 }
 
+/// Takes from |x| each power of two that fits, the largest first. Every sum is the number that the first digits of |x|
+/// make, so that it is exact in every format, and the decisions are right without rounding, too. A number of p digits
+/// from 2^(p-1) on is whole.
+NodeId Nodes::whole(WholeNumber which, NodeId x) {
+    const bool wide = (*this)[x].wide;
+    const int digits = bits_ == 64 || wide ? 53 : 24;
+    const auto known = [&](double c) { return constant(c, wide); };
+    const NodeId size = number(TapeOp::abs, x);
+    NodeId sum = known(0);
+    Mask is_odd = no;
+    for (int e = digits - 2; e >= 0; --e) {
+        const NodeId more = number(TapeOp::add, sum, known(std::ldexp(1.0, e)));
+        is_odd = compare(TapeOp::less_equal, more, size);
+        sum = select(is_odd, more, sum);
+    }
+    const NodeId cut = number(TapeOp::copysign, sum, x), rest = number(TapeOp::sub, size, sum);
+    const auto at_half = [&](TapeOp op) { return compare(op, rest, known(0.5)); };
+    const auto moved = [&](Mask when, TapeOp op) { return select(when, number(op, cut, known(1)), cut); };
+    NodeId found = cut;
+    switch (which) {
+        case WholeNumber::towards_zero: break;
+        case WholeNumber::below: found = moved(compare(TapeOp::less, x, cut), TapeOp::sub); break;
+        case WholeNumber::above: found = moved(compare(TapeOp::less, cut, x), TapeOp::add); break;
+        default: {
+            const Mask away = which == WholeNumber::nearest_or_away
+                                  ? at_half(TapeOp::greater_equal)
+                                  : either(at_half(TapeOp::greater), both(at_half(TapeOp::greater_equal), is_odd));
+            found = select(away, number(TapeOp::copysign, number(TapeOp::add, sum, known(1)), x), cut);
+        }
+    }
+    return select(compare(TapeOp::less, size, known(std::ldexp(1.0, digits - 1))), found, x);
+}
+
 Mask Nodes::compare(TapeOp op, NodeId a, NodeId b) {
     // Compares each constant that a choice may give by itself: t < 0, for example, if t is −1 for a miss.
     const auto resolve = [&](NodeId x, NodeId y, bool turned) -> std::optional<Mask> {
@@ -268,7 +301,8 @@ Nodes::Written Nodes::written(Mask hit, NodeId t, NodeId near, NodeId far) const
             live[static_cast<std::size_t>(all_[i].operands[k])] = true;
     }
     Written made;
-    std::vector<NodeId> moved(all_.size(), no_node);
+    std::vector<NodeId>& moved = made.operation_of;
+    moved.assign(all_.size(), no_node);
     auto& out = made.formula.operations;
     const auto put = [&](table::WrittenOperation w, int at) {
         out.push_back(std::move(w));

@@ -53,6 +53,10 @@ public:
     /// The smaller or the larger number, and the other one if one is NaN: C's fmin and fmax, as x86 computes them.
     NodeId least(TapeOp min_or_max, NodeId a, NodeId b);
 
+    /// A whole number beside x: floor, ceil, trunc, round, roundeven.
+    enum class WholeNumber { below, above, towards_zero, nearest_or_away, nearest_or_even };
+    NodeId whole(WholeNumber which, NodeId x);
+
     Mask compare(TapeOp op, NodeId a, NodeId b);
     Mask both(Mask a, Mask b);
     Mask either(Mask a, Mask b);
@@ -68,7 +72,8 @@ public:
 
     struct Written {
         table::WrittenFormula formula;
-        std::vector<int> places;  ///< place of each operation
+        std::vector<int> places;           ///< place of each operation
+        std::vector<NodeId> operation_of;  ///< operation of each node; none if no output depends on it
     };
     /// The operations that the outputs depend on.
     [[nodiscard]] Written written(Mask hit, NodeId t, NodeId near, NodeId far) const;

@@ -1,13 +1,12 @@
 // The lines of users' files, quoted as compilers quote them.
 #include <algorithm>
-#include <cctype>
 #include <deque>
 #include <fstream>
 #include <mutex>
 #include <sstream>
-#include <string_view>
 
 #include "intersect/function/function.hpp"
+#include "intersect/source_text/source_tokens.hpp"
 
 namespace lostbits::intersect::function {
 namespace {
@@ -40,64 +39,28 @@ void register_forms(std::unique_ptr<UserFunction> function) {
     table::register_rows({kept.back()->row});
 }
 
+const UserFunction* function_of(const Info& form) {
+    const std::lock_guard alone(known().mutex);
+    for (const UserFunction* const f : known().all)
+        if (f->answers != nullptr && &f->answers->info == &form) return f;
+    return nullptr;
+}
+
 namespace {
 
 /// The function behind a form, and the place of an operation; null for others.
 const UserFunction* behind(const Info& form, const Format& format, NodeId node, int& place) {
-    const std::lock_guard alone(known().mutex);
-    for (const UserFunction* const f : known().all) {
-        if (f->answers == nullptr || &f->answers->info != &form) continue;
-        const std::vector<NodeId> nodes = f->written->nodes_on_tape(format);
-        const auto found = std::ranges::find(nodes, node);
-        if (found == nodes.end()) return nullptr;
-        place = f->place_of_operation[static_cast<std::size_t>(found - nodes.begin())];
-        return place < 0 ? nullptr : f;
-    }
-    return nullptr;
+    const UserFunction* const f = function_of(form);
+    if (f == nullptr) return nullptr;
+    const std::vector<NodeId> nodes = f->written->nodes_on_tape(format);
+    const auto found = std::ranges::find(nodes, node);
+    if (found == nodes.end()) return nullptr;
+    place = f->place_of_operation[static_cast<std::size_t>(found - nodes.begin())];
+    return place < 0 ? nullptr : f;
 }
 
 std::string words_of(const SourcePlace& p) {
     return p.file + ":" + std::to_string(p.line) + (p.column > 0 ? ":" + std::to_string(p.column) : "");
-}
-
-bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; }
-
-/// First and last character of the expression around the operator at `at`, as far as the line shows it.
-std::pair<std::size_t, std::size_t> extent(const std::string& line, std::size_t at) {
-    if (at >= line.size()) return {at, at};
-    const auto strength = [](char c) { return c == '*' || c == '/' ? 2 : c == '+' || c == '-' ? 1 : 0; };
-    const int own = strength(line[at]);
-    std::size_t begin = at, end = at;
-    if (own == 0) {  // a name: the call or the operand that begins here
-        while (end + 1 < line.size() && is_word(line[end + 1])) ++end;
-        if (end + 1 >= line.size() || line[end + 1] != '(') return {begin, end};
-    } else {
-        int depth = 0;
-        for (std::size_t k = at; k-- > 0;) {
-            const char c = line[k];
-            if (c == ')' || c == ']') ++depth;
-            if (c == '(' || c == '[') --depth;
-            if (depth < 0 || (depth == 0 && (std::string_view(",;={}<>!&|?:").find(c) != std::string_view::npos ||
-                                             (strength(c) > 0 && strength(c) < own))))
-                break;
-            if (depth == 0 && k >= 5 && line.compare(k - 5, 6, "return") == 0) break;
-            if (c != ' ' && c != '\t') begin = k;
-        }
-    }
-    int depth = 0;
-    for (std::size_t k = end + 1; k < line.size(); ++k) {
-        const char c = line[k];
-        if (c == '(' || c == '[') ++depth;
-        if (c == ')' || c == ']') --depth;
-        const bool unary = c == '-' && line.find_last_not_of(' ', k - 1) == at;
-        if (depth < 0 || (depth == 0 && !unary &&
-                          (std::string_view(",;{}<>=!&|?:").find(c) != std::string_view::npos ||
-                           (strength(c) > 0 && (strength(c) <= own || own == 0)))))
-            break;
-        if (c != ' ' && c != '\t') end = k;
-        if (own == 0 && depth == 0) break;
-    }
-    return {begin, end};
 }
 
 }  // namespace
@@ -130,9 +93,9 @@ std::string quoted_line(const Info& form, const Format& format, NodeId node) {
     text += " " + number + " | " + line + "\n";
     if (p.column < 1) return text;  // only the line is known
     const auto at = static_cast<std::size_t>(p.column - 1);
-    const auto [begin, end] = extent(line, at);
+    const auto [begin, end] = source_text::SourceTokens(line).expression_at(at);
     std::string marks;
-    for (std::size_t k = 0; k <= end; ++k) {
+    for (std::size_t k = 0; k < end; ++k) {
         if ((static_cast<unsigned char>(line[k]) & 0xC0U) == 0x80U) continue;  // inside of a character in UTF-8
         marks += k == at ? '^' : k >= begin ? '~' : line[k] == '\t' ? '\t' : ' ';
     }

@@ -248,7 +248,8 @@ void give_roles(std::vector<Part>& parts, Shape shape) {
     }
     for (std::size_t k = 0; k < keys.size(); ++k) {
         const std::string role = "k" + std::to_string(k);
-        if (has(role)) continue;
+        // A number is an inner radius only by its name: more often it is an epsilon.
+        if (has(role) || keys[k].name == "inner_radius") continue;
         for (Part& p : parts)
             if (p.role.empty() && !p.is_out && !p.slot.is_whole && p.is_vector == (keys[k].count() == 3)) {
                 p.role = role;

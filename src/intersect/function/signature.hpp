@@ -103,6 +103,8 @@ bool mentions(const std::string& source, const std::string& name);
 /// Message about a function that a file lacks, with the functions that the file defines. `ir` is its LLVM IR.
 std::string no_function(const std::string& ir, const std::string& path, const std::string& name,
                         SourceLanguage language);
+/// The number at an offset of an argument, as the source writes it: `ray->origin[1]`.
+std::string text_of_part(const Argument& argument, std::size_t at);
 /// Reads the signature from the debug information of a module. LLVM IR without debug information gives its types.
 /// InputError if the function does not exist.
 UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language);

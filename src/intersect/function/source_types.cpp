@@ -193,6 +193,30 @@ bool mentions(const std::string& source, const std::string& name) {
     return false;
 }
 
+std::string text_of_part(const Argument& argument, std::size_t at) {
+    const bool is_pointer = argument.type.kind == Kind::pointer && argument.type.name == "*";
+    std::string text = argument.name;
+    const SourceType* type = &argument.target();
+    if (is_pointer && type->kind == Kind::number && type->size > 0)
+        return text + "[" + std::to_string(at / type->size) + "]";
+    for (bool first = true; type != nullptr; first = false) {
+        const SourceType* next = nullptr;
+        if (type->kind == Kind::sequence && type->parts[0].size > 0) {
+            next = type->parts.data();
+            text += "[" + std::to_string(at / next->size) + "]";
+            at %= next->size;
+        } else if (type->kind == Kind::structure) {
+            for (const SourceType& p : type->parts)
+                if (at >= p.at && at < p.at + p.size) next = &p;
+            if (next == nullptr) break;
+            if (!next->member.empty()) text += (is_pointer && first ? "->" : ".") + next->member;
+            at -= next->at;
+        }
+        type = next;
+    }
+    return text;
+}
+
 std::string no_function(const std::string& ir, const std::string& path, const std::string& name,
                         SourceLanguage language) {
     constexpr std::size_t most_listed = 12;
@@ -218,20 +242,33 @@ std::string no_function(const std::string& ir, const std::string& path, const st
 UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language) {
     // The definition whose debug information has the name; of several, the one with the whole name.
     const IrFunction* found = nullptr;
-    const std::string last = name.substr(name.rfind(':') == std::string::npos ? 0 : name.rfind(':') + 1);
+    const std::size_t mark = name.find('@');
+    const std::string own = name.substr(0, mark), chosen = mark == std::string::npos ? "" : name.substr(mark + 1);
+    const std::string last = own.substr(own.rfind(':') == std::string::npos ? 0 : own.rfind(':') + 1);
     std::string_view text;
+    std::string lines;
+    bool is_overloaded = false;
     for (const auto& [symbol, f] : module.functions) {
         const std::string_view subprogram = module.metadata(f.subprogram);
         const std::string called = field(subprogram, "name");
-        if (called != last && symbol != name && !called.starts_with(last + "<")) continue;
-        if (found != nullptr && field(text, "linkageName").find(name) != std::string::npos) continue;
+        if (called != last && symbol != own && !called.starts_with(last + "<")) continue;
+        const std::string line = field(subprogram, "line");
+        if (!chosen.empty() && line != chosen) continue;
+        // Functions of shaders have no names but these; those of C++ also have a name for the linker.
+        is_overloaded = is_overloaded || (found != nullptr && language == SourceLanguage::llvm &&
+                                          field(subprogram, "linkageName").empty() && field(text, "line") != line);
+        lines += (lines.empty() ? "" : ", ") + own + "@" + line;
+        if (found != nullptr && field(text, "linkageName").find(own) != std::string::npos) continue;
         found = &f;
         text = subprogram;
     }
     if (found == nullptr) throw InputError(no_function(module.text(), path, name, language));
+    if (is_overloaded)
+        throw InputError(path + ": has several functions " + external::shown_text(own) +
+                         "; name one by its line: " + lines);
     UserSignature s;
     s.language = language;
-    s.call = name;
+    s.call = own;
     s.symbol = found->name;
     s.line = static_cast<int>(number_in(field(text, "line")));
     if (language == SourceLanguage::llvm) {

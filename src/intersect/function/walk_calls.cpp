@@ -5,7 +5,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "intersect/function/walk_parts.hpp"
+#include "intersect/function/walk.hpp"
 #include "intersect/spirv/llvm_text.hpp"
 #include "number/error.hpp"
 
@@ -37,6 +37,19 @@ std::optional<Value> Walk::known_call(State& state, const std::string& name, con
     if (of_numbers && arguments.size() >= 1) {
         if (is("sqrt")) return lanes(1, [&](const auto& x) { return nodes_.number(TapeOp::sqrt, x[0]); });
         if (is("fabs")) return lanes(1, [&](const auto& x) { return nodes_.number(TapeOp::abs, x[0]); });
+        struct Rounded {
+            const char* name;
+            Nodes::WholeNumber which;
+        };
+        constexpr std::array rounded{Rounded{"floor", Nodes::WholeNumber::below},
+                                     Rounded{"ceil", Nodes::WholeNumber::above},
+                                     Rounded{"trunc", Nodes::WholeNumber::towards_zero},
+                                     Rounded{"round", Nodes::WholeNumber::nearest_or_away},
+                                     Rounded{"roundeven", Nodes::WholeNumber::nearest_or_even},
+                                     Rounded{"rint", Nodes::WholeNumber::nearest_or_even},
+                                     Rounded{"nearbyint", Nodes::WholeNumber::nearest_or_even}};
+        for (const Rounded& r : rounded)
+            if (is(r.name)) return lanes(1, [&](const auto& x) { return nodes_.whole(r.which, x[0]); });
         if (arguments.size() >= 2) {
             const auto is_two = [&](const Value& exponent) {
                 const Scalar s = exponent.empty() ? Scalar() : exponent.begin()->second.scalar;
@@ -72,7 +85,7 @@ std::optional<Value> Walk::known_call(State& state, const std::string& name, con
         const Value copied = load(state, arguments[1], n);
         for (const Case& c : cases_of(arguments[0], *types[0]))
             if (const auto v = variables_.find(c.object); v != variables_.end() && c.value >= 0)
-                name_value(state, v->second.first, copied, static_cast<std::size_t>(c.value), v->second.second);
+                name_value(v->second.first, copied, static_cast<std::size_t>(c.value), v->second.second);
         store(state, arguments[0], n, copied);
         return arguments[0];
     }
@@ -179,7 +192,8 @@ std::optional<Value> Walk::called(Frame& frame, State& state, Cursor& at) {
     if (std::ranges::find(ends, name) != ends.end() || name.find("panic") != std::string::npos) return {};
     static_cast<void>(frame);
     fail("it calls " + shown(name) +
-         ", which is not followed: operations are + - * / sqrt fma fabs copysign fmin fmax and comparisons");
+         ", which is not followed: operations are + - * / sqrt fma fabs copysign fmin fmax floor ceil trunc round and "
+         "comparisons");
 }
 
 }  // namespace lostbits::intersect::function

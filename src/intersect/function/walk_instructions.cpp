@@ -5,7 +5,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "intersect/function/walk_parts.hpp"
+#include "intersect/function/walk.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::function {
@@ -139,8 +139,7 @@ Value Walk::compute(Frame& frame, State& state, std::string_view op, Cursor& at)
         for (const Case& c : cases_of(address, *pointer)) {
             const auto variable = variables_.find(c.object);
             if (variable != variables_.end() && c.value >= 0)
-                name_value(state, variable->second.first, stored, static_cast<std::size_t>(c.value),
-                           variable->second.second);
+                name_value(variable->second.first, stored, static_cast<std::size_t>(c.value), variable->second.second);
         }
         store(state, address, type->size, stored);
         return {};

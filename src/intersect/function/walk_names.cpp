@@ -4,8 +4,9 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 
-#include "intersect/function/walk_parts.hpp"
+#include "intersect/function/walk.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::function {
@@ -68,13 +69,55 @@ int Walk::own_place(int place) const {
     return -1;
 }
 
+/// The part of a variable at an offset, by the types of the debug information: `.x`, `[1]`.
+std::string Walk::path_in(int variable, std::size_t offset) const {
+    const auto number = [](const std::string& s) {
+        std::size_t n = 0;
+        std::from_chars(s.data(), s.data() + s.size(), n);
+        return n;
+    };
+    std::string found;
+    int type = reference(field(module_.metadata(variable), "type"));
+    for (int guard = 0; guard < 20 && type >= 0; ++guard) {
+        const std::string_view t = module_.metadata(type);
+        if (t.find("DIDerivedType") != std::string_view::npos) {
+            type = reference(field(t, "baseType"));
+        } else if (t.find("DW_TAG_array_type") != std::string_view::npos) {
+            type = reference(field(t, "baseType"));
+            const std::size_t size = number(field(module_.metadata(type), "size")) / 8;
+            if (size == 0) break;
+            found += "[" + std::to_string(offset / size) + "]";
+            offset %= size;
+        } else if (t.find("DICompositeType") != std::string_view::npos) {
+            int inside = -1;
+            for (const int m : references(module_.metadata(reference(field(t, "elements"))))) {
+                const std::string_view member = module_.metadata(m);
+                const std::string tag = field(member, "tag");
+                if (tag != "DW_TAG_member" && tag != "DW_TAG_inheritance") continue;
+                const std::size_t begin = number(field(member, "offset")) / 8;
+                const std::size_t size = number(field(member, "size")) / 8;
+                if (offset < begin || offset >= begin + size) continue;
+                if (const std::string n = field(member, "name"); !n.empty()) found += "." + n;
+                inside = reference(field(member, "baseType"));
+                offset -= begin;
+                break;
+            }
+            if (inside < 0) break;
+            type = inside;
+        } else {
+            break;
+        }
+    }
+    return found;
+}
+
 /// Names the numbers of a value after the variable in which it is stored, from this offset of the variable on.
-void Walk::name_value(State& state, int variable, const Value& value, std::size_t from, int depth) {
-    static_cast<void>(state);
+void Walk::name_value(int variable, const Value& value, std::size_t from, int depth) {
     const std::string_view text = module_.metadata(variable);
-    if (!field(text, "arg").empty() || field(text, "flags") == "DIFlagArtificial") return;
     const std::string name = field(text, "name");
     if (name.empty() || name.starts_with("lb_")) return;  // of the wrapper
+    const bool is_argument = !field(text, "arg").empty() || field(text, "flags") == "DIFlagArtificial";
+    if (is_argument && depth > 2) return;
     std::string prefix;
     if (depth > 2) {
         int scope = reference(field(text, "scope"));
@@ -87,50 +130,13 @@ void Walk::name_value(State& state, int variable, const Value& value, std::size_
             scope = reference(field(around, "scope"));
         }
     }
-    // Adds the path to each number, by the types of the debug information.
-    const auto path = [&](std::size_t offset) {
-        std::string found;
-        int type = reference(field(text, "type"));
-        for (int guard = 0; guard < 20 && type >= 0; ++guard) {
-            const std::string_view t = module_.metadata(type);
-            const auto number = [](const std::string& s) {
-                std::size_t n = 0;
-                std::from_chars(s.data(), s.data() + s.size(), n);
-                return n;
-            };
-            if (t.find("DIDerivedType") != std::string_view::npos) {
-                type = reference(field(t, "baseType"));
-            } else if (t.find("DW_TAG_array_type") != std::string_view::npos) {
-                type = reference(field(t, "baseType"));
-                const std::size_t size = number(field(module_.metadata(type), "size")) / 8;
-                if (size == 0) break;
-                found += "[" + std::to_string(offset / size) + "]";
-                offset %= size;
-            } else if (t.find("DICompositeType") != std::string_view::npos) {
-                int inside = -1;
-                for (const int m : references(module_.metadata(reference(field(t, "elements"))))) {
-                    const std::string_view member = module_.metadata(m);
-                    const std::string tag = field(member, "tag");
-                    if (tag != "DW_TAG_member" && tag != "DW_TAG_inheritance") continue;
-                    const std::size_t begin = number(field(member, "offset")) / 8;
-                    const std::size_t size = number(field(member, "size")) / 8;
-                    if (offset < begin || offset >= begin + size) continue;
-                    if (const std::string n = field(member, "name"); !n.empty()) found += "." + n;
-                    inside = reference(field(member, "baseType"));
-                    offset -= begin;
-                    break;
-                }
-                if (inside < 0) break;
-                type = inside;
-            } else {
-                break;
-            }
-        }
-        return found;
-    };
-    for (const auto& [at, cell] : value)
-        if (cell.scalar.kind == Scalar::Kind::number)
-            nodes_.name(cell.scalar.node, prefix + name + path(from + at), depth);
+    for (const auto& [at, cell] : value) {
+        if (cell.scalar.kind != Scalar::Kind::number) continue;
+        const std::string whole = prefix + name + path_in(variable, from + at);
+        if (!is_argument) nodes_.name(cell.scalar.node, whole, depth);
+        if (depth <= 2)
+            stored_.push_back({whole, cell.scalar.node, nodes_.place, std::atoi(field(text, "line").c_str())});
+    }
 }
 
 /// Handles `llvm.dbg.declare`, `llvm.dbg.value`, and the records that replace them since LLVM 19.
@@ -174,7 +180,7 @@ void Walk::declare(State& state, std::string_view line, Cursor at, bool is_recor
         std::from_chars(digits.data(), digits.data() + digits.size(), from);
         from /= 8;
     }
-    name_value(state, variable, found->second, from, depth);
+    name_value(variable, found->second, from, depth);
 }
 
 }  // namespace lostbits::intersect::function

@@ -5,7 +5,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "intersect/function/walk_parts.hpp"
+#include "intersect/function/walk.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::function {

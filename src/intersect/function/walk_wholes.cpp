@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "intersect/function/walk_parts.hpp"
+#include "intersect/function/walk.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::function {

@@ -175,7 +175,10 @@ bool Translator::arithmetic(const SpirvInstruction& i) {
                                                        : "zext";
         result = made(type, how + " " + from.typed() + " to " + type.text);
     } else if (i.op == "OpFNegate") result = made(type, "fneg " + x(1).typed());
-    else if (i.op == "OpSNegate") result = binary("sub", {&type, "zeroinitializer", {}}, x(1));
+    else if (i.op == "OpFMod" || i.op == "OpFRem") {  // x - y floor(x/y), x - y trunc(x/y)
+        const TypedText whole = intrinsic(i.op == "OpFMod" ? "floor" : "trunc", {binary("fdiv", x(1), x(2))});
+        result = binary("fsub", x(1), binary("fmul", x(2), whole));
+    } else if (i.op == "OpSNegate") result = binary("sub", {&type, "zeroinitializer", {}}, x(1));
     else if (i.op == "OpLogicalNot") result = compare("icmp eq", x(1), {&type, "zeroinitializer", {}});
     else if (i.op == "OpSelect") result = select(x(1), x(2), x(3));
     else if (i.op == "OpDot") result = dot(x(1), x(2));
@@ -204,12 +207,14 @@ TypedText Translator::extended(const SpirvInstruction& i, const std::string& nam
                                const Values& x) {
     // Each name with the number of its operands.
     static const std::map<std::string_view, std::size_t> formulas{
-        {"InverseSqrt", 1}, {"FMin", 2},      {"FMax", 2},        {"FClamp", 3}, {"NClamp", 3}, {"FSign", 1},
-        {"FMix", 3},        {"Step", 2},      {"SmoothStep", 3},  {"SAbs", 1},   {"SMin", 2},   {"SMax", 2},
-        {"UMin", 2},        {"UMax", 2},      {"SClamp", 3},      {"UClamp", 3}, {"Length", 1}, {"Distance", 2},
-        {"Cross", 2},       {"Normalize", 1}, {"FaceForward", 3}, {"Reflect", 2}};
-    static const Counterparts intrinsics{{"Sqrt", "sqrt"},   {"FAbs", "fabs"},   {"Fma", "fma"},
-                                         {"NMin", "minnum"}, {"NMax", "maxnum"}, {"Pow", "pow"}};
+        {"InverseSqrt", 1}, {"FMin", 2},      {"FMax", 2},        {"FClamp", 3},  {"NClamp", 3}, {"FSign", 1},
+        {"FMix", 3},        {"Step", 2},      {"SmoothStep", 3},  {"SAbs", 1},    {"SMin", 2},   {"SMax", 2},
+        {"UMin", 2},        {"UMax", 2},      {"SClamp", 3},      {"UClamp", 3},  {"Length", 1}, {"Distance", 2},
+        {"Cross", 2},       {"Normalize", 1}, {"FaceForward", 3}, {"Reflect", 2}, {"Fract", 1}};
+    static const Counterparts intrinsics{{"Sqrt", "sqrt"},       {"FAbs", "fabs"},          {"Fma", "fma"},
+                                         {"NMin", "minnum"},     {"NMax", "maxnum"},        {"Pow", "pow"},
+                                         {"Floor", "floor"},     {"Ceil", "ceil"},          {"Trunc", "trunc"},
+                                         {"Round", "roundeven"}, {"RoundEven", "roundeven"}};
     if (const std::string known = counterpart(intrinsics, name); !known.empty() && !x.empty())
         return intrinsic(known, x);
     const auto formula = formulas.find(name);
@@ -230,6 +235,7 @@ TypedText Translator::extended(const SpirvInstruction& i, const std::string& nam
         return least(most(a, lo), hi);
     };
     if (name == "InverseSqrt") return binary("fdiv", constant(1), intrinsic("sqrt", x));
+    if (name == "Fract") return binary("fsub", x[0], intrinsic("floor", x));
     if (name == "FMin") return least(x[0], x[1]);
     if (name == "FMax") return most(x[0], x[1]);
     if (name == "FClamp") return clamped(x[0], x[1], x[2]);

@@ -17,11 +17,19 @@ bool is_chain(const SpirvInstruction& i) { return i.op == "OpAccessChain" || i.o
 
 }  // namespace
 
+/// True for debug information that stands among the instructions, as of `glslangValidator -gV`.
+bool Translator::is_note(const SpirvInstruction& i) const {
+    if (i.op != "OpExtInst") return false;
+    const auto set = strings_.find(i.at(1));
+    return set != strings_.end() && set->second.starts_with("NonSemantic.");
+}
+
 /// True if the first access to the memory behind a parameter writes it: the function answers there.
 bool Translator::is_written_first(std::size_t from, std::size_t end, const std::string& id) const {
     std::set<std::string> parts{id};
     for (std::size_t k = from; k < end; ++k) {
         const SpirvInstruction& i = all_[k];
+        if (is_note(i)) continue;
         if (is_chain(i) && parts.contains(i.at(1))) parts.insert(i.result);
         else if (i.op == "OpStore" && parts.contains(i.at(0))) return true;
         else if (std::ranges::any_of(i.operands, [&](const std::string& o) { return parts.contains(o); })) return false;
@@ -119,6 +127,11 @@ TypedText Translator::refuse(const SpirvType& type, const std::string& sentence)
 void Translator::instruction(const SpirvInstruction& i) {
     constexpr std::array silent{"OpNop", "OpName", "OpSelectionMerge", "OpLoopMerge", "OpNoLine"};
     if (i.op == "OpLine") return declare(i);
+    if (is_note(i)) {
+        if (i.at(2) == "DebugLine")
+            places_.visit(static_cast<int>(wholes_[i.at(4)]), static_cast<int>(wholes_[i.at(6)]));
+        return;
+    }
     if (std::ranges::find(silent, i.op) != silent.end()) return;
     if (i.op == "OpLabel") {
         body_.push_back(label(i.result).substr(1) + ":");

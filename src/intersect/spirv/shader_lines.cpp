@@ -71,9 +71,11 @@ std::string split_program(const std::string& text, device::Language language, Sh
         lines.tokens.push_back({std::string(t.text), static_cast<int>(t.line), static_cast<int>(t.column)});
     };
     const std::vector<shader::Token> tokens = shader::tokens_of(body);
-    std::size_t end = 0, line = 0;
+    std::size_t end = 0, line = 0, line_directive = 0;
     for (const shader::Token& t : tokens) {
         if (t.kind == shader::Token::Kind::comment) continue;
+        if (t.in_directive && t.text == "#" && &t != &tokens.back() && (&t)[1].text == "line") line_directive = t.line;
+        if (t.in_directive && t.line == line_directive) continue;  // lines are those of the file itself
         // A directive is one line; a backslash at the end of a line joins the next one to it.
         if (t.in_directive) {
             if (t.line != line) begin_line(t);

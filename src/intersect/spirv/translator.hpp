@@ -79,6 +79,7 @@ private:
     // Functions
     void function(std::size_t first, std::size_t end);
     std::string parameters_of(std::size_t first, std::size_t end, const std::string& scope);
+    [[nodiscard]] bool is_note(const SpirvInstruction& i) const;
     [[nodiscard]] bool is_written_first(std::size_t from, std::size_t end, const std::string& id) const;
     void resolve_phis();
     void instruction(const SpirvInstruction& i);

@@ -254,7 +254,9 @@ std::string envelope_sentence(const Explanation& x) {
 std::string explain_text(const Explanation& x, bool all, const std::optional<MarchEnd>& march) {
     std::string text = fmt::format("{} in {}: {}\n\n", x.form->info->name, x.format.name, x.form->info->title);
     text += verdict_of(x, march).text() + better_sentences(x) + "\n";
-    const NodeId culprit = x.has_tape() ? x.attribution.culprit : no_node;
+    // An operation that no one blames is quoted if its result is not a finite number: what follows comes from there.
+    NodeId culprit = x.has_tape() ? x.attribution.culprit : no_node;
+    if (culprit != no_node && std::isfinite(x.tape[culprit].value)) culprit = culprit_operation(x);
     if (const std::string line = intersect::function::quoted_line(*x.form->info, x.format, culprit); !line.empty())
         text += line + "\n";
     if (x.primitives > 1 && is_primitive(x.form->shape))

@@ -297,6 +297,16 @@ std::string emitted(const MendResult& r, const std::filesystem::path& file, cons
             "--emit {}: no other form of {} was found that meets the requirement, so there is nothing to write; {}",
             file.string(), r.request.row.form->info->name,
             r.mended.set ? "it meets the requirement as it is" : "it also fails with all operations wider"));
+    if (file.extension() == ".patch") {
+        if (r.patches.empty())
+            throw InputError(fmt::format("--emit {}: {} is not a function of --function; write .hpp or .glsl",
+                                         file.string(), r.request.row.form->info->name));
+        const auto& patch = r.patches[static_cast<std::size_t>(best - proposals.data())];
+        if (patch.diff.empty())
+            throw InputError(fmt::format("--emit {}: there is no patch of {}: {}; write .hpp", file.string(),
+                                         patch.file, patch.why_not));
+        return patch.diff;
+    }
     const bool shader = file.extension() == ".glsl";
     const FormTexts words = words_of(r, *best, (shader ? "" : "mended.") + file.stem().string(), command);
     return shader ? shader_code(best->tape, *r.request.row.form, words)

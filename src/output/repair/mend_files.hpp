@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "measure/repair/mend.hpp"
+#include "measure/repair/patch.hpp"
 #include "measure/repair/price.hpp"
 #include "output/image/canvas.hpp"
 #include "output/table/table.hpp"
@@ -35,11 +36,14 @@ struct MendResult {
     /// the catalogue; empty if nothing was timed.
     std::vector<Price> prices = {};
     std::string no_price = {};  ///< reason why nothing was timed although it was asked for
+    /// For a function of a user's file: the patch of each result (`proposals_of`); empty for one that fails the
+    /// requirement.
+    std::vector<measure::repair::Patch> patches = {};
 
     [[nodiscard]] bool has_set() const { return mended.set && !mended.set->operations.empty(); }
 };
 
-/// The results, with the catalogue and all margins, but without times.
+/// The results, with the catalogue, all margins and patches, but without times.
 MendResult result_of(const measure::repair::MendRequest& request, const measure::repair::Mended& mended);
 
 /// A resulting form: the set, the symmetric set, or another way of writing the form.
@@ -148,8 +152,9 @@ private:
 measure::repair::RepairedSource written(const MendResult& result, const Proposal& proposal, const std::string& name,
                                         const std::string& command);
 
-/// The best proposal for a file of that name: `NAME.hpp` holds `mended.NAME`, `NAME.glsl` the function NAME. Throws
-/// InputError if none meets the requirement, and the errors of `shader_code`.
+/// The best proposal for a file of that name: `NAME.hpp` holds `mended.NAME`, `NAME.glsl` the function NAME, and
+/// `NAME.patch` is its patch. Throws InputError if none meets the requirement or there is no patch, and the errors of
+/// `shader_code`.
 std::string emitted(const MendResult& result, const std::filesystem::path& file, const std::string& command);
 
 }  // namespace lostbits::output::repair

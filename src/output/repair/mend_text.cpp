@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <sstream>
 #include <utility>
 
 #include "measure/attribution/tape_text.hpp"
@@ -53,9 +54,19 @@ std::string own_is_enough(const MendResult& r) {
                                          in_words(r.mended.own_apart, r.request.requirement)));
 }
 
-std::string diff_of(const MendResult& r, const Tape& now) {
+/// The change of a proposal: as a patch of the user's file, and else as lines of the formula.
+std::string change_of(const MendResult& r, std::size_t k) {
+    const measure::repair::Patch* const patch = k < r.patches.size() ? &r.patches[k] : nullptr;
     std::string text;
-    for (const std::string& line : changed_lines(r, now)) text += fmt::format("    {}\n", line);
+    if (patch == nullptr || patch->diff.empty()) {
+        for (const std::string& line : changed_lines(r, proposals_of(r)[k].tape)) text += fmt::format("    {}\n", line);
+        if (patch != nullptr && !patch->why_not.empty())
+            text += fmt::format("  It is not a patch of {}: {}.\n", patch->file, patch->why_not);
+        return text;
+    }
+    text = "  As a patch for `patch -p0`; the patched file was compiled and has these operations' bits:\n";
+    std::istringstream lines(patch->diff);
+    for (std::string line; std::getline(lines, line);) text += fmt::format("    {}\n", line);
     return text;
 }
 
@@ -114,11 +125,11 @@ std::string symmetric_set_text(const MendResult& r) {
     if (!m.symmetric) return "  It is not symmetric, and no set that treats x, y and z alike was found in its place.\n";
     const auto& set = *m.symmetric;
     std::string text = fmt::format(
-        "  It is not symmetric: it was found for the axes as they are.\n"
-        "With {} of its {} operations in {}, the same ones for x, y and z, it keeps {}.\n  They are in: {}.\n",
+        "  It is not symmetric: it was found for the axes as they are.\nWith {} of its {} operations in {}, the same "
+        "ones for x, y and z, it keeps {}.\n  They are in: {}.\n",
         set.operations.size(), m.operations, name_of_wider(m.wider), in_words(set.quality, r.request.requirement),
         names_of(r, set.operations));
-    text += diff_of(r, with_wider(m, set.operations));
+    text += change_of(r, r.has_set() ? 1 : 0);
     text += fmt::format("  These are {} of its {} groups of operations that are alike up to an exchange of axes; {}.\n",
                         set.groups, set.all_groups,
                         set.is_smallest ? "no groups with fewer operations are enough (all were tried)"
@@ -136,12 +147,11 @@ std::string wider_set_text(const MendResult& r) {
         fmt::format("With {} of its {} operations in {} it keeps {} ({} with all of them).\n", n, m.operations, wider,
                     in_words(m.set->quality, requirement), in_words(m.all, requirement));
     text += fmt::format("  They are in: {}.\n", names_of(r, m.set->operations));
-    text += diff_of(r, with_wider(m, m.set->operations));
+    text += change_of(r, 0);
     const auto best = std::ranges::min_element(m.set->without, measure::repair::is_more_accurate);
     text += fmt::format(
         "  No operation can be spared: with any one of the {} as it was, the requirement fails; the best of these {} "
-        "has "
-        "{}.\n",
+        "has {}.\n",
         n, n, in_words(*best, requirement));
     if (m.set->none_of > 0) {
         const std::string sets =
@@ -195,7 +205,7 @@ std::string rewritten_text(const MendResult& r, std::size_t k) {
         text += fmt::format("  {}: {}{}{}.\n", rule->name, rule->identity, rule->condition.empty() ? "" : "; where ",
                             rule->condition);
     }
-    text += diff_of(r, one.tape);
+    text += change_of(r, proposals_of(r).size() - r.mended.rewriting.found.size() + k);
     text += apart_rays_text(r, one.quality, one.apart) + probes_text(r, one.probed);
     return k < r.rewritten_margins.size() ? text + margins_text(r.rewritten_margins[k], r) : text;
 }
@@ -252,6 +262,11 @@ MendResult result_of(const measure::repair::MendRequest& request, const measure:
         else if (proposal.symmetric) r.symmetric_margins = std::move(margins);
         else r.margins = std::move(margins);
     }
+    measure::repair::Patcher patcher(request, mended.tape);
+    if (!patcher.has_file()) return r;
+    for (const Proposal& proposal : proposals_of(r))
+        r.patches.push_back(proposal.quality->meets(request.requirement) ? patcher.patch_of(proposal.tape)
+                                                                         : measure::repair::Patch());
     return r;
 }
 
@@ -301,8 +316,7 @@ std::string names_of(const MendResult& r, const std::vector<NodeId>& operations)
     std::vector<std::string> names;
     std::set<std::string> seen;
     for (const NodeId i : operations) {
-        NodeId named = i;
-        // Finds the next named operation that is computed from it, as maps of culprits do.
+        NodeId named = i;  // Finds the next named operation that is computed from it, as maps of culprits do.
         for (NodeId k = i; k < tape.size() && tape[named].label.empty(); ++k) {
             const auto& operands = tape[k].operands;
             if (!is_given(tape[k].op) && std::ranges::find(operands, named) != operands.end()) named = k;

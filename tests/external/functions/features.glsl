@@ -49,6 +49,13 @@ float endless(vec3 ro, vec3 rd, vec4 ball) {
         t += distance(ro + t * rd, ball.xyz) - ball.w;
     return t;
 }
-float rounded(vec3 ro, vec3 rd, vec4 ball) { return floor(ro.x) + rd.x + ball.w; }
+float rounded(vec3 ro, vec3 rd, vec4 ball) { return float(int(ro.x)) + rd.x + ball.w; }
+float whole(vec3 ro, vec3 rd, vec4 ball) {
+    vec3 cell = floor(ro), part = fract(ro * 4.0);
+    return dot(cell, rd) + ceil(rd.x) + trunc(part.y * 8.0) + roundEven(rd.y * 4.0) + mod(ro.z, 0.75) + ball.w;
+}
+#line 1000
+float many(vec3 ro, vec3 rd, vec4 ball) { return dot(ro, rd) - ball.w; }
+float many(vec3 ro, vec3 rd, vec3 ball, float r) { return dot(ro - ball, rd) + r; }
 
 void main() { gl_FragColor = vec4(time); }

@@ -25,3 +25,26 @@ bool hit(float3 ro, float3 rd, float3 v0, float3 v1, float3 v2, out float t) {
     t = 0;
     return hit_triangle(ray, v0, v1, v2, t);
 }
+
+// SolveRaySphereIntersectionEquation of microsoft/DirectX-Graphics-Samples, D3D12RaytracingProceduralGeometry,
+// AnalyticPrimitives.hlsli at a6c390db: both roots, with the same operations in the same order, written again.
+bool sphere_roots(Ray ray, out float near, out float far, float3 centre, float radius) {
+    float3 f = ray.origin - centre;
+    float dd = dot(ray.direction, ray.direction), fd = 2 * dot(ray.direction, f), k = dot(f, f) - radius * radius;
+    near = far = 0;
+    float h = fd * fd - 4 * dd * k;
+    if (h < 0) return false;
+    if (h == 0) {
+        near = far = -0.5 * fd / dd;
+    } else {
+        float q = fd > 0 ? -0.5 * (fd + sqrt(h)) : -0.5 * (fd - sqrt(h));
+        near = q / dd;
+        far = k / q;
+    }
+    if (near > far) {
+        float other = near;
+        near = far;
+        far = other;
+    }
+    return true;
+}

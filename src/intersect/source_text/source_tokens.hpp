@@ -1,0 +1,58 @@
+// The tokens of a text in C, C++, Rust, GLSL or HLSL, and the expressions and statements that they make. No grammar:
+// brackets, and how tightly operators bind.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace lostbits::intersect::source_text {
+
+/// A part of a text, from `begin` up to `end`.
+struct TextSpan {
+    std::size_t begin = 0, end = 0;
+    friend auto operator<=>(const TextSpan&, const TextSpan&) = default;
+};
+
+/// The text must outlive it.
+class SourceTokens {
+public:
+    explicit SourceTokens(std::string_view text);
+
+    /// The expression whose operator stands at this offset; of a name, the call or the operand that begins there.
+    [[nodiscard]] TextSpan expression_at(std::size_t offset) const;
+    /// The expression that begins at this offset, as long as it goes.
+    [[nodiscard]] TextSpan expression_from(std::size_t offset) const;
+    /// The value that `name = value` gives to a variable between two offsets, if exactly one such statement begins
+    /// there.
+    [[nodiscard]] std::optional<TextSpan> value_of(std::string_view name, std::size_t begin, std::size_t end) const;
+    /// Begin of the statement around this offset, and the end of the token before it.
+    struct Statement {
+        std::size_t begin = 0, before = 0;
+    };
+    [[nodiscard]] Statement statement_around(std::size_t offset) const;
+    [[nodiscard]] bool has_word(std::string_view word) const;
+
+private:
+    struct Token {
+        std::size_t begin, end;
+        bool is_word;
+    };
+    [[nodiscard]] std::string_view text_of(std::size_t k) const {
+        return text_.substr(tokens_[k].begin, tokens_[k].end - tokens_[k].begin);
+    }
+    [[nodiscard]] std::size_t index_at(std::size_t offset) const;
+    [[nodiscard]] bool is_prefix(std::size_t k) const;
+    [[nodiscard]] std::size_t end_of_operand(std::size_t k) const;
+    [[nodiscard]] std::size_t end_of_value(std::size_t k) const;
+    /// Skips a group in brackets from its first or last bracket; other tokens are one step.
+    [[nodiscard]] std::size_t after(std::size_t k) const;
+    [[nodiscard]] std::size_t before(std::size_t k) const;
+
+    std::string_view text_;
+    std::vector<Token> tokens_;
+    std::vector<std::size_t> partner_;  ///< of each bracket, the other one; of others, and without one, itself
+};
+
+}  // namespace lostbits::intersect::source_text

@@ -1,0 +1,84 @@
+#include "measure/repair/source_words.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace lostbits::measure::repair {
+
+using intersect::function::WrittenIn;
+
+namespace {
+
+bool is_shader(WrittenIn language) { return language == WrittenIn::glsl || language == WrittenIn::hlsl; }
+
+/// Functions that each language names in its own way.
+SourcePattern function_in(WrittenIn language, TapeOp op, bool is_double) {
+    const bool rust = language == WrittenIn::rust, hlsl = language == WrittenIn::hlsl, shader = is_shader(language);
+    switch (op) {
+        case TapeOp::sqrt: return {rust ? "$1:5.sqrt()" : shader || is_double ? "sqrt($1)" : "sqrtf($1)", 4};
+        case TapeOp::abs: return {rust ? "$1:5.abs()" : shader ? "abs($1)" : is_double ? "fabs($1)" : "fabsf($1)", 4};
+        case TapeOp::fma:
+            if (rust) return {"$1:5.mul_add($2, $3)", 4};
+            if (hlsl) return {is_double ? "fma($1, $2, $3)" : "mad($1, $2, $3)", 4};
+            return {shader || is_double ? "fma($1, $2, $3)" : "fmaf($1, $2, $3)", 4};
+        case TapeOp::copysign:
+            if (rust) return {"$1:5.copysign($2)", 4};
+            if (shader && is_double) return {"", 4};
+            if (hlsl) return {"asfloat((asuint($1) & 0x7fffffffu) | (asuint($2) & 0x80000000u))", 4};
+            if (shader)
+                return {"uintBitsToFloat((floatBitsToUint($1) & 0x7fffffffu) | (floatBitsToUint($2) & 0x80000000u))",
+                        4};
+            return {is_double ? "copysign($1, $2)" : "copysignf($1, $2)", 4};
+        default: return {"", 4};
+    }
+}
+
+}  // namespace
+
+SourcePattern pattern_in(WrittenIn language, TapeOp op, bool is_double) {
+    const bool rust = language == WrittenIn::rust;
+    switch (op) {
+        case TapeOp::add: return {"$1:1 + $2:2", 1};
+        case TapeOp::sub: return {"$1:1 - $2:2", 1};
+        case TapeOp::mul: return {"$1:2 * $2:3", 2};
+        case TapeOp::div: return {"$1:2 / $2:3", 2};
+        case TapeOp::neg: return {"-$1:4", 3};
+        case TapeOp::less: return {"$1:1 < $2:1", 0};
+        case TapeOp::less_equal: return {"$1:1 <= $2:1", 0};
+        case TapeOp::greater: return {"$1:1 > $2:1", 0};
+        case TapeOp::greater_equal: return {"$1:1 >= $2:1", 0};
+        case TapeOp::both: return {"$1:0 && $2:0", -1};
+        case TapeOp::either: return {"$1:0 || $2:0", -1};
+        case TapeOp::opposite: return {"!$1:4", 3};
+        case TapeOp::select: return {rust ? "if $1 { $2 } else { $3 }" : "$1:0 ? $2:0 : $3:0", -2};
+        case TapeOp::min: return {rust ? "if $1:1 < $2:1 { $1 } else { $2 }" : "$1:1 < $2:1 ? $1:0 : $2:0", -2};
+        case TapeOp::max: return {rust ? "if $1:1 > $2:1 { $1 } else { $2 }" : "$1:1 > $2:1 ? $1:0 : $2:0", -2};
+        default: return function_in(language, op, is_double);
+    }
+}
+
+SourcePattern conversion_in(WrittenIn language, bool to_double) {
+    switch (language) {
+        case WrittenIn::rust: return {to_double ? "($1:4 as f64)" : "($1:4 as f32)", 4};
+        case WrittenIn::glsl: return {to_double ? "double($1)" : "float($1)", 4};
+        default: return {to_double ? "(double)$1:4" : "(float)$1:4", 3};
+    }
+}
+
+std::string digits_in(WrittenIn language, double x, bool is_double) {
+    if (!std::isfinite(x)) return "";
+    std::string digits = is_double ? fmt::format("{}", x) : fmt::format("{}", static_cast<float>(x));
+    if (digits.find_first_of(".e") == std::string::npos) digits += ".0";
+    if (language == WrittenIn::c || language == WrittenIn::cpp) return is_double ? digits : digits + "f";
+    if (language == WrittenIn::glsl && is_double) return digits + "lf";
+    return language == WrittenIn::hlsl && is_double ? digits + "L" : digits;
+}
+
+std::string declared_in(WrittenIn language, const std::string& name, bool is_double, bool decides) {
+    if (language == WrittenIn::rust) return "let " + name + " = ";
+    const char* const type = decides ? (language == WrittenIn::c ? "int" : "bool") : is_double ? "double" : "float";
+    return std::string(type) + " " + name + " = ";
+}
+
+}  // namespace lostbits::measure::repair

@@ -1,0 +1,23 @@
+// Changes of a text, and the unified diff that `patch` applies.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "intersect/source_text/source_tokens.hpp"
+
+namespace lostbits::measure::repair {
+
+struct TextChange {
+    intersect::source_text::TextSpan span;
+    std::string text;
+};
+
+/// The text with the changes; insertions at one place in the order given. Nothing if two changes overlap.
+std::optional<std::string> changed_text(const std::string& text, std::vector<TextChange> changes);
+
+/// The difference of two texts with three lines around each change, for `patch -p0`.
+std::string unified_diff(const std::string& path, const std::string& before, const std::string& after);
+
+}  // namespace lostbits::measure::repair
