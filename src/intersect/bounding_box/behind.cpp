@@ -23,7 +23,7 @@ using table::RayBatch;
 namespace {
 
 using Parts = std::tuple<const BoxMethod*, const Intersector*, const Intersector*>;
-using Rows = table::MadeRows<Parts>;
+using Rows = table::ComposedForms<Parts>;
 Rows& rows() {
     static Rows all;
     return all;

@@ -12,7 +12,7 @@ namespace lostbits::intersect::table {
 
 /// The rows by their parts, a tuple of pointers. Rows do not move in memory; several threads may call.
 template <class Parts>
-class MadeRows {
+class ComposedForms {
 public:
     struct Made {
         Parts parts;

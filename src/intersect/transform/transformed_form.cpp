@@ -18,7 +18,7 @@ using table::RayBatch;
 namespace {
 
 using Parts = std::tuple<const TransformMethod*, const Intersector*>;
-using Rows = table::MadeRows<Parts>;
+using Rows = table::ComposedForms<Parts>;
 Rows& rows() {
     static Rows all;
     return all;

@@ -217,7 +217,7 @@ struct Contracted {
     }
 };
 
-using Rows = intersect::table::MadeRows<std::tuple<const Intersector*>>;
+using Rows = intersect::table::ComposedForms<std::tuple<const Intersector*>>;
 Rows& rows() {
     static Rows all;
     return all;

@@ -13,7 +13,7 @@ using intersect::table::Intersector;
 
 namespace {
 
-using Rows = intersect::table::MadeRows<std::tuple<const RayGenerator*, const Intersector*>>;
+using Rows = intersect::table::ComposedForms<std::tuple<const RayGenerator*, const Intersector*>>;
 Rows& rows() {
     static Rows all;
     return all;
