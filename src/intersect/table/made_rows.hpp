@@ -21,7 +21,7 @@ public:
         Intersector row;
 
         /// Takes the contract of `like`, but keeps its own name, title and source.
-        void tell_as(const Info& like) {
+        void take_contract(const Info& like) {
             info = like;
             info.name = name, info.title = title, info.source = source;
         }

@@ -185,7 +185,7 @@ void fill(Rows::Made& made) {
     made.name = text(form.name, "@", space.name);
     made.title = text(form.title, "; ", space.title);
     made.source = text(form.source, "; ", space.source);
-    made.tell_as(form);
+    made.take_contract(form);
     // A transform method that normalises gives the form unit directions, so its own requirement alone counts. With any
     // other, the form's requirement counts too.
     if (space.normalises) made.info.direction = space.direction;

@@ -229,7 +229,7 @@ void fill(Rows::Made& made) {
     made.name = std::string(form.info->name) + std::string(contracted_suffix);
     made.title = std::string(form.info->title) + "; each added product is rounded together with its sum";
     made.source = form.info->source;
-    made.tell_as(*form.info);
+    made.take_contract(*form.info);
     const Contracted& own = all.emplace_back(form, made.name);
     made.row = {.info = &made.info, .shape = form.shape, .native32 = nullptr, .native64 = nullptr};
     if (own.written) own.written->fill(made.row);
