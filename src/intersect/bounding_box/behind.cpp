@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "intersect/simd/packed.hpp"
+#include "intersect/table/composed_forms.hpp"
 #include "intersect/table/joined_tapes.hpp"
-#include "intersect/table/made_rows.hpp"
 #include "intersect/table/recording.hpp"
 #include "intersect/transform/transformed_form.hpp"
 #include "number/error.hpp"

@@ -4,8 +4,8 @@
 #include <tuple>
 
 #include "intersect/simd/packed.hpp"
+#include "intersect/table/composed_forms.hpp"
 #include "intersect/table/joined_tapes.hpp"
-#include "intersect/table/made_rows.hpp"
 #include "number/error.hpp"
 #include "shapes/lift.hpp"
 

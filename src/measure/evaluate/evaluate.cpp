@@ -9,7 +9,7 @@
 #include "intersect/process/parallel.hpp"
 #include "measure/evaluate/bands.hpp"
 #include "measure/evaluate/measure_row.hpp"
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 
 namespace lostbits::measure::evaluate {
 

@@ -15,11 +15,11 @@
 #include <utility>
 #include <vector>
 
-#include "intersect/table/made_rows.hpp"
+#include "intersect/table/composed_forms.hpp"
 #include "intersect/table/written_formula.hpp"
 #include "measure/tape/tape_form.hpp"
 #include "number/error.hpp"
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 
 namespace lostbits::measure::tape {
 

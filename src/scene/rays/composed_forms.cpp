@@ -1,9 +1,9 @@
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 
 #include <string>
 #include <tuple>
 
-#include "intersect/table/made_rows.hpp"
+#include "intersect/table/composed_forms.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::scene::rays {
