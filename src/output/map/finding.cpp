@@ -75,7 +75,7 @@ std::string wrong_decision_text(const FormSummary& s) {
     return fmt::format("decides {} wrongly", count_and_share_text(wrong, s.rays, "rays"));
 }
 
-std::string finding_in_words(const EvaluationRequest& request, const std::vector<FormSummary>& summaries) {
+std::string finding_text(const EvaluationRequest& request, const std::vector<FormSummary>& summaries) {
     const auto forms = forms_of(request, summaries);
     if (forms.empty()) return "";
     const auto [first, last] = std::ranges::minmax_element(forms, {}, rank_of);
