@@ -204,7 +204,7 @@ private:
         words.push_back(source.string());
         words.insert(words.end(), last.begin(), last.end());
         const std::string who = file_.string() + ": " + words[0];
-        process::Child child(words, {.who = who, .duty = "", .seconds = terms_.seconds, .stop = terms_.stop});
+        process::Child child(words, {.who = who, .timeout_advice = "", .seconds = terms_.seconds, .stop = terms_.stop});
         const process::Child::Ended ended = child.read_to_end();
         if (ended.status == 0 && (made.empty() || fs::exists(made))) return;
         std::string said = ended.output.substr(0, 3000);
