@@ -13,7 +13,7 @@
 #include "output/shard/fields.hpp"
 #include "output/sweep/exhaustive_files.hpp"
 #include "output/sweep/worst_files.hpp"
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 
 namespace lostbits::analysis {
 

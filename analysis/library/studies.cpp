@@ -13,7 +13,7 @@
 #include "output/choice/choice_files.hpp"
 #include "output/repair/mend_files.hpp"
 #include "output/sweep/sweep_files.hpp"
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 

@@ -185,7 +185,7 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
             .sheet = std::move(contacts),
             .own_size = work.own_size,
             .metrics = std::move(names),
-            .finding = output::map::finding_in_words(request, summaries),
+            .finding = output::map::finding_text(request, summaries),
             .faulty = static_cast<std::size_t>(
                 std::ranges::count_if(summaries, [](const auto& s) { return s.wrong_count() > 0; }))};
 }

@@ -356,8 +356,9 @@ void note_unasked(const shell::Command& command) {
 DeviceReport ask_device(std::string_view kind, const ExternalOptions& words) {
     DeviceReport told{.kind = std::string(kind), .facts = {}, .lacks = {}};
     try {
-        intersect::process::Child child(this_program("shader probe " + told.kind),
-                                        {.who = told.kind, .duty = "", .seconds = words.seconds, .stop = words.stop});
+        intersect::process::Child child(
+            this_program("shader probe " + told.kind),
+            {.who = told.kind, .timeout_advice = "", .seconds = words.seconds, .stop = words.stop});
         for (std::string line = child.read_line(); !line.empty(); line = child.read_line()) {
             const std::size_t equals = line.find('=');
             if (equals == std::string::npos) child.fail("wrote " + line + " instead of a line NAME=FACT");

@@ -15,7 +15,7 @@
 #include "number/real.hpp"
 #include "output/file/number_text.hpp"
 #include "scene/file/march_table.hpp"
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 #include "scene/sweep/sweep_head.hpp"

@@ -8,7 +8,7 @@
 #include "analysis/selection/options.hpp"
 #include "measure/answer/against.hpp"
 #include "number/error.hpp"
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 #include "scene/toml/did_you_mean.hpp"
 #include "shapes/number_names.hpp"
 

@@ -12,7 +12,7 @@
 #include "measure/tape/tape_form.hpp"
 #include "number/error.hpp"
 #include "output/file/number_text.hpp"
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 
 namespace lostbits::analysis::selection {
 

@@ -13,14 +13,14 @@ struct Key {
     /// A condition on the numbers, besides being finite.
     enum class Limit {
         none,
-        positive,          ///< greater than 0
-        not_negative,      ///< 0 or more
-        below_before,      ///< 0 or more, and less than the length before it
-        within_before,     ///< greater than 0, and less than the length before it
-        not_zero,          ///< a direction of some length
-        at_least_before,   ///< in each component at least the key before it
-        off_line_before,   ///< a point that does not lie on one line with the two keys before it
-        apart_from_before  ///< a point that is not the key before it
+        positive,                     ///< greater than 0
+        not_negative,                 ///< 0 or more
+        non_negative_below_previous,  ///< 0 or more, and less than the length before it
+        positive_below_previous,      ///< greater than 0, and less than the length before it
+        not_zero,                     ///< a direction of some length
+        at_least_before,              ///< in each component at least the key before it
+        off_line_before,              ///< a point that does not lie on one line with the two keys before it
+        apart_from_before             ///< a point that is not the key before it
     };
 
     std::string_view name;    ///< such as `centre`: the key in TOML tables, paths and shaders

@@ -35,7 +35,7 @@ BoundingBox<T> bounding_box_of(const Primitive<T>& primitive) {
         for (int i = 0; i < 3; ++i) {
             const T& x = primitive.numbers[k + (key.kind == Key::Kind::length ? 0 : static_cast<std::size_t>(i))];
             if (key.is_length()) {
-                reach[i] = key.limit == Key::Limit::within_before ? reach[i] + x : max(reach[i], x);
+                reach[i] = key.limit == Key::Limit::positive_below_previous ? reach[i] + x : max(reach[i], x);
             } else {
                 bounding_box.lo[i] = min(bounding_box.lo[i], x);
                 bounding_box.hi[i] = max(bounding_box.hi[i], x);

@@ -115,9 +115,9 @@ std::string no_end_reason(Shape shape) {
 std::string limit_phrase(Shape shape, const Key& key) {
     if (key.limit == Key::Limit::positive) return "is not greater than 0; write a positive number";
     if (key.limit == Key::Limit::not_negative) return "is less than 0; write 0 or a positive number";
-    if (key.limit == Key::Limit::below_before)
+    if (key.limit == Key::Limit::non_negative_below_previous)
         return "is less than 0, or not less than " + std::string((&key - 1)->name) + "; write a number from 0 to that";
-    if (key.limit == Key::Limit::within_before)
+    if (key.limit == Key::Limit::positive_below_previous)
         return "is not greater than 0, or not less than " + std::string((&key - 1)->name) +
                "; write a positive number less than that";
     if (key.limit == Key::Limit::not_zero)

@@ -182,8 +182,9 @@ std::optional<BrokenLimit> broken_limit(const Primitive<S>& primitive) {
             const S& x = primitive.numbers[k];
             if ((key.limit == Key::Limit::positive && !(x > S(0))) ||
                 (key.limit == Key::Limit::not_negative && !(x >= S(0))) ||
-                (key.limit == Key::Limit::below_before && !(x >= S(0) && x < primitive.numbers[k - 1])) ||
-                (key.limit == Key::Limit::within_before && !(x > S(0) && x < primitive.numbers[k - 1])) ||
+                (key.limit == Key::Limit::non_negative_below_previous &&
+                 !(x >= S(0) && x < primitive.numbers[k - 1])) ||
+                (key.limit == Key::Limit::positive_below_previous && !(x > S(0) && x < primitive.numbers[k - 1])) ||
                 (key.limit == Key::Limit::at_least_before && !(primitive.numbers[k - key.count()] <= x)))
                 return BrokenLimit{&key, k};
         }

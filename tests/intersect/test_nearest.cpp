@@ -29,7 +29,7 @@ Primitive<double> random_primitive(const ShapeRow& row, Seeded& rng) {
             else if (key.limit == Limit::positive) x = rng.uniform(0.1, 1);
             else if (key.limit == Limit::not_negative) x = rng.coin() ? 0 : rng.uniform(0, 1);
             else
-                x = (key.limit == Limit::below_before && rng.coin() ? 0 : rng.uniform(0.1, 0.99)) *
+                x = (key.limit == Limit::non_negative_below_previous && rng.coin() ? 0 : rng.uniform(0.1, 0.99)) *
                     primitive.numbers[k - 1];
         }
     }

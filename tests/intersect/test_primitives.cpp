@@ -23,7 +23,7 @@ Primitive<double> counted_up(const ShapeRow& row) {
     double next = 1;
     for (double& x : primitive.used()) x = next * next, ++next;
     for_each_key(row.shape, [&](const Key& key, std::size_t k) {
-        if (key.limit == Key::Limit::below_before || key.limit == Key::Limit::within_before)
+        if (key.limit == Key::Limit::non_negative_below_previous || key.limit == Key::Limit::positive_below_previous)
             primitive.numbers[k] = primitive.numbers[k - 1] - 1;
     });
     return primitive;

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "intersect/simd/packed.hpp"
+#include "intersect/table/composed_forms.hpp"
 #include "intersect/table/joined_tapes.hpp"
-#include "intersect/table/made_rows.hpp"
 #include "intersect/table/recording.hpp"
 #include "intersect/transform/transformed_form.hpp"
 #include "number/error.hpp"
@@ -23,7 +23,7 @@ using table::RayBatch;
 namespace {
 
 using Parts = std::tuple<const BoxMethod*, const Intersector*, const Intersector*>;
-using Rows = table::MadeRows<Parts>;
+using Rows = table::ComposedForms<Parts>;
 Rows& rows() {
     static Rows all;
     return all;
@@ -153,7 +153,7 @@ void fill(Rows::Made& made) {
     made.title = text(form.title, "; behind a box: ", box.title, "; ", box_method.title);
     made.source = text(form.source, "; ", box.source);
     if (box_method.source != "-") made.source += text("; ", box_method.source);
-    made.tell_as(form);
+    made.take_contract(form);
     made.row = {.info = &made.info, .shape = parts.form->shape, .native32 = nullptr, .native64 = nullptr};
     if (parts.form->native32 && parts.box->native32) made.row.native32 = {evaluate_natively<float>, &made};
     if (parts.form->native64 && parts.box->native64) made.row.native64 = {evaluate_natively<double>, &made};

@@ -199,7 +199,7 @@ void Compiler::run(process::ProgramArguments words, const fs::path& source, cons
     words.push_back(source.string());
     words.insert(words.end(), last.begin(), last.end());
     const std::string who = file_.string() + ": " + words[0];
-    process::Child child(words, {.who = who, .duty = "", .seconds = terms_.seconds, .stop = terms_.stop});
+    process::Child child(words, {.who = who, .timeout_advice = "", .seconds = terms_.seconds, .stop = terms_.stop});
     const process::Child::Ended ended = child.read_to_end();
     if (ended.status == 0 && (made.empty() || fs::exists(made))) return;
     std::string said = without_our_words(ended.output, folder_.path.string());

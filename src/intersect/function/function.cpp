@@ -260,7 +260,8 @@ void require_same(const table::Kernel<S>& native, const table::Kernel<S>& writte
                 double x = key.is_length() ? std::fabs(uniform()) + 0x1p-10 : 2 * uniform();
                 if (key.limit == Key::Limit::at_least_before)
                     x = static_cast<double>(primitive.numbers[at - 3]) + std::fabs(x);
-                if (key.limit == Key::Limit::below_before) x = static_cast<double>(primitive.numbers[at - 1]) * 0.5 * x;
+                if (key.limit == Key::Limit::non_negative_below_previous)
+                    x = static_cast<double>(primitive.numbers[at - 1]) * 0.5 * x;
                 primitive.numbers[at] = static_cast<S>(x);
             }
         for (std::size_t k = 0; k < 3; ++k) {

@@ -196,7 +196,8 @@ void Child::fail(const std::string& what) {
 }
 
 void Child::fail_late() {
-    fail("has not answered within the time limit; " + (terms_.duty.empty() ? "" : terms_.duty + "; ") +
+    fail("has not answered within the time limit; " +
+         (terms_.timeout_advice.empty() ? "" : terms_.timeout_advice + "; ") +
          "raise --time-limit SECONDS if it needs longer");
 }
 

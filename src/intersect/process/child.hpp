@@ -24,11 +24,11 @@ inline constexpr int looks_before_sleep = 30;
 [[nodiscard]] std::vector<int> children();
 
 struct ChildTerms {
-    std::string who;      ///< begins messages
-    std::string duty;     ///< what the program's author may have overlooked if no answer comes, or empty
-    double seconds = 30;  ///< limit for one answer
-    int shared = -1;      ///< the descriptor of a SharedMemory that the process inherits, or -1
-    StopToken stop = {};  ///< stop request of the caller: checked by every wait for an answer
+    std::string who;             ///< begins messages
+    std::string timeout_advice;  ///< what the program's author may have overlooked if no answer comes, or empty
+    double seconds = 30;         ///< limit for one answer
+    int shared = -1;             ///< the descriptor of a SharedMemory that the process inherits, or -1
+    StopToken stop = {};         ///< stop request of the caller: checked by every wait for an answer
 };
 
 /// A program and its arguments, passed as they stand: no shell reads them. Without a slash the program is looked for in

@@ -4,8 +4,8 @@
 #include <tuple>
 
 #include "intersect/simd/packed.hpp"
+#include "intersect/table/composed_forms.hpp"
 #include "intersect/table/joined_tapes.hpp"
-#include "intersect/table/made_rows.hpp"
 #include "number/error.hpp"
 #include "shapes/lift.hpp"
 
@@ -18,7 +18,7 @@ using table::RayBatch;
 namespace {
 
 using Parts = std::tuple<const TransformMethod*, const Intersector*>;
-using Rows = table::MadeRows<Parts>;
+using Rows = table::ComposedForms<Parts>;
 Rows& rows() {
     static Rows all;
     return all;
@@ -185,7 +185,7 @@ void fill(Rows::Made& made) {
     made.name = text(form.name, "@", space.name);
     made.title = text(form.title, "; ", space.title);
     made.source = text(form.source, "; ", space.source);
-    made.tell_as(form);
+    made.take_contract(form);
     // A transform method that normalises gives the form unit directions, so its own requirement alone counts. With any
     // other, the form's requirement counts too.
     if (space.normalises) made.info.direction = space.direction;

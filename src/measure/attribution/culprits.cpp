@@ -11,7 +11,7 @@
 #include "measure/attribution/tape_text.hpp"
 #include "measure/truth/missing.hpp"
 #include "scene/file/march_table.hpp"
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 
 namespace lostbits::measure::attribution {
 

@@ -17,7 +17,7 @@
 #include "measure/tape/tape_form.hpp"
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/reach.hpp"
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 
 namespace lostbits::measure::attribution {
 

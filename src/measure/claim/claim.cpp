@@ -15,7 +15,7 @@
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/speed/timing.hpp"
 #include "measure/tape/contraction.hpp"
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 #include "scene/toml/counted.hpp"
 #include "scene/toml/did_you_mean.hpp"
 

@@ -13,7 +13,7 @@
 #include "measure/evaluate/measure_row.hpp"
 #include "measure/picture/render.hpp"
 #include "measure/study/study.hpp"
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 
 namespace lostbits::measure::claim {
 

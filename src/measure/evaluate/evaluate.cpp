@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "measure/evaluate/map.hpp"
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 
 namespace lostbits::measure::evaluate {
 
@@ -179,10 +179,9 @@ void measure_group(scene::rays::RayGroup rays, int group, const std::vector<Test
             continue;
         }
         if (!rays.scene)
-            throw InputError(
-                std::string(its_rows.front().form->info->name) +
-                ": it makes camera rays, and the rays of this sweep do not come from a camera with a projection; name "
-                "a sweep over a scene that has [camera.projection]");
+            throw InputError(std::string(its_rows.front().form->info->name) +
+                             ": it makes camera rays, and the rays of this sweep do not come from a camera with a "
+                             "projection; name a sweep over a scene that has [camera.projection]");
         const scene::file::Scene made = some.generator ? with_rays(*rays.scene, *some.generator) : *rays.scene;
         Band band(made, 0, made.height, limit);
         measure_band(band, group, its_rows, metrics, into);
@@ -194,8 +193,9 @@ void measure_group(scene::rays::RayGroup rays, int group, const std::vector<Test
 std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<TestedForm>& rows,
                                         const std::vector<const Metric*>& metrics, truth::TruthLimit limit) {
     std::vector<FormSummary> summaries;
-    for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
-    // Forms that march are not joined: a field of distances contains all primitives of a group, for every ray.
+    for (std::size_t r = 0; r < rows.size(); ++r)
+        summaries.emplace_back(metrics);  // Forms that march are not joined: a field of distances contains all
+                                          // primitives of a group, for every ray.
     std::optional<JoinedRays> joined = join(groups);
     std::vector<TestedForm> at_once, one_by_one;
     std::vector<FormSummary*> of_once, of_each;

@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 
 namespace lostbits::measure::evaluate {
 

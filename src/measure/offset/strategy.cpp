@@ -263,7 +263,7 @@ std::uint64_t Strategy::operations(Shape shape) const {
                              .reach = T(9.0F)};
     operation_counts() = {};
     static_cast<void>(counted(leaving));
-    const auto& counts = operation_counts().of;
+    const auto& counts = operation_counts().counts;
     return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
 }
 

@@ -132,8 +132,8 @@ void write(const fs::path& file, const std::string& text) {
 
 /// Runs the compiler. EnvironmentError with its output where it fails.
 void run_compiler(const intersect::process::ProgramArguments& words, const MendRequest& request) {
-    intersect::process::Child child(words,
-                                    {.who = words.front(), .duty = "", .seconds = 600, .stop = request.limit.stop});
+    intersect::process::Child child(
+        words, {.who = words.front(), .timeout_advice = "", .seconds = 600, .stop = request.limit.stop});
     const auto ended = child.read_to_end();
     if (ended.status == 0) return;
     const std::string why = ended.output.empty() ? "failed without any output" : ended.output;

@@ -64,9 +64,9 @@ mask_t<typename E::P> keeps_limit(const std::array<E, numbers_of<S>>& primitive)
         return (primitive[k] > zero).yes();
     } else if constexpr (key.limit == Limit::not_negative) {
         return (primitive[k] >= zero).yes();
-    } else if constexpr (key.limit == Limit::below_before) {
+    } else if constexpr (key.limit == Limit::non_negative_below_previous) {
         return (primitive[k] >= zero).yes() && (primitive[k] < primitive[k - 1]).yes();
-    } else if constexpr (key.limit == Limit::within_before) {
+    } else if constexpr (key.limit == Limit::positive_below_previous) {
         return (primitive[k] > zero).yes() && (primitive[k] < primitive[k - 1]).yes();
     } else if constexpr (key.limit == Limit::at_least_before) {
         return (primitive[k - key.count()] <= primitive[k]).yes();

@@ -15,11 +15,11 @@
 #include <utility>
 #include <vector>
 
-#include "intersect/table/made_rows.hpp"
+#include "intersect/table/composed_forms.hpp"
 #include "intersect/table/written_formula.hpp"
 #include "measure/tape/tape_form.hpp"
 #include "number/error.hpp"
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 
 namespace lostbits::measure::tape {
 
@@ -217,7 +217,7 @@ struct Contracted {
     }
 };
 
-using Rows = intersect::table::MadeRows<std::tuple<const Intersector*>>;
+using Rows = intersect::table::ComposedForms<std::tuple<const Intersector*>>;
 Rows& rows() {
     static Rows all;
     return all;
@@ -229,7 +229,7 @@ void fill(Rows::Made& made) {
     made.name = std::string(form.info->name) + std::string(contracted_suffix);
     made.title = std::string(form.info->title) + "; each added product is rounded together with its sum";
     made.source = form.info->source;
-    made.tell_as(*form.info);
+    made.take_contract(*form.info);
     const Contracted& own = all.emplace_back(form, made.name);
     made.row = {.info = &made.info, .shape = form.shape, .native32 = nullptr, .native64 = nullptr};
     if (own.written) own.written->fill(made.row);

@@ -58,7 +58,7 @@ void set_plugin_options(const std::string& words) { plugin_options_text() = word
 
 const std::string& plugin_options() { return plugin_options_text(); }
 
-std::string where_form_is_from(std::string_view form) {
+std::string plugin_options_for(std::string_view form) {
     const bool own =
         std::ranges::any_of(intersect::table::catalogue(), [form](const auto& row) { return row.info->name == form; });
     return own || form.empty() ? "" : plugin_options_text();
@@ -68,7 +68,7 @@ std::string explain_command(const std::string& name, const measure::evaluate::Te
     if (!row.form->native32 && !row.form->native64) return "";
     return fmt::format("lostbits explain {} -i {} -f {}{}{}", name, row.form->info->name, row.format.name,
                        row.judged ? fmt::format(" --convention {}", intersect::convention_name(row.judged)) : "",
-                       where_form_is_from(row.form->info->name));
+                       plugin_options_for(row.form->info->name));
 }
 
 }  // namespace lostbits::output::attribution

@@ -24,7 +24,7 @@ void set_plugin_options(const std::string& words);
 [[nodiscard]] const std::string& plugin_options();
 
 /// The same options if a form of that name is not the catalogue's; otherwise empty.
-[[nodiscard]] std::string where_form_is_from(std::string_view form);
+[[nodiscard]] std::string plugin_options_for(std::string_view form);
 
 /// `lostbits explain NAME -i FORM -f FORMAT`, with the convention that judges the row if it is not the form's own, and
 /// the options for a form from outside. Empty for the answers of a file, which cannot be asked again.

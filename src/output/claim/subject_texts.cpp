@@ -133,7 +133,7 @@ SubjectTexts words_of(const Claim& c) {
                                  c.convention ? fmt::format(" ({})", intersect::convention_name(c.convention)) : "",
                                  w.at.empty() ? "" : ", ", w.at),
             .place = w.at.empty() ? w.place : "at " + w.at,
-            .command = w.command + attribution::where_form_is_from(c.form)};
+            .command = w.command + attribution::plugin_options_for(c.form)};
 }
 
 }  // namespace lostbits::output::claim

@@ -71,11 +71,11 @@ std::string wrong_decision_text(const FormSummary& s) {
     return fmt::format("decides {} wrongly", count_and_share_text(wrong, s.rays, "rays"));
 }
 
-std::string finding_in_words(const MapStudy& request, const std::vector<FormSummary>& summaries) {
+std::string finding_text(const MapStudy& request, const std::vector<FormSummary>& summaries) {
     const auto forms = forms_of(request, summaries);
     if (forms.empty())
         return "";  // Of forms that are equally good the first is named, as on the sheet, where the others share its
-                    // column.
+    // column.
     const FoundForm &best = *std::ranges::min_element(forms, {}, rank_of),
                     &worst = *std::ranges::max_element(forms, {}, rank_of);
     const auto& format = request.rows.front().format;

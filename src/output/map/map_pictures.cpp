@@ -188,7 +188,7 @@ pixel::SheetEnd MapPictures::end_of(std::size_t sheet, const std::vector<FormSum
     }  // The sheet of a claim stands below the claim's sentence.
     const bool has_headline = options_.sheet_alone.empty() && sheets_[sheet].paint.metric().name == "lost_bits";
     return {best_first(sheets_[sheet].forms.size(), cells, lost_), nothing_hit ? ": no ray hits anything" : "",
-            has_headline ? finding_in_words(request_, summaries) : ""};
+            has_headline ? finding_text(request_, summaries) : ""};
 }
 
 void MapPictures::finish(const std::vector<FormSummary>& summaries) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "measure/evaluate/evaluate.hpp"
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 
 namespace lostbits::output::map {
 

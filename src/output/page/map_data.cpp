@@ -236,7 +236,7 @@ Json summary_json(const MapStudy& request, const TestedForm& row, const FormSumm
             {"coding", coding_name(row.format)},
             {"direction", row.form->info->direction == Direction::unit ? "unit" : "any"},
             {"formula", row.form->is_template()},
-            {"from", attribution::where_form_is_from(row.form->info->name)},
+            {"from", attribution::plugin_options_for(row.form->info->name)},
             {"group", group},
             {"outcomes", s.outcomes},
             {"true_hits", s.true_hits},

@@ -43,7 +43,7 @@ struct MapPart {
     Picture sheet;
     bool own_size = true;                   ///< the scene's own size, so claims are measured on the same rays
     std::vector<std::string> metrics = {};  ///< names of the metrics
-    std::string finding = {};               ///< from `map::finding_in_words`
+    std::string finding = {};               ///< from `map::finding_text`
     std::size_t faulty = 0;                 ///< number of rows that decide a ray wrongly
 };
 

@@ -10,7 +10,7 @@
 #include "intersect/process/parallel.hpp"
 #include "measure/attribution/explanation.hpp"
 #include "output/attribution/explain_text.hpp"
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 
 namespace lostbits::output::page {
 

@@ -38,7 +38,7 @@ Json row_json(const measure::evaluate::TestedForm& row, const std::vector<const 
     return {{"form", row.form->info->name},
             {"format", row.format.name},
             {"precision", row.format.parameters.precision},
-            {"from", attribution::where_form_is_from(row.form->info->name)},
+            {"from", attribution::plugin_options_for(row.form->info->name)},
             {"values", std::move(values)},
             {"outcomes", std::move(outcomes)},
             {"true_hits", std::move(true_hits)}};

@@ -117,7 +117,7 @@ std::string mend_table(const repair::MendResult& r) {
     std::string text = begin_table(names);
     const auto add = [&text](double value) { text += fmt::format("<td class=\"n\">{}</td>", shown(value)); };
     for (const repair::FormRow& row : rows_of(r)) {
-        if (!row.told) continue;
+        if (!row.is_shown) continue;
         const bool is_best = best && best->quality == row.quality, is_known = row.operations > 0;
         text += fmt::format("<tr{}><th scope=\"row\">{}</th>", is_best ? " class=\"chosen\"" : "", html(row.name));
         add(is_known ? static_cast<double>(row.operations) : NAN);

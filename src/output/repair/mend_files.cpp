@@ -80,7 +80,7 @@ std::vector<FormRow> rows_of(const MendResult& r) {
     const auto beaten = dominated(points);
     for (std::size_t k = 0; k < timed.size(); ++k) timed[k]->front = !beaten[k];
     for (std::size_t k = first; k < rows.size(); ++k)
-        rows[k].told = (rows[k].front || k == first) && rows[k].row.form != own.form;
+        rows[k].is_shown = (rows[k].front || k == first) && rows[k].row.form != own.form;
     return rows;
 }
 

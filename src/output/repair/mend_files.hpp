@@ -97,7 +97,7 @@ struct FormRow {
     const Price* price = nullptr;                     ///< null: not timed
     bool front = false;  ///< it was timed, and no other is at least as accurate and as fast, and better in one
     const std::vector<NodeId>* set = nullptr;  ///< operations of the set that is done wider; null: it is none
-    bool told =
+    bool is_shown =
         true;  ///< shown in the text; of the catalogue only the most accurate and the front, without the form itself
 
     [[nodiscard]] bool is_proposal() const { return kind == "wider" || kind == "symmetric" || kind == "rewritten"; }

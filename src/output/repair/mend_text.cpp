@@ -226,7 +226,7 @@ std::string prices_text(const MendResult& r) {
         "fast):\n";
     std::string rest;
     for (const FormRow& row : rows_of(r)) {
-        if (!row.price || !row.told) continue;
+        if (!row.price || !row.is_shown) continue;
         (row.front ? text : rest) +=
             fmt::format("  {}{}: {}; {}.\n", row.front ? "* " : "",
                         row.kind == "wider" ? "in " + name_of_wider(r.mended.wider) : row.name,

@@ -60,7 +60,7 @@ Table<TimeRow> time_table() {
                                : name == "choose" ? "selects, minima and maxima"
                                : name == "sign"   ? "changes of sign, absolute values and copied signs"
                                                   : name + " operations"),
-                   [k](const R& r) { return r.operations->of[k]; }});
+                   [k](const R& r) { return r.operations->counts[k]; }});
     }
     return table;
 }

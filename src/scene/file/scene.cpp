@@ -30,7 +30,7 @@ Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumb
         if (key.count() == 3) primitive.set_point(k, table.vec3(key.name));
         else primitive.numbers[k] = table.number(key.name);
         for (std::size_t i = k; i < k + key.count(); ++i) {
-            if (key.limit == Key::Limit::positive || key.limit == Key::Limit::within_before)
+            if (key.limit == Key::Limit::positive || key.limit == Key::Limit::positive_below_previous)
                 numbers.positive(table, key.name, primitive.numbers[i]);
             else numbers.finite(table, key.name, primitive.numbers[i]);
         }
@@ -39,8 +39,8 @@ Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumb
         table.fail_at(broken->key->name, limit_phrase(shape, *broken->key));
     const auto rounded = broken_limit(transformed(primitive, [&](const Real& x) { return numbers.stored(x); }));
     const bool beside = rounded && (rounded->key->limit == Key::Limit::apart_from_before ||
-                                    rounded->key->limit == Key::Limit::below_before ||
-                                    rounded->key->limit == Key::Limit::within_before);
+                                    rounded->key->limit == Key::Limit::non_negative_below_previous ||
+                                    rounded->key->limit == Key::Limit::positive_below_previous);
     if (beside)
         table.fail_at(rounded->key->name, "equals " + std::string((rounded->key - 1)->name) +
                                               " in binary32, to which inputs = \"shared\" rounds; move one of the two, "

@@ -37,7 +37,7 @@ struct Disc {
          {.name = "inner_radius",
           .letter = "ri",
           .kind = Key::Kind::length,
-          .limit = Key::Limit::below_before,
+          .limit = Key::Limit::non_negative_below_previous,
           .optional = true}}};
 
     /// Builds a disc across the z axis of the point, `half` below it. A disc is flat, so it cannot extend that far on

@@ -34,7 +34,10 @@ struct Torus {
         {{.name = "centre", .letter = "c", .aliases = {"center"}},
          {.name = "axis", .letter = "a", .kind = Key::Kind::direction, .limit = Key::Limit::not_zero},
          {.name = "major_radius", .letter = "rm", .kind = Key::Kind::length, .limit = Key::Limit::positive},
-         {.name = "minor_radius", .letter = "rn", .kind = Key::Kind::length, .limit = Key::Limit::within_before}}};
+         {.name = "minor_radius",
+          .letter = "rn",
+          .kind = Key::Kind::length,
+          .limit = Key::Limit::positive_below_previous}}};
 
     /// Builds a torus across y. The rays at the plainest primitives run along z, and such a ray meets it four times.
     static Torus around(const Vec<T>& p, const T& half) {

@@ -39,7 +39,7 @@ OperationCounts counts(std::initializer_list<std::pair<Operation, std::uint64_t>
 std::string text(const OperationCounts& c) {
     std::string s;
     for (std::size_t i = 0; i < operation_names.size(); ++i)
-        s += std::string(operation_names[i]) + " " + std::to_string(c.of[i]) + ", ";
+        s += std::string(operation_names[i]) + " " + std::to_string(c.counts[i]) + ", ";
     return s;
 }
 

@@ -290,7 +290,7 @@ TEST_CASE("a map says in a sentence which form is best and which is worst", "[fi
                      lostbits::test::row("sphere.press", "f32")},
             .metrics = {find_metric("lost_bits")}};
         request.rows.erase(request.rows.begin() + static_cast<std::ptrdiff_t>(summaries.size()), request.rows.end());
-        return finding_in_words(request, summaries);
+        return finding_text(request, summaries);
     };
     const auto right = [](double lost) { return summary_of(lost, {{O::agree_hit, 500}, {O::agree_miss, 500}}); };
     CHECK(says(right(2), right(2.5)) == "Both forms keep 21.5 of 24 bits in f32");

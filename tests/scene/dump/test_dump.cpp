@@ -192,7 +192,8 @@ std::vector<int> squares_of(const ShapeRow& row) {
     std::vector<int> all(row.numbers);
     for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<int>((k + 1) * (k + 1));
     for_each_key(row.shape, [&](const Key& key, std::size_t k) {
-        if (key.limit == Key::Limit::below_before || key.limit == Key::Limit::within_before) all[k] = all[k - 1] - 1;
+        if (key.limit == Key::Limit::non_negative_below_previous || key.limit == Key::Limit::positive_below_previous)
+            all[k] = all[k - 1] - 1;
     });
     return all;
 }

@@ -12,7 +12,7 @@ namespace lostbits::intersect::table {
 
 /// The rows by their parts, a tuple of pointers. Rows do not move in memory; several threads may call.
 template <class Parts>
-class MadeRows {
+class ComposedForms {
 public:
     struct Made {
         Parts parts;
@@ -21,7 +21,7 @@ public:
         Intersector row;
 
         /// Takes the contract of `like`, but keeps its own name, title and source.
-        void tell_as(const Info& like) {
+        void take_contract(const Info& like) {
             info = like;
             info.name = name, info.title = title, info.source = source;
         }

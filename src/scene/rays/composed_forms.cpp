@@ -1,9 +1,9 @@
-#include "scene/rays/made_rows.hpp"
+#include "scene/rays/composed_forms.hpp"
 
 #include <string>
 #include <tuple>
 
-#include "intersect/table/made_rows.hpp"
+#include "intersect/table/composed_forms.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::scene::rays {
@@ -13,7 +13,7 @@ using intersect::table::Intersector;
 
 namespace {
 
-using Rows = intersect::table::MadeRows<std::tuple<const RayGenerator*, const Intersector*>>;
+using Rows = intersect::table::ComposedForms<std::tuple<const RayGenerator*, const Intersector*>>;
 Rows& rows() {
     static Rows all;
     return all;
@@ -34,7 +34,7 @@ const Intersector& with_generator(const RayGenerator& generator, const Intersect
         made.name = name;
         made.title = std::string(form.info->title) + "; rays: " + std::string(generator.info->title);
         made.source = std::string(form.info->source) + "; " + std::string(generator.info->source);
-        made.tell_as(*form.info);
+        made.take_contract(*form.info);
         made.row = form;
         made.row.info = &made.info;
     });
