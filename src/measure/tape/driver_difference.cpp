@@ -43,7 +43,7 @@ public:
                 for (std::size_t k = 0; k < key.count(); ++k, ++at) {
                     double x = key.is_length() ? std::fabs(uniform()) + 0x1p-6 : 2 * uniform();
                     if (key.limit == Key::Limit::at_least_before) x = primitive.numbers[at - 3] + std::fabs(x);
-                    if (key.limit == Key::Limit::positive_below_previous) x = primitive.numbers[at - 1] * 0.5 * x;
+                    if (key.limit == Key::Limit::non_negative_below_previous) x = primitive.numbers[at - 1] * 0.5 * x;
                     primitive.numbers[at] = static_cast<float>(x);
                 }
             std::array<double, 3> o{}, d{};
