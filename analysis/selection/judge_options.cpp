@@ -53,11 +53,12 @@ const std::vector<RayFileOption>& ray_file_options() {
          true},
         {"--touching",
          &Words::touching,
-         "Whether a ray that touches should hit (default) or miss",
+         "The right answer for a ray that only touches the primitive: hit (default) or miss",
          {"hit", "miss"},
          true},
         {"--at-origin", &Words::at_origin,
-         "Whether a surface at t = 0 should be hit (default) or miss; exit: a miss where the ray goes in",
+         "The right answer for a surface at the ray's origin, t = 0: hit (default); miss: the surface is "
+         "ignored; exit: it is ignored unless the ray leaves the primitive there",
          listed(intersect::at_origin_names), true},
         {"--inside", &Words::inside,
          "The right answer from inside: exit, zero or miss; near: t < 0 is a miss (default: the exit of a sphere, "
