@@ -41,6 +41,7 @@ ColourScale metric_scale(const measure::metric::Metric& metric, const FloatForma
 
 namespace {
 
+/// The precision of all rows, in bits; 0 if they differ or there are none.
 int common_precision(std::span<const measure::evaluate::TestedForm> rows) {
     const int first = rows.empty() ? 0 : rows.front().format.parameters.precision;
     const auto same = [first](const measure::evaluate::TestedForm& row) {
