@@ -140,8 +140,8 @@ std::vector<measure::evaluate::TestedForm> rows_of(const ChooseOptions& o, const
     const auto formats = selection::select_formats(o.formats);
     if (std::ranges::all_of(formats, selection::is_emulated))
         throw InputError(fmt::format(
-            "-f {}: this format is emulated, so its time says nothing; choose compares f32 and f64 only, name one of "
-            "them",
+            "-f {}: this format is emulated, so its time says nothing; choose compares only f32 and f64. Name one "
+            "of them",
             formats.front().name));
     auto all = selection::cross(selection::select_forms(o.forms), formats);
     selection::refuse_generators(all, "choose");
@@ -271,7 +271,9 @@ void add_choose(const shell::Command& program, const Common& common) {
         .add("SCENE", o->subjects,
              "A scene file or a name in data/scenes; or files of rays, as `lostbits judge` reads them")
         .required();
-    command.add("--bits", o->bits, "The least number of correct bits of t", shell::number_from(0, 53));
+    command.add("--bits", o->bits,
+                "The requirement: at least this many correct bits of t, for the share of the hits that --at gives",
+                shell::number_from(0, 53));
     command.add("--tolerance", o->tolerance,
                 "How far the hit point may be from the true one along the ray, in the scene's unit of length");
     command.add("--unit", o->unit, "The scene's unit of length (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
@@ -285,7 +287,10 @@ void add_choose(const shell::Command& program, const Common& common) {
         "f32, f64 (default: both); emulated formats take part only in the search for the narrowest format of each "
         "pixel");
     const auto single = command.add("--single", o->single, "Compare the cost of one ray at a time");
-    command.add("--bulk", o->bulk, "Compare the cost of registers full of rays, for forms that take them (default)")
+    command
+        .add("--bulk", o->bulk,
+             "Compare the cost of packets of rays, one ray in each lane of a SIMD register, for forms that can be "
+             "vectorised (default)")
         .excludes(single);
     command.add("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command.add("--variant", o->variant, "One variant of a scene that has several");

@@ -186,10 +186,10 @@ void print_incomplete(const DiffOptions& w) {
 MapSides sides_of(const DiffOptions& w) {
     if (w.forms.empty()) return {w.a, w.b, {}, {}, w.formats};
     if (w.forms.size() != 2)
-        throw InputError(fmt::format("-i: names {}; name two, as in -i sphere.press -i sphere.unified",
+        throw InputError(fmt::format("-i names {}; name two, as in -i sphere.press -i sphere.unified",
                                      scene::toml::counted(w.forms.size(), "form")));
     if (!w.b.empty())
-        throw InputError("-i: compares two forms within one folder; leave out " + w.b +
+        throw InputError("-i compares two forms within one folder; leave out " + w.b +
                          ", or -i to compare two folders");
     if (w.strict) throw InputError("--strict: compares files, but two forms are rows of the same file; leave it out");
     return {w.a, w.a, w.forms[0], w.forms[1], w.formats};
@@ -209,9 +209,9 @@ Exit run(const DiffOptions& w, const Common& common) {
     if (!folders && sides.are_forms())
         throw InputError(w.a + ": is a file; to compare two forms, name the folder of a map");
     if (!w.draw.empty() && (!folders || w.strict))
-        throw InputError("--draw: needs two folders of maps, or two forms of one, without --strict; leave it out");
+        throw InputError("--draw needs two folders of maps, or two forms of one, without --strict; leave it out");
     if (!w.formats.empty() && w.draw.empty())
-        throw InputError("-f: selects the formats that --draw draws; add --draw FOLDER, or leave out -f");
+        throw InputError("-f selects the formats that --draw draws; add --draw FOLDER, or leave out -f");
     print_incomplete(w);
     return folders && !w.strict ? run_on_maps(w, sides, options, common) : run_strictly(w, options, common);
 }

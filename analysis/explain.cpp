@@ -50,8 +50,8 @@ template <class Select>
 auto only(const char* option, const std::string& word, const char* what, const Select& select) {
     const auto found = select(shell::items_in(word, option), option);
     if (found.size() != 1)
-        throw InputError(fmt::format("{} {}: names {} {}s, but explain looks at one ray in one {}; name one", option,
-                                     word, found.size(), what, what));
+        throw InputError(fmt::format("{} {}: the option names {} {}s, but explain looks at one ray in one {}; name one",
+                                     option, word, found.size(), what, what));
     return found.front();
 }
 
@@ -66,7 +66,7 @@ void refuse_ray(const selection::RayOptions& ray) {
                             option, option));
     if (ray.subject.empty())
         throw InputError(
-            "--ranges: takes the ranges from the rays of a scene, or of a sweep at one step; name a scene or a sweep, "
+            "--ranges takes the ranges from the rays of a scene, or of a sweep at one step; name a scene or a sweep, "
             "and give other ranges by --input-range NAME=LOW..HIGH");
 }
 
@@ -148,8 +148,8 @@ Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& words,
             {.names = {ray.subject}, .size = ray.size, .variant = ray.variant, .set = ray.set, .stop = common.stop},
             data);
         if (!words.at.empty())
-            throw InputError("--at-step " + words.at + ": names a step of a sweep, but " + ray.subject +
-                             " is not a sweep; leave it out");
+            throw InputError("--at-step " + words.at + ": the option names a step of a sweep, but " + ray.subject +
+                             " is not a sweep; leave out --at-step");
         request.form = form_for(*row.form, scene);
         request.rays = std::move(scene);
     }

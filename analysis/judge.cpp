@@ -212,7 +212,7 @@ Exit run(const JudgeOptions& o, const Common& common) {
         selection::compare_against(request.rows, o.against, common.quiet);
         if (request.file_form && !request.file_place())
             throw InputError(
-                fmt::format("--against {}: does not exist in {}, the format of {}; name a form that does, or "
+                fmt::format("--against {}: this form does not exist in {}, the format of {}; name a form that does, or "
                             "--answer-format",
                             o.against, dump->format().name, o.file));
     }
@@ -317,9 +317,11 @@ void add_judge(const shell::Command& program, const Common& common) {
     command.add("--against", o->against, "A form to compare the answers with, independently of the truth");
     command.add_list("--metric", o->metrics, "Metrics to draw and to measure (default: lost_bits); globs");
     command.add("--by", o->by,
-                "A column of your own in the file, such as depth or material: also write one row for each of its "
-                "values");
-    command.add("--bits", o->bits, "Count the hits whose t keeps fewer correct bits", shell::number_from(0, 53));
+                "Group the rays by a column of your own in the file, such as depth or material, and also write one row "
+                "of results for each of its values");
+    command.add("--bits", o->bits,
+                "Report how many hits keep fewer than this many correct bits of t; the exit status does not change",
+                shell::number_from(0, 53));
     command.add("--tolerance", o->tolerance,
                 "Count the hits farther than this from the true point, along the ray, in the scene's unit of length");
     command.add("--unit", o->unit, "The scene's unit of length (m, km, cm, mm, um, in, ft), for --tolerance 1mm");

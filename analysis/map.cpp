@@ -320,7 +320,8 @@ void add_map(const shell::Command& program, const Common& common) {
     selection::add_pictures(command, o->pictures);
     command.add(
         "--bits", o->bits_needed,
-        "Also find, for every pixel, the significand width that a form needs for this many correct bits (1 to 52)",
+        "Also find, for every pixel, the narrowest significand with which a form keeps this many correct bits (1 to "
+        "52); nothing is required of the forms",
         shell::whole_from(1, 52));
     command.add("--exr", o->exr,
                 "Also write SCENE.exr: the answer, its outcome, lost bits and the metrics of every pixel, a part "
@@ -328,8 +329,10 @@ void add_map(const shell::Command& program, const Common& common) {
     command.add("--against", o->against,
                 "A form to compare the others with, independently of the truth: draws and counts the rays on which "
                 "their decisions or their t differ");
-    command.add("--envelope", o->envelope,
-                "Draw a pixel paler where input errors of half an ulp would cost as many bits as were lost");
+    command.add(
+        "--envelope", o->envelope,
+        "Draw those pixels paler whose lost bits are within the conditioning envelope, the loss that an error of "
+        "half an ulp in every input can cause: there the problem is to blame, not the form");
     add_shard(command, o->shard);
     selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });

@@ -92,7 +92,10 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
     return guarded(error, [&] {
         require(form, "form");
         require(operations, "operations");
-        if (form->asked == nullptr) throw InputError("form: is a function of a file, whose operations are known");
+        if (form->asked == nullptr)
+            throw InputError(
+                "form: this form comes from a source file, so its operations are known; write operations "
+                "only to a form that has none");
         if (bits != 32 && bits != 64) throw InputError("bits must be 32 or 64");
         WrittenFormula formula{.name = std::string(form->asked->info.name),
                                .shape = form->row.shape,

@@ -219,8 +219,8 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
         // Without them every later triangle would have another number than its row.
         if (mesh.left_out > 0)
             throw InputError("faces: " + std::to_string(mesh.left_out) + " of " + std::to_string(face_count) +
-                             " have no area, the first is " + mesh.first_left_out +
-                             "; triangles have the numbers of their rows, so remove these rows first");
+                             " have no area (the first is " + mesh.first_left_out +
+                             "); remove these rows, since a triangle is numbered by its row");
         if (mesh.faces.empty()) throw InputError("the mesh has no face; give at least one");
         remove_primitives(*scene);
         scene->scene.mesh = std::make_shared<const scene::triangle::Mesh>(std::move(mesh));

@@ -53,11 +53,12 @@ const std::vector<RayFileOption>& ray_file_options() {
          true},
         {"--touching",
          &Words::touching,
-         "Whether a ray that touches should hit (default) or miss",
+         "The right answer for a ray that only touches the primitive: hit (default) or miss",
          {"hit", "miss"},
          true},
         {"--at-origin", &Words::at_origin,
-         "Whether a surface at t = 0 should be hit (default) or miss; exit: a miss where the ray goes in",
+         "The right answer for a surface at the ray's origin, t = 0: hit (default); miss: the surface is "
+         "ignored; exit: it is ignored unless the ray leaves the primitive there",
          listed(intersect::at_origin_names), true},
         {"--inside", &Words::inside,
          "The right answer from inside: exit, zero or miss; near: t < 0 is a miss (default: the exit of a sphere, "
@@ -74,17 +75,17 @@ const std::vector<RayFileOption>& ray_file_options() {
     return options;
 }
 
-void add_ray_options(const shell::Command& command, RayFileOptions& words) {
-    command.add("--container", words.container, "What the file is: csv, npy, raw (default: by its ending)",
+void add_ray_options(const shell::Command& command, RayFileOptions& options) {
+    command.add("--container", options.container, "What the file is: csv, npy, raw (default: by its ending)",
                 shell::one_of({"auto", "csv", "npy", "raw"}));
-    command.add("--columns", words.columns,
+    command.add("--columns", options.columns,
                 "Names of the columns, if the file has none; for raw numbers also their types: ox:f32,oy,oz");
-    command.add("--skip", words.skip, "Bytes in front of raw numbers");
-    command.add("--answer-format", words.format,
+    command.add("--skip", options.skip, "Bytes in front of raw numbers");
+    command.add("--answer-format", options.format,
                 "Format the answers were computed in (default: the file's; of a CSV f64)");
-    words.primitives.add_to(command, "The primitive of all rays");
+    options.primitives.add_to(command, "The primitive of all rays");
     for (const RayFileOption& o : ray_file_options())
-        command.add(o.name, words.*o.word, o.help, o.known.empty() ? shell::ValueRule() : shell::one_of(o.known));
+        command.add(o.name, options.*o.word, o.help, o.known.empty() ? shell::ValueRule() : shell::one_of(o.known));
 }
 
 std::optional<scene::file::Scene> scene_of(const RayFileOptions& o, const std::filesystem::path& data) {

@@ -37,12 +37,12 @@ struct RayFileOption {
     std::vector<std::string> known = {};  ///< allowed words; empty: any
     bool of_answers = false;              ///< it is about the meaning of answers
 
-    [[nodiscard]] bool is_given(const RayFileOptions& words) const { return words.*word != RayFileOptions().*word; }
+    [[nodiscard]] bool is_given(const RayFileOptions& options) const { return options.*word != RayFileOptions().*word; }
 };
 const std::vector<RayFileOption>& ray_file_options();
 
 /// Adds the options for all of these; the one for `format` gets the name `format_option`.
-void add_ray_options(const shell::Command& command, RayFileOptions& words);
+void add_ray_options(const shell::Command& command, RayFileOptions& options);
 
 struct JudgeOptions : RayFileOptions {
     std::string file;

@@ -79,8 +79,11 @@ void add_pixels(const shell::Command& command, SharedOptions& shared) {
 }
 
 void add_pictures(const shell::Command& command, std::string& pictures) {
-    command.add("--pictures", pictures, "all: also each picture of a contact sheet alone, with its legend",
-                shell::one_of({"sheets", "all"}));
+    command.add(
+        "--pictures", pictures,
+        "Which pictures to write: sheets (default) writes contact sheets; all also writes each picture of a sheet as a "
+        "file of its own, with its legend",
+        shell::one_of({"sheets", "all"}));
 }
 
 void add_out(const shell::Command& command, std::string& out, const std::string& what) {

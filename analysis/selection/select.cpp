@@ -168,7 +168,8 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> asked, 
 
 void compare_against(std::vector<TestedForm>& rows, const std::string& name, bool quiet) {
     const auto found = select_forms({name}, "--against");
-    if (found.size() != 1) throw InputError(fmt::format("--against {}: names several forms; name one form", name));
+    if (found.size() != 1)
+        throw InputError(fmt::format("--against {}: this pattern names several forms; name one form", name));
     const Intersector& other = *found.front();
     const auto fits = [&other](const TestedForm& row) {
         // Keep single forms that may become parts of a set.
@@ -178,17 +179,24 @@ void compare_against(std::vector<TestedForm>& rows, const std::string& name, boo
     std::erase_if(rows, [&fits](const TestedForm& row) { return !fits(row); });
     const std::string formats = formats_of(other);
     if (rows.empty())
-        throw InputError(
-            fmt::format("--against {}: intersects {}, in {}; no selected form does, so choose others with -i and -f",
-                        name, other.is_set() ? "a scene of several shapes" : with_article(other.shape),
-                        formats == "all" ? "all formats" : formats));
+        throw InputError(fmt::format(
+            "--against {}: this form intersects {}, in {}; no selected form does, so choose others with -i and -f",
+            name, other.is_set() ? "a scene of several shapes" : with_article(other.shape),
+            formats == "all" ? "all formats" : formats));
     for (TestedForm& row : rows) {
         row.against = &other;
-        if (!quiet && !measure::answer::are_comparable(*row.form->info, *other.info))
-            fmt::print(stderr,
-                       "lostbits: {} against {}: one returns no t, or only one takes unit directions; only their "
-                       "decisions are compared\n",
-                       row.form->info->name, name);
+        if (quiet || measure::answer::are_comparable(*row.form->info, *other.info)) continue;
+        const bool without_t = row.form->info->roots == intersect::Roots::none,
+                   other_without_t = other.info->roots == intersect::Roots::none;
+        const bool unit = row.form->info->direction == intersect::Direction::unit;
+        const std::string reason =
+            without_t || other_without_t
+                ? fmt::format("{} returns no t", without_t ? row.form->info->name : std::string_view(name))
+                : fmt::format("{} takes unit directions and {} any, so their t have different units",
+                              unit ? row.form->info->name : std::string_view(name),
+                              unit ? std::string_view(name) : row.form->info->name);
+        fmt::print(stderr, "lostbits: {} against {}: {}; only their decisions are compared\n", row.form->info->name,
+                   name, reason);
     }
 }
 

@@ -300,10 +300,10 @@ void refuse_contracted(const std::vector<TestedForm>& rows, const char* command)
 void refuse_generated_rays(const std::vector<scene::file::Scene>& scenes, const char* command) {
     for (const scene::file::Scene& scene : scenes)
         if (scene.camera.rays)
-            throw InputError(
-                fmt::format("{}: {}: each format makes the rays of this scene (camera.rays), but {} rounds exact rays; "
-                            "use `lostbits map`, or leave out camera.rays",
-                            command, scene.id, command));
+            throw InputError(fmt::format(
+                "{}: {}: each format makes the rays of this scene by its own arithmetic (camera.rays), but {} "
+                "needs exact rays, which it rounds to each format; use `lostbits map`, or leave out camera.rays",
+                command, scene.id, command));
 }
 
 std::vector<TestedForm> rows_meeting(const SelectedRows& chosen, const std::string& name, const Meets& meets) {

@@ -74,8 +74,9 @@ public:
         joined_->each(job, take);
     }
 
-    /// The result of a job: measured here, or joined from the records of the shards. Returns nothing in a shard, which
-    /// records its part. `measure` measures the units of `share`. `require` throws std::out_of_range if a record cannot
+    /// The result of a job: measured here, or joined from the records of the shards. A shard calls `measure`, records
+    /// the result as its part of the job, and returns nothing. `measure` takes no arguments; it measures only the units
+    /// of work that belong to `share()`. `require` throws std::out_of_range if a record cannot
     /// be a part of the job.
     template <class Measure>
     auto result_of(const std::string& job, const Measure& measure,

@@ -14,8 +14,8 @@ namespace lostbits {
 /// it leaves by the plane at `exit`, or where P rises through 0, at (−h + √q)/a. P and half of its slope at the planes
 /// decide all of this, so no decision takes a root.
 ///
-/// A line parallel to the planes has −1/0 and 1/0 for entry and exit, and a > 0. `closed` and `open` then say if it
-/// runs between the planes.
+/// A line parallel to the planes has −1/0 and 1/0 for entry and exit, and a > 0. `closed` and `open` then say whether
+/// it runs between the planes.
 template <class T>
 struct CappedSpan {
     QuadraticSpan<T> side;
@@ -28,13 +28,15 @@ struct CappedSpan {
 
     static constexpr bool may_hit_behind_touch = false;
 
-    /// True if some point of the line lies in the closed and in the open primitive: at a plane, or at the minimum of P.
+    /// True if some point of the line lies in the closed primitive. It is enough to examine the points at the planes
+    /// and at the minimum of P.
     [[nodiscard]] mask_t<T> is_hit() const {
         const T zero(0);
         const auto through = side.q >= zero;
         const auto met = enters_by_cap() || leaves_by_cap() || (is_least_between() && through);
         return closed && ((crossed && met) || (!crossed && through));
     }
+    /// The same for the open primitive.
     [[nodiscard]] mask_t<T> is_open() const {
         const T zero(0);
         const auto through = side.q > zero;
@@ -48,20 +50,20 @@ struct CappedSpan {
     [[nodiscard]] Order<mask_t<T>> enters_to(const At& t) const {
         const T zero(0);
         const auto cap = order_of(entry, t);
-        const auto& [value, slope] = quadratic_at(side, t);
-        const auto wide = side.a > zero, by_cap = crossed && enters_by_cap();
-        return {(!crossed || cap.less) && (by_cap || value < zero || (wide && slope > zero)),
-                (!crossed || cap.at_most) && (by_cap || value <= zero || (wide && slope >= zero))};
+        const auto& [value, half_slope] = quadratic_at(side, t);
+        const auto opens_upwards = side.a > zero, by_cap = crossed && enters_by_cap();
+        return {(!crossed || cap.less) && (by_cap || value < zero || (opens_upwards && half_slope > zero)),
+                (!crossed || cap.at_most) && (by_cap || value <= zero || (opens_upwards && half_slope >= zero))};
     }
     template <class At = Fraction<T>>
     [[nodiscard]] Order<mask_t<T>> leaves_to(const At& t) const {
         const T zero(0);
         const auto from = order_of(entry, t), to = order_of(exit, t);
-        const auto& [value, slope] = quadratic_at(side, t);
-        const auto wide = side.a > zero, by_cap = crossed && enters_by_cap(), out = value > zero;
-        const auto out_behind = out && ((wide && slope > zero) || (by_cap && from.less));
-        const auto on_or_behind =
-            value >= zero && ((wide && slope >= zero) || (by_cap && from.at_most && (out || slope > zero)));
+        const auto& [value, half_slope] = quadratic_at(side, t);
+        const auto opens_upwards = side.a > zero, by_cap = crossed && enters_by_cap(), out = value > zero;
+        const auto out_behind = out && ((opens_upwards && half_slope > zero) || (by_cap && from.less));
+        const auto on_or_behind = value >= zero && ((opens_upwards && half_slope >= zero) ||
+                                                    (by_cap && from.at_most && (out || half_slope > zero)));
         return {out_behind || (crossed && to.less), on_or_behind || (crossed && to.at_most)};
     }
     /// True if the line enters, or leaves, by a plane, for a line that meets the closed primitive. At a rim either
@@ -73,12 +75,13 @@ private:
     [[nodiscard]] mask_t<T> is_least_between() const { return at_entry.slope < T(0) && at_exit.slope > T(0); }
 };
 
-/// Builds the span for the planes v·(p − base) = 0 and = v². `low` is v·(o − base), `across` is v·d.
+/// Builds the span for the planes v·(p − base) = 0 and = v². `low` is v·(o − base), and
+/// `along_axis` is v·d.
 template <class T>
-CappedSpan<T> capped(const QuadraticSpan<T>& side, const T& low, const T& across, const T& v2) {
+CappedSpan<T> capped(const QuadraticSpan<T>& side, const T& low, const T& along_axis, const T& v2) {
     const T zero(0), one(1);
-    const auto up = across > zero, crossed = up || across < zero;
-    const T size = select(up, across, -across);
+    const auto up = along_axis > zero, crossed = up || along_axis < zero;
+    const T size = select(up, along_axis, -along_axis);
     const Fraction<T> to_base{-low, size}, to_top{v2 - low, size}, from_top{-to_top.n, size}, from_base{low, size};
     const Fraction<T> before{-one, zero}, after{one, zero};
     const Fraction<T> entry = select(crossed, select(up, to_base, from_top), before);

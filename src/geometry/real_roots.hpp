@@ -60,8 +60,8 @@ NearRoots<A> near_roots(const Polynomial<A>& f, const A& bound) {
     return roots;
 }
 
-/// An interval that holds exactly one root. `crosses` says if the polynomial changes sign at the root; `behind` is its
-/// sign behind it.
+/// An interval that holds exactly one root. `crosses` says whether the polynomial changes sign at the root; `behind` is
+/// its sign behind it.
 template <class E>
 struct EnclosedRoot {
     E low, high, root;

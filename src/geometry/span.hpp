@@ -87,7 +87,7 @@ Mask in_time(const Order<Mask>& to_end, const RangeOfSpan<T>& range) {
     return range.open.tmax ? to_end.less : to_end.at_most;
 }
 
-/// P(t) = a t² + 2 h t + c and a t + h, half of its slope, at t = n/m, times m² and m.
+/// P(t) = a t² + 2 h t + c and half of its slope, a t + h, at t = n/m: `value` is m² P(t), and `slope` is m (a t + h).
 template <class T>
 struct QuadraticAt {
     T value, slope;
@@ -118,9 +118,9 @@ QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, const Fraction<T>& t) {
     return {(slope + h) * t.n + s.c * square(t.m), slope};
 }
 
-/// True if some t of a range lies in the closed and in the open primitive. Let a be the largest entry and b the
-/// smallest exit. The line is in the closed primitive for a ≤ t ≤ b and in the open one for a < t < b. For a range that
-/// holds some t:
+/// `closed`: true if some t of a range lies in the closed primitive; `open`: the same for the open primitive. Let a be
+/// the largest entry and b the smallest exit. The line is in the closed primitive for a ≤ t ≤ b and in the open one for
+/// a < t < b. For a range that holds some t:
 ///     closed:  a ≤ b,  tmin ≤ b,  a ≤ tmax          open:  a < b,  tmin < b,  a < tmax
 /// At an open end the closed primitive has < too (if a < 0 = tmax, the origin is inside). Each inequality between a
 /// largest and a smallest number holds exactly if it holds for every pair, so neither needs to be known. Entry and exit
@@ -201,8 +201,8 @@ Fraction<T> first_exit(const SlabSpan<T>& s) {
     return first;
 }
 
-/// A span of a primitive. It says if the line meets the closed and the open primitive, and compares entering and
-/// leaving with a fraction.
+/// A span of a primitive. It says whether the line meets the closed primitive and whether it meets the open one, and
+/// compares entering and leaving with a fraction.
 template <class S, class T>
 concept ComparableSpan = requires(const S& s, const Fraction<T>& t) {
     s.is_hit(), s.is_open(), s.enters_to(t), s.leaves_to(t);

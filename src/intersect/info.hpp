@@ -24,8 +24,8 @@ enum class Roots {
 /// The answer to a ray that touches in one point (discriminant exactly zero), by the form's own contract: the closed
 /// primitive counts it, the open one (its inside) does not. A ray that ends where it enters does not meet the open
 /// primitive either. For a box, the property decides a ray through a corner or along a face; as a miss, it also means
-/// that a box of zero thickness is never hit. For a surface without inside, it says if the rim belongs to it; a ray may
-/// end on it. `AtOrigin` says if a ray may begin on such a surface.
+/// that a box of zero thickness is never hit. For a surface without inside, it says whether the rim belongs to it; a
+/// ray may end on it. `AtOrigin` says whether a ray may begin on such a surface.
 enum class Touching { hit, miss };
 
 /// Says if a surface exactly at the ray's origin (t = 0) counts as its first intersection. A march samples the field at

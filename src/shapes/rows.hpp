@@ -159,7 +159,7 @@ inline constexpr std::optional<Shape> shape_named(std::string_view name) {
     return std::nullopt;
 }
 
-/// A set of shapes, and a flag that says if the primitives are under matrices. It converts from one shape.
+/// A set of shapes, and a flag that says whether the primitives are under matrices. It converts from one shape.
 class Shapes {
 public:
     constexpr Shapes() = default;

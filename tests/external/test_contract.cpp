@@ -197,10 +197,16 @@ TEST_CASE("contract: one mistake in t has one explanation, and a halved t is not
 
 TEST_CASE("contract: twice a radius and its square are told apart", "[external]") {
     const auto words = [](const Solves& solves) { return broken_of(solved_by(Shape::sphere, solves)).at("t"); };
-    CHECK(words(with_radius([](double r) { return 2 * r; })).starts_with("the radius is taken twice (a diameter?)"));
+    CHECK(words(with_radius([](double r) {
+              return 2 * r;
+          })).starts_with("the form doubles the radius (does it compute a diameter?)"));
     CHECK(words(with_radius([](double r) { return r * r; })).starts_with("the radius is squared once too often"));
-    CHECK(words(with_radius([](double r) { return r / 2; })).starts_with("the radius is taken for a diameter"));
-    CHECK(words(with_radius([](double r) { return std::sqrt(r); })).starts_with("the radius is taken for its square"));
+    CHECK(words(with_radius([](double r) {
+              return r / 2;
+          })).starts_with("the form expects a diameter instead of the radius"));
+    CHECK(words(with_radius([](double r) {
+              return std::sqrt(r);
+          })).starts_with("the form expects the square of the radius"));
     CHECK(words(with_radius([](double r) { return r + 2; })).starts_with("t is wrong"));
 }
 

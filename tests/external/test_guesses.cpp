@@ -61,9 +61,10 @@ TEST_CASE("suspicion: a guess must explain hits and misses, and more than all-mi
         CHECK_FALSE(has(suspicion(all), "seem"));
     }
     // A form that hits a sphere of another radius is recognised by its hits and its misses.
-    CHECK(has(suspicion(beside(9, 18, of_radius(3))), "the radius seems to be taken for its square"));
+    CHECK(has(suspicion(beside(9, 18, of_radius(3))), "the intersector seems to expect the square of the radius"));
     CHECK(has(suspicion(beside(3, 18, of_radius(9))), "the radius seems to be squared once too often"));
-    CHECK(has(suspicion(beside(2.5, 7.5, of_radius(5))), "a diameter seems to be handed over for the radius"));
+    CHECK(has(suspicion(beside(2.5, 7.5, of_radius(5))),
+              "the intersector seems to get a diameter instead of the radius"));
     // Hits that fit a sphere twice as large, but stop at the rim of the sphere itself, do not suggest the larger one:
     // rays between the two are missed.
     CHECK_FALSE(

@@ -289,7 +289,7 @@ TEST_CASE("plugin check: it names the broken promise and says what to write", "[
     CHECK(has(finding("odd.predicate"), "keeps its promises"));
     CHECK(has(finding("odd.unit"), "keeps its promises"));
     CHECK(has(finding("odd.distance"), "say LB_UNIT"));
-    CHECK(has(finding("odd.squared"), "the radius is taken for its square"));
+    CHECK(has(finding("odd.squared"), "the form expects the square of the radius"));
     CHECK(has(finding("odd.far_first"), "the far root comes first"));
     CHECK(has(finding("odd.both_ways"), "say LB_LINE"));
     CHECK(has(odd.err, "odd.crash"));

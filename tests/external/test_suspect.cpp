@@ -254,8 +254,9 @@ TEST_CASE("suspicion: a radius is blamed only if it explains everything, not for
         return measure::contract::suspicion(all);
     };
     const auto of_half = [](double, double side) { return 10 - std::sqrt(std::max(0.0, 1.5 * 1.5 - side * side)); };
-    CHECK(has(asked(of_half), "taken for a diameter"));
-    CHECK(has(asked([&](double, double) { return nan; }), "taken for a diameter"));  // for a form that returns no t
+    CHECK(has(asked(of_half), "expect a diameter instead of the radius"));
+    CHECK(has(asked([&](double, double) { return nan; }),
+              "expect a diameter instead of the radius"));  // for a form that returns no t
     // Too few steps: right in the middle, a miss near the rim.
     const std::string early = asked([](double t, double) { return t; });
     CHECK(has(early, "miss what they should hit"));
@@ -285,7 +286,7 @@ TEST_CASE("suspicion: map and sweep report suspicions on stderr, for wrong forms
     CHECK(has(map("odd.squared", "camera-inside"), "odd.squared f32: on all 1536 rays of camera-inside: wrong on "));
     folder.write("large.toml", scene_text("[[sphere]]\ncentre = [0, 0, 0]\nradius = 4\n", "",
                                           "kind = \"pinhole\"\nfov_deg = 50\neye = [0, 0, 12]\n"));
-    CHECK(has(map("odd.squared", "large.toml"), "taken for its square"));
+    CHECK(has(map("odd.squared", "large.toml"), "seems to expect the square of the radius"));
     // For a radius of 1000 the form sees a sphere of radius √1000, which all rays miss. That says nothing about a
     // radius.
     CHECK(has(map("odd.squared", "rtg-fig-7-4.r1e3"), "miss what they should hit; no known mistake"));

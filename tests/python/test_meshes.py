@@ -203,7 +203,7 @@ class JudgeMesh(unittest.TestCase):
             ("t has 2 items", lambda: lb.judge_mesh(mesh, o, d, ray=some, primitive=some, t=np.ones(2))),
             ("there are 12", lambda: lb.judge_mesh(mesh, o, d, ray=some[:1], primitive=some[:1] + 12)),
             ("whole numbers; it has", lambda: lb.judge_mesh(mesh, o, d, ray=np.ones(3, bool), primitive=some)),
-            ("1 of 13 have no area, the first is face 0", lambda: lb.judge_mesh(
+            ("1 of 13 have no area (the first is face 0)", lambda: lb.judge_mesh(
                 (CUBE, np.vstack([[[0, 0, 1]], FACES])), o, d, crossings=np.ones(len(o), np.int64))),
             ("odd number of faces", lambda: lb.judge_mesh((CUBE, FACES[1:]), o, inside=np.ones(len(o), bool))),
         ):

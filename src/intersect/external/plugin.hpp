@@ -28,7 +28,8 @@ void rename(ForeignForm& form, const std::string& prefix);
 /// A library that is loaded and stays loaded.
 struct Library {
     void* handle;  ///< what `dlsym` takes
-    /// Processor state that loading it left: its users compute so, and it is run so.
+    /// Floating-point environment that the library's initialisation leaves behind. A program that uses the library
+    /// computes in this environment, so its forms are called in it too.
     process::FloatingPoint computes;
 };
 
@@ -44,8 +45,8 @@ Ask entry_of(const Library& library, const char* name) {
 /// A copy of a text that is kept beyond the end of main(): exit handlers may ask for it.
 const char* lasting_text(const std::string& text);
 
-/// A form as a library states it; it lives as long as the library is loaded. `computes`: the state that loading it
-/// left. InputError, which begins with `from`, for an invalid contract.
+/// A form as a library states it; it lives as long as the library is loaded. `computes`: the
+/// floating-point environment of its library. InputError, which begins with `from`, for an invalid contract.
 ForeignForm foreign(const lb_form& form, const std::string& from, const process::FloatingPoint& computes);
 
 /// Loads a library, which stays loaded, and asks it for its forms. InputError if the file is not a library, exports no

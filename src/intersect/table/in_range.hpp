@@ -33,7 +33,7 @@ Range<S> range_to_ask(const Info& info, Shape shape, Range<S> range) {
 /// - A form that answers for the interior and yields near and far: the later of tmin and near, if the range and
 ///   [near, far] have a t in common. Slabs that start with tmin in place of 0 give the same.
 /// - If a touch is a miss by the contract, an entry at the end of the ray is a miss too. A form with roots = first is
-///   excepted: it does not say if its root is an entry.
+///   excepted: it does not say whether its root is an entry.
 /// - A hit at NaN stays a hit, so that it is shown as one.
 template <class T, class S>
 Hit<T> in_range(const Info& info, Shape shape, const Range<S>& range, const T& tmin, const T& tmax,

@@ -31,7 +31,7 @@ template <class T, class Watch>
 using EvaluateTarget = Hit<T> (*)(const Ray<T>&, const Target<T>&, const T&, Watch&, std::size_t);
 
 /// Runs a form over a batch in T, which holds the stored numbers exactly or rounded once to a narrower format. `ask` is
-/// the `intersect_target` of the form; `marches` says if the form marches.
+/// the `intersect_target` of the form; `marches` says whether the form marches.
 template <class T, class S, class Evaluate, class Marches>
 void intersect_batch(const Evaluate& evaluate, Marches marches, const RayBatch<S>& rays, const Target<S>& target,
                      const HitBatch<S>& hits) {

@@ -1,5 +1,5 @@
 // The run-time table: each form in every arithmetic, as plain functions over batches of rays. Code that uses this
-// header does not know if a row was compiled from our templates.
+// header does not know whether a row was compiled from our templates.
 #pragma once
 
 #include <cstddef>

@@ -153,7 +153,7 @@ private:
     const RayBlock& rays_;
     const FormatInputs& in_;
     Answers& answers_;
-    /// Numbers in software are slower than the test that says if a sphere is a candidate.
+    /// Numbers in software are slower than the test that says whether a sphere is a candidate.
     SphereIndex::Grain grain_ =
         in_.format.engine == Format::Engine::rounded ? SphereIndex::Grain::spheres : SphereIndex::Grain::blocks;
     std::array<std::vector<S>, 4> buffers_;

@@ -71,7 +71,7 @@ std::vector<std::string> record_all(const Intersector& form, const Target<double
     const bool is_put_before = recorded_ray && form.info->direction != intersect::Direction::unit;
     if (is_put_before) recorded_ray->put_before(tape);
     std::vector<std::string> names = names_of_inputs(form, target, is_put_before ? &*recorded_ray : nullptr);
-    if (setting.ranged) put_range_behind(tape, names, form, *find_format("f32"), {.tmin = 1, .tmax = 2});
+    if (setting.ranged) append_range_checks(tape, names, form, *find_format("f32"), {.tmin = 1, .tmax = 2});
     return names;
 }
 
@@ -195,7 +195,7 @@ RayAttribution Attributor::of(const Ray<double>& ray, const Target<double>& targ
     std::vector<std::string> names;  // computed only where needed
     if (!range.is_whole()) {
         names = names_without_range();
-        put_range_behind(tape_, names, form_.of(target.primitives.front().shape), format_, range);
+        append_range_checks(tape_, names, form_.of(target.primitives.front().shape), format_, range);
     }
     attribution_ = attribute(tape_);
     RayAttribution blame{.culprit = missing, .tape = &tape_, .attribution = &attribution_, .ulp = missing};

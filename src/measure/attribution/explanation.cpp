@@ -215,7 +215,7 @@ std::optional<TruePrimitive> missed_primitive(const Intersector& form, const For
     form.record(format, in.ray(*form.info), target, range.tmax, tape);
     std::vector<std::string> names =
         names_of_inputs(form, target, recorded_ray && recorded_ray->try_put_before(tape) ? &*recorded_ray : nullptr);
-    put_range_behind(tape, names, form.of(target.primitives.front().shape), format, range);
+    append_range_checks(tape, names, form.of(target.primitives.front().shape), format, range);
     const Attribution of = attribute(tape);
     found.hit = tape[tape.outputs.hit].value != 0;
     found.t = tape[tape.outputs.t].value;
@@ -339,7 +339,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
         x.is_generated_ray = recorded_ray.has_value();
         x.names = names_of_inputs(form, target,
                                   recorded_ray && recorded_ray->try_put_before(x.tape) ? &*recorded_ray : nullptr);
-        put_range_behind(x.tape, x.names, form.of(x.shape), format, x.range);
+        append_range_checks(x.tape, x.names, form.of(x.shape), format, x.range);
         for (const TapeNode& n : x.tape.nodes) {
             if (n.op == TapeOp::input) x.inputs.push_back(n.value);
         }

@@ -17,8 +17,8 @@ NodeId input_of(const Tape& tape, std::ptrdiff_t number) {
 
 }  // namespace
 
-void put_range_behind(Tape& tape, std::vector<std::string>& names, const intersect::table::Intersector& form,
-                      const Format& format, const Range<double>& given) {
+void append_range_checks(Tape& tape, std::vector<std::string>& names, const intersect::table::Intersector& form,
+                         const Format& format, const Range<double>& given) {
     if (given.is_whole()) return;
     const NodeId tmin = tape.add_input(format.parameters, given.tmin);
     names.emplace_back("ray.tmin");

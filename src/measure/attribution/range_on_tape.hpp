@@ -1,4 +1,4 @@
-// Records the range of a ray as operations of a tape: it decides which of a form's answers count.
+// Records the checks of a ray's range [tmin, tmax] on a tape, after the operations of the form.
 #pragma once
 
 #include <string>
@@ -10,12 +10,12 @@
 
 namespace lostbits::measure::attribution {
 
-/// Appends to the tape of a form the decisions of `keep_in_range` about its answer, by the same function, and makes the
-/// result the tape's answer. A limit of the range is then a comparison like any other: it has exact sides, rounding can
-/// turn it, and an operation is the culprit of that. `names` are those of the inputs on the tape; if the ray has a
-/// range, `ray.tmin` is added. `range` is in the format and in the unit of the form's t, and its end is the one that
-/// the form was recorded with.
-void put_range_behind(Tape& tape, std::vector<std::string>& names, const intersect::table::Intersector& form,
-                      const Format& format, const Range<double>& range);
+/// Appends to the tape of a form the comparisons by which `in_range` accepts or rejects its answer, and makes their
+/// result the tape's answer. Comparisons with tmin and tmax can then be analysed like those of the form: both sides
+/// have exact values, rounding can reverse the result, and an operation can be named as the culprit. `names` are the
+/// names of the tape's inputs; if the ray has a range, `ray.tmin` is added. `range` is in the format and in the unit of
+/// the form's t. Its end must be the one with which the form was recorded.
+void append_range_checks(Tape& tape, std::vector<std::string>& names, const intersect::table::Intersector& form,
+                         const Format& format, const Range<double>& range);
 
 }  // namespace lostbits::measure::attribution

@@ -46,7 +46,7 @@ private:
         [[nodiscard]] bool holds(std::size_t k) const { return run.value(n.operands[k]) != 0; }
     };
 
-    /// Result of node i from the operands of this run. `as` decides if it rounds, and by which values it chooses.
+    /// Result of node i from the operands of this run. `as` decides whether it rounds, and by which values it chooses.
     [[nodiscard]] Number result(NodeId i, const Run& as) const {
         const TapeNode& n = tape_[i];
         switch (kind_of(n.op)) {

@@ -24,15 +24,15 @@ const RawKernels* kernels_of(Isa isa) {
     if (isa == Isa::scalar) return nullptr;
 #if defined(__x86_64__)
     if (isa == Isa::w256) {
-        static const RawKernels w256 = column_kernels_w256();
+        static const RawKernels w256 = raw_kernels_w256();
         return &w256;
     }
     if (isa == Isa::w512) {
-        static const RawKernels w512 = column_kernels_w512();
+        static const RawKernels w512 = raw_kernels_w512();
         return &w512;
     }
 #endif
-    static const RawKernels w128 = column_kernels_w128();
+    static const RawKernels w128 = raw_kernels_w128();
     return &w128;
 }
 

@@ -1,10 +1,10 @@
-// Loops over columns in registers of one width; compiled once for each.
+// Loops over columns of numbers with SIMD registers of one width. This file is compiled once for each width.
 #include "measure/columns/kernels.hpp"
 #include "number/width.hpp"
 
 namespace lostbits::measure::columns {
 
-RawKernels LOSTBITS_NAME_OF_WIDTH(column_kernels)() {
+RawKernels LOSTBITS_NAME_OF_WIDTH(raw_kernels)() {
     RawKernels kernels{.errors = errors_of<Width>,
                        .residuals = {},
                        .sizes = add_sizes<Width>,

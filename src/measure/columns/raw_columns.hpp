@@ -73,8 +73,8 @@ struct RawKernels {
 };
 
 /// One function for each register width, each in an object file of its own.
-RawKernels column_kernels_w128();
-RawKernels column_kernels_w256();
-RawKernels column_kernels_w512();
+RawKernels raw_kernels_w128();
+RawKernels raw_kernels_w256();
+RawKernels raw_kernels_w512();
 
 }  // namespace lostbits::measure::columns

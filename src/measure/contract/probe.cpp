@@ -132,10 +132,11 @@ struct LengthMisuse {
     const char *words, *mend;  ///< {0} is the key
 };
 constexpr LengthMisuse length_misuses[]{
-    {[](double x) { return std::sqrt(x); }, "the {0} is taken for its square", "; hand over {0} * {0}"},
+    {[](double x) { return std::sqrt(x); }, "the form expects the square of the {0}", "; hand over {0} * {0}"},
     {[](double x) { return x * x; }, "the {0} is squared once too often", ""},
-    {[](double x) { return 2 * x; }, "the {0} is taken twice (a diameter?)", "; hand over {0}, not 2 * {0}"},
-    {[](double x) { return x / 2; }, "the {0} is taken for a diameter", "; hand over 2 * {0}"}};
+    {[](double x) { return 2 * x; }, "the form doubles the {0} (does it compute a diameter?)",
+     "; hand over {0}, not 2 * {0}"},
+    {[](double x) { return x / 2; }, "the form expects a diameter instead of the {0}", "; hand over 2 * {0}"}};
 
 /// Rays whose answers tell mistakes about a length apart: the plainest ray and some beside it, at two lengths. One
 /// length is not enough, since twice 2 is its square. A length of a flat shape only decides how far from the middle it

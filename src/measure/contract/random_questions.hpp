@@ -1,5 +1,5 @@
-// Random questions for the probes that compare with the truth: primitives as in scenes, and rays whose answers
-// no usual formula gets wrong.
+// Random questions for the probes that compare a form with the truth: primitives as in scenes, and rays that every
+// usual formula decides correctly.
 #pragma once
 
 #include <span>
@@ -10,14 +10,16 @@
 
 namespace lostbits::measure::contract {
 
-/// Random numbers from -1 to 1, the same on every machine.
+/// Pseudorandom numbers, the same on every machine.
 class RandomNumbers {
 public:
     explicit RandomNumbers(std::uint32_t seed = 1) : state_(seed) {}
+    /// The next number, a multiple of 2^-23 in [-1, 1).
     double operator()() {
         state_ = state_ * 1664525U + 1013904223U;
         return static_cast<double>(state_ >> 8) / 0x1p23 - 1;
     }
+    /// A number in [low, high).
     double between(double low, double high) { return low + (high - low) * ((*this)() + 1) / 2; }
     Vec<double> vector() { return {(*this)(), (*this)(), (*this)()}; }
     Vec<double> unit() {
@@ -41,14 +43,14 @@ Primitive<double> random_primitive(Shape shape, bool upright, RandomNumbers& ran
 /// The ray and the primitive, in numbers that floats can represent.
 Question question_of(const Vec<double>& origin, const Vec<double>& direction, const Primitive<double>& primitive);
 
-/// At most 4: a plane has no extent.
+/// Half of the primitive's extent, clamped to 4, since a plane is infinite.
 double half_extent_of(const Primitive<double>& primitive);
 
 /// Multiplies the lengths of a question by 2^power, exactly. Directions keep their length, so t is multiplied, too.
 Question scaled_by(const Question& q, Shape shape, int power);
 
-/// True if small changes of the ray change the answer only a little, as far as that many random changes tell. Every
-/// usual formula then gets it right.
+/// True if none of `changes` small random changes of the ray changes the answer much. Every usual formula answers such
+/// a question correctly.
 bool is_benign(const Trial& trial, const Question& q, RandomNumbers& random, int changes = 6);
 
 std::string numbers_text(std::span<const double> numbers);
@@ -69,8 +71,8 @@ struct WrongCount {
     WrongCount() = default;
     /// All lengths are multiplied by 2^power.
     WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& rays, int power = 0);
-    /// True if more than one in twenty is wrong. Fewer may be rays for which the arithmetic of the format is not
-    /// enough.
+    /// True if more than one answer in twenty is wrong. Fewer wrong answers may be due to rounding in the format and
+    /// are not held against the form.
     [[nodiscard]] bool is_many() const { return 20 * wrong > asked; }
     void add(const WrongCount& more) {
         asked += more.asked, wrong += more.wrong;

@@ -66,13 +66,13 @@ struct LengthErrorCase {
     double (*change)(double);
 };
 constexpr LengthErrorCase length_error_cases[] = {
-    {"the {0} seems to be taken for its square", "hand over {0} * {0}",
+    {"the intersector seems to expect the square of the {0}", "hand over {0} * {0}",
      "the answers are for {3} of {0} sqrt({1}); write that {0}", [](double x) { return std::sqrt(x); }},
     {"the {0} seems to be squared once too often", "hand over {0}",
      "the answers are for {3} of {0} {1} * {1}; write that {0}", [](double x) { return x * x; }},
-    {"the {0} seems to be taken for a diameter", "hand over 2 * {0}",
+    {"the intersector seems to expect a diameter instead of the {0}", "hand over 2 * {0}",
      "the answers are for {3} of half the {0}; write that {0} (--{2})", [](double x) { return x / 2; }},
-    {"a diameter seems to be handed over for the {0}", "hand over {0}",
+    {"the intersector seems to get a diameter instead of the {0}", "hand over {0}",
      "the answers are for {3} of twice the {0}; write that {0} (--{2})", [](double x) { return x * 2; }}};
 
 void add_lengths(const ShapeRow& row, std::vector<Reason>& all) {

@@ -11,6 +11,7 @@
 #include "measure/contract/suspect.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/evaluate/groups.hpp"
+#include "measure/shard/share.hpp"
 #include "scene/dump/dump.hpp"
 #include "scene/rays/primitive_list.hpp"
 

@@ -132,7 +132,7 @@ private:
         if (times_[is_[i]] == 0) ++found_.neighbours;
         ++times_[is_[i]];
     }
-    /// Also finds out if light leaks at a missing crossing.
+    /// Also finds out whether light leaks at a missing crossing.
     void count_missing() {
         const auto& all = surfaces_.all();
         for (std::size_t s = 0; s < all.size(); ++s) {

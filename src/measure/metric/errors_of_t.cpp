@@ -73,10 +73,11 @@ constexpr Metric rows_of_t[] = {
            "for a hit at t* = 0, where an ulp is not a measure: |t| |d| over u times the largest number of the origin "
            "and of the points and lengths of the primitive",
            error_at_zero, {.ramp = Ramp::magnitude, .low = 0x1p-1}),
-    tabled({"root", "", "err.root"},
-           "tells if a correct hit has the t of another crossing of the same primitive (wrong): within a quarter of "
-           "the distance between that crossing and the true one; no_hit: not a correct hit",
-           root, {.ramp = Ramp::categories, .over = MetricDomain::every, .categories = root_names}),
+    tabled(
+        {"root", "", "err.root"},
+        "tells whether a correct hit has the t of another crossing of the same primitive (wrong): within a quarter of "
+        "the distance between that crossing and the true one; no_hit: not a correct hit",
+        root, {.ramp = Ramp::categories, .over = MetricDomain::every, .categories = root_names}),
     tabled({"derivative_error", "u", "err.derivative"},
            "error of dt/dx for every number x of origin, direction, points and lengths, by forward differentiation of "
            "the form in the format: the largest error of a derivative, over the largest derivative of its vector; "

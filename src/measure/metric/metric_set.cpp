@@ -49,11 +49,11 @@ constexpr std::string_view within_names[] = {"within", "beyond"}, enough_names[]
 /// Metrics that a label completes. The label of the first two is a number, which is appended to `meaning`. The label of
 /// the others is the name of an operation or a step, which is appended to `name` and `layer`.
 constexpr Metric labelled[] = {
-    tabled(
-        {"tolerance:", "", "err.tolerance"},
-        "tells if the hit point is at most this far from the true one, along the ray, in the scene's unit of length: ",
-        beyond, {.ramp = Ramp::categories, .categories = within_names}),
-    tabled({"enough_bits:", "", "bits.enough"}, "tells if t keeps this many bits (correct_bits): ", too_few,
+    tabled({"tolerance:", "", "err.tolerance"},
+           "tells whether the hit point is at most this far from the true one, along the ray, in the scene's unit of "
+           "length: ",
+           beyond, {.ramp = Ramp::categories, .categories = within_names}),
+    tabled({"enough_bits:", "", "bits.enough"}, "tells whether t keeps this many bits (correct_bits): ", too_few,
            {.ramp = Ramp::categories, .categories = enough_names}),
     tabled({"contribution:", "ulp", "contribution."},
            "part of the error of t that is assigned to operations of that name, in ulps of t without rounding",

@@ -139,15 +139,15 @@ constexpr Metric table[] = {
     tabled({"bound_ratio", "1", "bound.ratio"},
            "bound / |rounding_error|: the factor by which the bound is too wide; never below 1", bound_ratio,
            {.needs = needs_bound | needs_self, .ramp = Ramp::magnitude, .low = 1, .high = 0x1p+20}),
-    tabled(
-        {"decision", "", "bound.decision"},
-        "tells if the form's own running bounds prove its hit or miss; for the primitive that the form hits, else the "
-        "one truly hit, else the ray's own or the first of several",
-        decision,
-        {.needs = needs_bound,
-         .ramp = Ramp::categories,
-         .over = MetricDomain::every,
-         .categories = intersect::decision_names}),
+    tabled({"decision", "", "bound.decision"},
+           "tells whether the form's own running bounds prove its hit or miss; for the primitive that the form hits, "
+           "else the "
+           "one truly hit, else the ray's own or the first of several",
+           decision,
+           {.needs = needs_bound,
+            .ramp = Ramp::categories,
+            .over = MetricDomain::every,
+            .categories = intersect::decision_names}),
     tabled({"arithmetic", "", "bound.arithmetic"},
            "arithmetic in which a form that filters settled the ray: its own, the next wider one of one word, two "
            "words, or exact sums; for the primitive that the form hits, else the one truly hit, else the ray's own or "
@@ -195,7 +195,8 @@ constexpr Metric table[] = {
            counterfactual<&attribution::Counterfactuals::alone>,
            {.needs = needs_tape, .ramp = Ramp::magnitude, .low = 0x1p-4}),
     tabled({"against", "", "against.class"},
-           "tells if the form of --against makes the same decision with the same t; alone_hits: the form of --against "
+           "tells whether the form of --against makes the same decision with the same t; alone_hits: the form of "
+           "--against "
            "misses",
            nullptr, {.ramp = Ramp::categories, .over = MetricDomain::pairs, .categories = answer::against_names}),
     tabled({"apart", "ulp", "against.apart"}, "(t - t of the form of --against) / ulp(t of that form), where both hit",

@@ -92,7 +92,8 @@ constexpr Metric rows_of_stability[] = {
            "the one truly hit, else the ray's own or, of several, the one that the ray misses most narrowly",
            decision_margin, {.ramp = Ramp::magnitude, .low = 0x1p-1, .over = MetricDomain::every}),
     tabled({"wrong_decision", "", "stability.wrong"},
-           "tells if a false hit, a false miss or a wrong primitive is proved to be wrong for all problems within u of "
+           "tells whether a false hit, a false miss or a wrong primitive is proved to be wrong for all problems within "
+           "u of "
            "every number (beyond_u), or to be right for one of them (within_u); unproved: neither",
            wrong_decision, {.ramp = Ramp::categories, .over = MetricDomain::every, .categories = wrong_decision_names}),
     tabled({"cestac_bits", "bits", "prediction.cestac"},
@@ -103,17 +104,18 @@ constexpr Metric rows_of_stability[] = {
            "cestac_bits minus the bits that the mean of the three runs shares with the form without rounding: above 0, "
            "CESTAC predicts more bits than are correct",
            cestac_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-4, .high = 0x1p+6}),
-    tabled(
-        {"cestac_digit", "", "prediction.cestac_digit"},
-        "tells if cestac_error is a decimal digit, log2(10) bits, or more (overrated); statistics of cestac_error are "
-        "of its magnitude, so they include predictions that are too low",
-        cestac_digit,
-        {.needs = needs_attribution,
-         .ramp = Ramp::categories,
-         .over = MetricDomain::blamed,
-         .categories = cestac_digit_names}),
+    tabled({"cestac_digit", "", "prediction.cestac_digit"},
+           "tells whether cestac_error is a decimal digit, log2(10) bits, or more (overrated); statistics of "
+           "cestac_error are "
+           "of its magnitude, so they include predictions that are too low",
+           cestac_digit,
+           {.needs = needs_attribution,
+            .ramp = Ramp::categories,
+            .over = MetricDomain::blamed,
+            .categories = cestac_digit_names}),
     tabled({"cestac_decision", "", "prediction.cestac_decision"},
-           "tells if three runs with random rounding all hit or all miss (stable), and if the form's decision is right",
+           "tells whether three runs with random rounding all hit or all miss (stable), and whether the form's "
+           "decision is right",
            cestac_decision,
            {.needs = needs_attribution,
             .ramp = Ramp::categories,

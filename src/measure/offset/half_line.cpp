@@ -120,8 +120,8 @@ auto escalate(const Find& find) {
     throw Error(Exit::internal, "no precision was enough to decide how a ray meets a primitive");
 }
 
-/// Decides if the segment a + s(b − a), 0 ≤ s ≤ 1, meets the open primitive. A quadratic is tested at both ends, or at
-/// the point in between that is nearest to its middle. For slabs, the ray ends at s = 1.
+/// Decides whether the segment a + s(b − a), 0 ≤ s ≤ 1, meets the open primitive. A quadratic is tested at both ends,
+/// or at the point in between that is nearest to its middle. For slabs, the ray ends at s = 1.
 template <class E>
 std::optional<bool> passes(const QuadraticSpan<E>& s) {
     for (const auto& c : {sign(s.c), sign<E>(s.a + s.h + s.h + s.c)}) {

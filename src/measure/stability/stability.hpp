@@ -47,7 +47,7 @@ double decision_margin(const Ray<double>& ray, const Primitive<double>& primitiv
                        CountedChange turned = CountedChange::root, Perturbed perturbed = Perturbed::componentwise,
                        intersect::Convention convention = {}, Range<double> range = {});
 
-/// Decides if a change of at most ε turns the answer: true with an example, false with a proof, otherwise nothing.
+/// Decides whether a change of at most ε turns the answer: true with an example, false with a proof, otherwise nothing.
 std::optional<bool> is_turned_within(double epsilon, const Ray<double>& ray, const Primitive<double>& primitive,
                                      CountedChange turned = CountedChange::root,
                                      Perturbed perturbed = Perturbed::componentwise,

@@ -33,7 +33,7 @@ struct Enclosed {
     /// where it leaves is decided by the convention for origins; boxes are an exception, since every point of a box
     /// counts.
     bool touching = false;
-    /// The ray begins on the surface. That is a root, and the convention decides if it counts.
+    /// The ray begins on the surface. That is a root, and the convention decides whether it counts.
     bool on_surface = false;
     Crossing at = Crossing::begin;
     bool at_double_root = false;  ///< t is a double root of a quartic, and has no derivative
@@ -86,12 +86,12 @@ Enclosed<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leav
     return enclosed_root(s, Crossing::far, false, true);  // not −2h/a, which has another gradient
 }
 
-/// First hit of a quadratic surface by a ray without an end. At the start of the ray, the sign of c = P(t) tells if it
-/// is outside, on the surface or inside, and h tells the direction. From outside, a line that leaves (h ≥ 0) misses for
-/// any q; from inside or from the surface it always hits. t = c/(−h + √q) from outside, and (−h + √q)/a or −c/(h + √q)
-/// from inside, chosen by the sign of h, with c and h at t = 0. From the surface (c = 0), one root is the start of the
-/// ray. It is the answer if it counts; otherwise the answer is the other root if that lies ahead. From inside (c < 0),
-/// the convention defines t.
+/// First hit of a quadratic surface by a ray without an end. At the start of the ray, the sign of c = P(t) tells
+/// whether it is outside, on the surface or inside, and h tells the direction. From outside, a line that leaves (h ≥ 0)
+/// misses for any q; from inside or from the surface it always hits. t = c/(−h + √q) from outside, and (−h + √q)/a or
+/// −c/(h + √q) from inside, chosen by the sign of h, with c and h at t = 0. From the surface (c = 0), one root is the
+/// start of the ray. It is the answer if it counts; otherwise the answer is the other root if that lies ahead. From
+/// inside (c < 0), the convention defines t.
 template <class E>
 Enclosed<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& from, const RangeOfSpan<E>* range,
                           intersect::Convention convention) {
@@ -222,8 +222,8 @@ Tri faces(const WallSpan<E>&, intersect::Facing) {
 }
 
 /// First crossing that counts of a surface without an inside. On a rim or along the surface, the line touches. A
-/// crossing at the start of the ray is a root, and the convention decides if it counts. Of two crossings, the near one
-/// is an entry and the far one an exit; a single crossing is both.
+/// crossing at the start of the ray is a root, and the convention decides whether it counts. Of two crossings, the near
+/// one is an entry and the far one an exit; a single crossing is both.
 template <class E, SurfaceSpan<E> S>
 Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Convention asked) {
     using intersect::AtOrigin, intersect::Touching;
@@ -318,7 +318,7 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
 template <class E>
 Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention);
 
-/// Convention for a span. If a span cannot be hit behind a touch, the caller decides if touching counts.
+/// Convention for a span. If a span cannot be hit behind a touch, the caller decides whether touching counts.
 template <class Span>
 intersect::Convention asked_of_span(intersect::Convention convention) {
     if (!Span::may_hit_behind_touch) convention.touching = intersect::Touching::hit;
@@ -344,8 +344,8 @@ std::optional<RangeOfSpan<E>> range_over(const Range<double>& range) {
     return RangeOfSpan<E>{E(F(range.tmin)), {ends ? E(F(range.tmax)) : E(1), E(ends ? 1 : 0)}, open};
 }
 
-/// Convention for a ray that begins at tmin. If tmin > 0, or if the range is open there, the range itself decides if a
-/// hit at its start counts, in place of the convention for t = 0.
+/// Convention for a ray that begins at tmin. If tmin > 0, or if the range is open there, the range itself decides
+/// whether a hit at its start counts, in place of the convention for t = 0.
 inline intersect::Convention convention_in(const Range<double>& range, intersect::Convention convention) {
     using intersect::AtOrigin;
     if (range.open.tmin) convention.at_origin = AtOrigin::miss;

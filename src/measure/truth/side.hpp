@@ -173,8 +173,8 @@ struct RootHit {
 };
 
 /// Goes from root to root of an enclosing quartic. If f does not change its sign at a root, the line touches there,
-/// from outside or from inside. The convention decides if that is a hit, whatever lies behind it. The answer is the
-/// next root that counts, from outside and from inside alike. A ray that ends at a root by which it enters touches
+/// from outside or from inside. The convention decides whether that is a hit, whatever lies behind it. The answer is
+/// the next root that counts, from outside and from inside alike. A ray that ends at a root by which it enters touches
 /// there.
 template <class F>
 class QuarticWalk {

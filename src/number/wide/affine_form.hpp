@@ -206,7 +206,7 @@ private:
         return joined(centre_ * centre_ + Centre(TwoWords<double>(second)), *this, 2 * centre_.first(), AffineForm(0),
                       0, rest);
     }
-    /// Decides if this is below 0, or at most 0 if `or_equal`.
+    /// Decides whether this is below 0, or at most 0 if `or_equal`.
     [[nodiscard]] Tri is_below(bool or_equal) const {
         const auto [middle, size] = ends();
         if (or_equal ? middle <= -size : middle < -size) return Tri::yes;

@@ -57,8 +57,8 @@ std::string required_inputs_text(const ChoiceResult& chosen, const Candidate& ne
     const InputTrial& trial = found.trials[*found.enough];
     const bool all = &trial == &found.trials.back();
     return fmt::format(
-        "  What costs it is the rounding of {}: with {} in {} (of {} bits at least){}, exact "
-        "arithmetic keeps {}{}.\n",
+        "  The bits are lost by rounding {}. With {} in {} (at least {} bits are needed){}, exact arithmetic keeps "
+        "{}{}.\n",
         all ? "all inputs" : inputs_text(trial, places), all ? "all of them" : "these", wider, found.least_precision,
         all ? "" : " and the others as they are", kept_and_wrong(trial.exact, requirement), form_in_f64(trial));
 }

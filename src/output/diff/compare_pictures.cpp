@@ -44,7 +44,7 @@ void compare_samples(const std::string& name, const std::vector<Sample>& a, cons
         if constexpr (std::is_same_v<Sample, float>) v = judge_samples(a[i], b[i], within);
         else v.differs = a[i] != b[i];
         const auto place = [&] { return fmt::format("{},{}", i % width, i / width); };
-        if (!book(column, v, place)) continue;
+        if (!record_verdict(column, v, place)) continue;
         ledger.add(0, [&] {
             if constexpr (std::is_same_v<Sample, float>)
                 return fmt::format("{} at {}: {} != {}{}", name, place(), file::decimal(a[i]), file::decimal(b[i]),
@@ -121,7 +121,7 @@ Comparison compare_exr(const std::filesystem::path& a, const std::filesystem::pa
     const std::vector<std::string> left = image::image_backend().exr_parts(a),
                                    right = image::image_backend().exr_parts(b);
     const bool several = left.size() > 1 || right.size() > 1;
-    std::size_t last = 0;  // one past the index, in the second file, of the last part
+    std::size_t after = 0;  // one past the index of the part of the second file that was matched last
     for (std::size_t p = 0; p < left.size(); ++p) {
         const auto found = std::ranges::find(right, left[p]);
         if (several && found == right.end()) {
@@ -129,8 +129,8 @@ Comparison compare_exr(const std::filesystem::path& a, const std::filesystem::pa
             continue;
         }
         const std::size_t q = several ? static_cast<std::size_t>(found - right.begin()) : 0;
-        if (q < last) ledger.add(0, [&] { return fmt::format("part {} is moved in the second", left[p]); });
-        last = std::max(last, q + 1);
+        if (q < after) ledger.add(0, [&] { return fmt::format("part {} is moved in the second", left[p]); });
+        after = std::max(after, q + 1);
         const ExrImage first =
             image::image_backend().read_exr(a, p);  // so that the first bad file is the one that is named
         add_part(several ? left[p] : "", compare(first, image::image_backend().read_exr(b, q), options), ledger);
@@ -153,9 +153,10 @@ Comparison compare(const image::PngImage& a, const image::PngImage& b, const Com
         const int steps = std::max({std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)});
         const auto width = static_cast<std::size_t>(a.width);
         const auto place = [&] { return fmt::format("{},{}", i % width, i / width); };
-        book(column,
-             {.differs = true, .measured = true, .absolute = static_cast<double>(steps), .relative = steps / 255.0},
-             place);
+        record_verdict(
+            column,
+            {.differs = true, .measured = true, .absolute = static_cast<double>(steps), .relative = steps / 255.0},
+            place);
         ledger.add(
             0, [&] { return fmt::format("pixel at {}: {},{},{} != {},{},{}", place(), p.r, p.g, p.b, q.r, q.g, q.b); });
     }

@@ -127,7 +127,8 @@ Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& o
             const std::string_view left = pairs[c].a->cells[r], right = pairs[c].b->cells[q];
             if (left == right) continue;
             const PairVerdict v = judge_cells(left, right, pairs[c].tolerance, pairs[c].as_text);
-            if (!book(ledger.result.columns[c], v, [&] { return fmt::format("line {}", a.lines[r]); })) continue;
+            if (!record_verdict(ledger.result.columns[c], v, [&] { return fmt::format("line {}", a.lines[r]); }))
+                continue;
             ledger.add(a.lines[r], [&] {
                 return fmt::format("{}{}: {} != {}{}", named(r), pairs[c].a->name, in_words(left), in_words(right),
                                    distances(v));

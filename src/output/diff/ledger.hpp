@@ -40,13 +40,15 @@ struct Ledger {
     const CompareOptions& options;
     Comparison result;
 
+    /// Counts a difference, and keeps its text while fewer than `options.most` are kept. `line` is its line in the
+    /// first file; 0 if it has none there, as in pictures.
     void add(std::size_t line, const auto& make_text) {
         if (result.count++ < options.most) result.differences.push_back({line, make_text()});
     }
 };
 
 /// Records a verdict under its column; returns true if it is a difference.
-inline bool book(ColumnDifference& column, const PairVerdict& v, const auto& make_place) {
+inline bool record_verdict(ColumnDifference& column, const PairVerdict& v, const auto& make_place) {
     column.count += v.differs;
     column.kinds += v.differs && v.kinds;
     const auto raise = [&](Largest& largest, double value) {

@@ -39,6 +39,7 @@ ColourScale metric_scale(const Metric& metric, const FloatFormat& format, const 
 
 namespace {
 
+/// The precision of all rows, in bits; 0 if they differ or there are none.
 int common_precision(std::span<const TestedForm> rows) {
     const int first = rows.empty() ? 0 : rows.front().format.parameters.precision;
     const auto same = [first](const TestedForm& row) { return row.format.parameters.precision == first; };
@@ -58,8 +59,10 @@ Rgb8 LostBitsScale::colour(double bits, const FloatFormat& format) const {
 }
 
 Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value) {
-    if (outcome != Outcome::agree_hit) return image::outcome_colours[static_cast<std::size_t>(outcome)];
-    // A correct hit on which the metric is undefined (the form has no exact value there) gets the colour of its
+    if (outcome != Outcome::agree_hit)
+        return image::outcome_colours[static_cast<std::size_t>(
+            outcome)];  // A correct hit on which the metric is undefined (the form has no exact value there) gets the
+                        // colour of its
     // outcome.
     return std::isnan(value) ? image::outcome_colours[0] : scale.map(std::fabs(value));
 }

@@ -22,12 +22,12 @@ namespace lostbits::output::pixel {
 template <class Band>
 class ExrLayers {
 public:
-    /// Adds channels. `put(band, i, words)` writes the samples of pixel i, one per channel.
+    /// Adds channels. `put(band, i, samples)` writes the samples of pixel i, one per channel, as 32-bit words.
     template <class Put>
     void add(std::vector<image::Channel> channels, Put put) {
         fills_.push_back(
-            {channels_.size(), [put](const Band& band, std::uint32_t* at, std::size_t n, std::size_t each) {
-                 for (std::size_t i = 0; i < n; ++i) put(band, i, at + i * each);
+            {channels_.size(), [put](const Band& band, std::uint32_t* at, std::size_t n, std::size_t stride) {
+                 for (std::size_t i = 0; i < n; ++i) put(band, i, at + i * stride);
              }});
         channels_.insert(channels_.end(), channels.begin(), channels.end());
     }
@@ -63,7 +63,7 @@ public:
 private:
     struct Fill {
         std::size_t place;  ///< index of its first channel
-        std::function<void(const Band&, std::uint32_t* at, std::size_t pixels, std::size_t each)> put;
+        std::function<void(const Band&, std::uint32_t* at, std::size_t pixels, std::size_t stride)> put;
     };
     std::vector<image::Channel> channels_;
     std::vector<Fill> fills_;

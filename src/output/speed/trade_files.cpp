@@ -112,7 +112,7 @@ const measure::metric::Distribution& metric_of(const TradeRequest& request, cons
 /// Conditions under which the times were measured.
 std::string timing_text(const TradeRequest& request, const TradeResult& result) {
     if (!request.scene)
-        return "Time per ray on the rays `easy`, half of which hit, with data that fill half of the first-level cache "
+        return "Time per ray of the set `easy`, in which half of the rays hit. The data fill half of the L1 cache "
                "(`l1`). The times are from this run, and vary from run to run.\n";
     const auto& timed = result.times.front().front();
     return fmt::format(
@@ -189,7 +189,7 @@ std::string shown_rays(const TradeRequest& request, const TradeResult& result, s
     const auto sets = measure::speed::trade_sets(request);
     return fmt::format(
         "Accuracy: {} rays of the set {}. Time{}: rays like those of the set {}, {:.0f} KiB of them and of answers in "
-        "the first-level cache, every other ray a hit; {}",
+        "the L1 cache, every other ray a hit; {}",
         judged, sets[set].name, set == 0 ? "" : ", the same in the pictures of all sets", sets.front().name,
         static_cast<double>(timed.bytes) / 1024, repeated);
 }

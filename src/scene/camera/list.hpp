@@ -17,7 +17,7 @@ struct ThreeRay : InvertsProjection {
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const Vec<T> seen = times_over_w(from_clip.point(clip_point(camera, pixel, T(1) / T(2))));
+        const Vec<T> seen = multiplied_by_reciprocal_w(from_clip.point(clip_point(camera, pixel, T(1) / T(2))));
         const Vec<T> eye = camera.to_world.shift();
         return {eye, unit_by_reciprocal(Vec<T>(camera.to_world.affine(seen) - eye))};
     }
@@ -35,7 +35,9 @@ struct BabylonRay : InvertsBoth {
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const auto at = [&](const T& z) { return times_over_w(from_clip.point(clip_point(camera, pixel, z))); };
+        const auto at = [&](const T& z) {
+            return multiplied_by_reciprocal_w(from_clip.point(clip_point(camera, pixel, z)));
+        };
         const Vec<T> near = at(camera.depth_near), far = at(T(1) - T(1) / T(100000000));
         return {near, unit_by_reciprocal(Vec<T>(far - near))};
     }
@@ -237,7 +239,7 @@ struct PbrtRay : AsStored {
     template <Number T>
     static Vec<T> on_near_plane(const CameraNumbers<T>& camera, const Pixel<T>& pixel) {
         const T half = T(1) / T(2);
-        return over_w(camera.raster_to_camera.point({pixel.x + half, pixel.y + half, T(0)}));
+        return divided_by_w(camera.raster_to_camera.point({pixel.x + half, pixel.y + half, T(0)}));
     }
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
@@ -257,7 +259,7 @@ struct DifferentialsRay {
     /// dxCamera: the width of a pixel on the near plane.
     template <Number T>
     static Vec<T> prepare(const CameraNumbers<T>& camera) {
-        const auto at = [&](int x) { return over_w(camera.raster_to_camera.point({T(x), T(0), T(0)})); };
+        const auto at = [&](int x) { return divided_by_w(camera.raster_to_camera.point({T(x), T(0), T(0)})); };
         return at(1) - at(0);
     }
     template <Number T>

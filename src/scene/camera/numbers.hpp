@@ -135,10 +135,10 @@ std::vector<std::string> camera_number_names();
 template <class T>
 struct Pixel {
     T x, y;
-    T left;  ///< x - 1
+    T left;  ///< x of the pixel to the left, x - 1
 };
 
-/// Base of ray generators that make no matrix of their own.
+/// Base of ray generators that make no matrix of their own. They ignore the value that `prepare` returns.
 struct AsStored {
     template <Number T>
     static int prepare(const CameraNumbers<T>&) {
@@ -180,22 +180,22 @@ Vec<T> over(const Vec<T>& v, const T& by) {
     return {v.x / by, v.y / by, v.z / by};
 }
 template <Number T>
-Vec<T> over_w(const Homogeneous<T>& p) {
+Vec<T> divided_by_w(const Homogeneous<T>& p) {
     return over(p.at, p.w);
 }
 /// Multiplies by 1/w.
 template <Number T>
-Vec<T> times_over_w(const Homogeneous<T>& p) {
+Vec<T> multiplied_by_reciprocal_w(const Homogeneous<T>& p) {
     return T(1) / p.w * p.at;
 }
 
 /// Transforms the middle of a pixel at a depth by a matrix, over w.
 template <Number T>
 Vec<T> unprojected(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel, const T& z) {
-    return over_w(from_clip.point(clip_point(camera, pixel, z)));
+    return divided_by_w(from_clip.point(clip_point(camera, pixel, z)));
 }
 
-/// v/|v|, multiplied by 1/|v|; `unit_of` uses quotients.
+/// v/|v|, computed as v multiplied by the rounded 1/|v|. `unit_of` divides each component by |v| instead.
 template <Number T>
 Vec<T> unit_by_reciprocal(const Vec<T>& v) {
     return T(1) / length(v) * v;

@@ -49,8 +49,8 @@ public:
     [[nodiscard]] Chunk decode(const Records& records) const override;
 
 private:
-    /// True if nearly all numbers of some columns have usual values only with their bytes in the other order.
-    /// `strange` is set to the position of the first unusual number.
+    /// True if the numbers of these columns look byte-swapped: nearly all of them have usual values only after their
+    /// bytes are reversed. `strange` is set to the position of the first unusual number.
     [[nodiscard]] bool is_reversed(const Records& records, const std::vector<std::size_t>& columns,
                                    const std::function<bool(double)>& is_usual, std::string& strange) const;
     /// Throws InputError if these records, which are raw numbers, have their bytes in the other order.

@@ -146,7 +146,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
         case MissRule::Kind::refuse_negative: break;
     }
     if (!(t < 0)) return {};
-    return Fault{slot::t, fmt::format("{} is {}, and no column says if that is a hit; add a column hit, or write "
+    return Fault{slot::t, fmt::format("{} is {}, and no column says whether that is a hit; add a column hit, or write "
                                       "--miss {} if this number means a miss, --miss negative if every negative "
                                       "one does, --miss never if it is an answer",
                                       called(slot::t), t, t)};

@@ -21,14 +21,14 @@ struct CameraFrame {
     /// axes.
     Vec<T> right, up, forward;
     T pitch;     ///< side of a pixel, in world units; for a pinhole, at distance 1 in front of it
-    T centre_x;  ///< where the view axis meets the picture, in pixels to the right of its top left corner,
-    T centre_y;  ///< and below it
+    T centre_x;  ///< x of the point where the view axis meets the picture, in pixels from its left edge
+    T centre_y;  ///< y of that point, in pixels down from the top edge
     /// pixel_plane: the top left corner of the picture at z = 0, and the height of a pixel (`pitch` is its width).
     T left, top, pitch_down;
 
-    /// Applies `f` to each number.
+    /// A frame with `f` applied to each number.
     template <class F>
-    [[nodiscard]] auto each(const F& f) const {
+    [[nodiscard]] auto transformed(const F& f) const {
         using S = decltype(f(pitch));
         const auto vec = [&f](const Vec<T>& v) { return Vec<S>(f(v.x), f(v.y), f(v.z)); };
         return CameraFrame<S>{.kind = kind,
@@ -54,7 +54,7 @@ template <class T>
 CameraFrame<T> make_frame(const file::Scene& scene) {
     static_assert(std::is_same_v<T, Real> || std::is_same_v<T, double>);
     if constexpr (std::is_same_v<T, Real>) return make_ideal_frame(scene);
-    else return make_ideal_frame(scene).each([](const Real& x) { return toml::round_to_format(x, binary64); });
+    else return make_ideal_frame(scene).transformed([](const Real& x) { return toml::round_to_format(x, binary64); });
 }
 
 /// pixel_plane: the middle of pixel (x, y) in the world, (left + (x + ½)·pitch, top − (y + ½)·pitch_down, 0).
@@ -68,8 +68,8 @@ Vec<T> pixel_point(const CameraFrame<T>& frame, int x, int y) {
 ///
 /// With a = (x + ½ − centre_x)·pitch to the right and b = (centre_y − (y + ½))·pitch upwards:
 /// orthographic: origin + a·right + b·up, direction `forward`; pinhole: `origin`, direction forward + a·right + b·up,
-/// divided by its length if `normalise`; pixel_plane: `origin`, direction pixel_point − origin. Only + − × ÷ √ in T, in
-/// this order.
+/// divided by its length if `normalise`; pixel_plane: `origin`, direction pixel_point − origin. It uses only + − × ÷ √
+/// in T, in the order in which these formulas are written, so the rounding is the same on every machine.
 template <class T>
 Ray<T> ray(const CameraFrame<T>& frame, int x, int y) {
     if (frame.kind == file::Camera::Kind::pixel_plane) return {frame.origin, pixel_point(frame, x, y) - frame.origin};

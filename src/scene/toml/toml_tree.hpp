@@ -72,8 +72,8 @@ struct Override {
 /// (`camera.kind=pinhole`). Errors start with `option` and the text itself.
 Override parse_override(std::string_view assignment, std::string_view option = "--set");
 
-/// Sets the value at the path. The last key of a path may be new to its table; the reader of the table decides if it
-/// is known. Everything before it must exist, else InputError with did-you-mean.
+/// Sets the value at the path. The last key of a path may be new to its table; the reader of the table decides whether
+/// it is known. Everything before it must exist, else InputError with did-you-mean.
 void apply_override(Node& root, const Override& change);
 
 /// Returns the overrides of a table of `"path" = value`. Plain tables inside it extend the path.

@@ -52,26 +52,30 @@ struct Cone {
     }
     /// Scales it by k and keeps its point nearest to `still` where it was. Returns nothing if no point is nearest.
     [[nodiscard]] std::optional<Cone> grown(const Vec<T>& still, const T& k) const {
-        if (length(across(still)) == 0) return std::nullopt;
+        if (length(perpendicular_to_axis(still)) == 0) return std::nullopt;
         const Vec<T> there = onto_surface(still);
         return Cone{there + k * (base - there), there + k * (top - there), k * base_radius, k * top_radius};
     }
 
-    /// With v = top − base, f = o − base, s = top_radius − base_radius, m = v × f and n = v × d, let ρ = base_radius v²
-    /// + s v·f be v² times the radius at o, and σ = s v·d its change. Then v² |m + t n|² ≤ (ρ + t σ)², so h = v² m·n −
-    /// ρσ, c = v² m² − ρ², a = v² n² − σ². A q in which no length of f is squared follows from (h² − a c)/v² = |ρn −
-    /// σm|² − v⁴ (v·w)² with w = d × f and ρn − σm = v² (base_radius n − s w) + s (v·w) v. Between the caps both radii
-    /// are at least 0, so the cone is convex there. Every decision is the sign of a dyadic polynomial of degree twelve
-    /// at most. For doubles, an interval of 12 (1024 + 1074) + 24 < 25300 bits decides each.
+    /// Let v = top − base, f = o − base, s = top_radius − base_radius, m = v × f and n = v × d. The radius of the cone
+    /// at the height of o, times v², is ρ = base_radius v² + s v·f. Along the ray it changes by σ = s v·d per unit of
+    /// t. The point at t is in the cone if v² |m + t n|² ≤ (ρ + t σ)². So P(t) = a t² + 2 h t + c has
+    ///     a = v² n² − σ²,  h = v² m·n − ρσ,  c = v² m² − ρ².
+    /// Its discriminant q = h² − a c would cancel for an origin far away. With w = d × f it is computed without a
+    /// square of the length of f, since ρn − σm = v² (base_radius n − s w) + s (v·w) v and
+    ///     q = v² (|ρn − σm|² − v⁴ (v·w)²).
+    /// Between the caps both radii are at least 0, so the cone is convex there. Every decision is the sign of a dyadic
+    /// polynomial of degree twelve at most. For doubles, an interval of 12 (1024 + 1074) + 24 < 25300 bits decides
+    /// each.
     [[nodiscard]] CappedSpan<T> span(const Ray<T>& ray) const {
         const Vec<T>& d = ray.direction;
         const Vec<T> v = axis(), f = ray.origin - base, m = cross(v, f), n = cross(v, d), w = cross(d, f);
-        const T v2 = square(v), low = dot(v, f), across = dot(v, d), s = top_radius - base_radius, vw = dot(v, w);
-        const T rho = base_radius * v2 + s * low, sigma = s * across;
+        const T v2 = square(v), low = dot(v, f), along_axis = dot(v, d), s = top_radius - base_radius, vw = dot(v, w);
+        const T rho = base_radius * v2 + s * low, sigma = s * along_axis;
         const Vec<T> k = v2 * (base_radius * n - s * w) + (s * vw) * v;
         return capped<T>({v2 * dot(m, n) - rho * sigma, v2 * square(m) - square(rho), v2 * square(n) - square(sigma),
                           v2 * (square(k) - square(v2 * vw)), square(d)},
-                         low, across, v2);
+                         low, along_axis, v2);
     }
     /// Relative distance of a point outside the side or the caps, the larger of the two, in units of `unit()`.
     [[nodiscard]] T off_surface(const Vec<T>& p) const {
@@ -89,7 +93,7 @@ struct Cone {
     /// The outward unit normal at the point p of a ray: that of the side or the cap, whichever is nearer to p.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
         const Profile at(*this, p);
-        const Vec<T> v = axis(), w = across(p);
+        const Vec<T> v = axis(), w = perpendicular_to_axis(p);
         const auto cap = at.off_caps() > at.off_side();
         const T end = select(at.y + at.y < at.height, T(-1), T(1));
         const T along = select(cap, end, at.fall / at.slant) / at.height;
@@ -149,15 +153,15 @@ private:
     };
 
     [[nodiscard]] Vec<T> axis() const { return top - base; }
-    /// The vector from the axis to p, across the axis.
-    [[nodiscard]] Vec<T> across(const Vec<T>& p) const {
+    /// The vector from the axis to p, perpendicular to the axis.
+    [[nodiscard]] Vec<T> perpendicular_to_axis(const Vec<T>& p) const {
         const Vec<T> v = axis(), f = p - base;
         return f - (dot(v, f) / square(v)) * v;
     }
     [[nodiscard]] Vec<T> onto_surface(const Vec<T>& p) const {
         const Profile at(*this, p);
         const auto q = at.nearest();
-        const Vec<T> w = across(p);
+        const Vec<T> w = perpendicular_to_axis(p);
         return base + (q.y / at.height) * axis() + (q.x / length(w)) * w;
     }
 };

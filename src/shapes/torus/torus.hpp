@@ -69,7 +69,7 @@ struct Torus {
     /// − r²)² n² ≤ 4 R² |n × p|² becomes
     ///     n² (x² + e)² − 4 R² |n × g + x n × d|² ≤ 0,   e = a (R² − r²) + w²,
     /// a quartic without a cubic term. Only w and g in it are of the size of f. On the line x² ≤ a (R + r)². The sign
-    /// of the discriminant says if a root is double; it is a dyadic polynomial of degree 34.
+    /// of the discriminant says whether a root is double; it is a dyadic polynomial of degree 34.
     [[nodiscard]] QuarticSpan<T> span(const Ray<T>& ray) const {
         const Vec<T>& d = ray.direction;
         const Vec<T> f = ray.origin - centre, w = cross(f, d), m = cross(axis, cross(d, w)), k = cross(axis, d);

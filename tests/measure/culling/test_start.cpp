@@ -39,7 +39,8 @@ bool is_in_ball(const Vector<Whole>& o, const Vector<Whole>& centre, const Whole
     return at_most(dot(o - centre, o - centre), r * r);
 }
 
-/// Decides if the closed primitive contains the origin, from the definition of each shape; flat shapes have no inside.
+/// Decides whether the closed primitive contains the origin, from the definition of each shape; flat shapes have no
+/// inside.
 bool holds(const std::string& shape, const Asked<Whole>& q) {
     const Vector<Whole>& o = q.o;
     const auto& n = q.n;

@@ -9,7 +9,7 @@
 namespace lostbits::intersect::box {
 namespace filtered {
 
-/// The first step's decision; `in_range` says if its tmin and tmax are accurate.
+/// The first step's decision; `in_range` says whether its tmin and tmax are accurate.
 template <Number T>
 struct Decided : SlabDecision<T> {
     mask_t<T> in_range;

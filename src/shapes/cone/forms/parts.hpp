@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::cone {
 
-/// The t at which a line passes each of the two planes; `in_base` and `in_top` say if it does so within the cap.
+/// The t at which a line passes each of the two planes; `in_base` and `in_top` say whether it does so within the cap.
 template <Number T>
 struct CapsPassed {
     T base, top;

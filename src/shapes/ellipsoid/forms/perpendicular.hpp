@@ -16,6 +16,7 @@ struct ScaledPerpendicular {
     static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
         const RayInRadii<T> in(ray, e);
         const T a = named("a", square(in.d));
+        // The quadratic is a t² + 2 b t + c with b = f·d. As for spheres, b' is −b.
         const T minus_b = named("b'", -dot(in.f, in.d));
         const Vec<T> across = in.f + (minus_b / a) * in.d;
         const T delta = named("delta", T(1) - square(across));

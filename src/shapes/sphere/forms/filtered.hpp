@@ -1,7 +1,7 @@
 // A cheap method with a bound on its rounding error. If the bound does not prove the decision, or leaves t less than
 // 18 correct bits of 24 (47 of 53), the ray is computed again in wider arithmetic, and then in still wider: float,
-// double, double-double, exact sums. In packs, one branch for each register asks if any lane needs it. It finds the
-// first intersection only: near = far = t.
+// double, double-double, exact sums. In packs, one branch for each register asks whether any lane needs it. It finds
+// the first intersection only: near = far = t.
 #pragma once
 
 #include "intersect/filter_arithmetic.hpp"

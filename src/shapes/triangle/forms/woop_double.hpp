@@ -20,7 +20,7 @@ struct WoopDouble {
     static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle) {
         const WoopVertices<T> v(ray, triangle);
         const WoopEdges<T> e(v, [](const T& a, const T& b, const T& c, const T& d) { return a * b - c * d; });
-        const WoopFound<T> found = found_by_edges(triangle, v, e);
+        const WoopHit<T> found = hit_from_edges(triangle, v, e);
         return met<T>(found.hit, found.t);
     }
 };

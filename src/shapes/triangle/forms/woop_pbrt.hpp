@@ -1,4 +1,4 @@
-// Woop's test as in pbrt: if one edge is zero, all three are computed again in double.
+// Woop's test as in pbrt: if one edge value is zero, all three are computed again in `Wider<T>` (double for floats).
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"
@@ -27,12 +27,12 @@ template <Number T>
 struct WoopEdges {
     T e0, e1, e2;
 
-    /// `minus(a, b, c, d)` is a b − c d.
-    template <class Minus>
-    WoopEdges(const WoopVertices<T>& v, const Minus& minus)
-        : e0(minus(v.p1.x, v.p2.y, v.p1.y, v.p2.x)),
-          e1(minus(v.p2.x, v.p0.y, v.p2.y, v.p0.x)),
-          e2(minus(v.p0.x, v.p1.y, v.p0.y, v.p1.x)) {
+    /// `difference_of_products(a, b, c, d)` is a b − c d.
+    template <class DifferenceOfProducts>
+    WoopEdges(const WoopVertices<T>& v, const DifferenceOfProducts& difference_of_products)
+        : e0(difference_of_products(v.p1.x, v.p2.y, v.p1.y, v.p2.x)),
+          e1(difference_of_products(v.p2.x, v.p0.y, v.p2.y, v.p0.x)),
+          e2(difference_of_products(v.p0.x, v.p1.y, v.p0.y, v.p1.x)) {
         const T zero(0);
         const auto is_zero = [&](const T& e) { return e <= zero && e >= zero; };
         const mask_t<T> again = is_zero(e0) || is_zero(e1) || is_zero(e2);
@@ -46,24 +46,28 @@ struct WoopEdges {
     }
 };
 
-/// The values that pbrt finds from the edges: t and 1/det, and if it is a hit so far.
+/// What pbrt computes from the edge values: t, 1/det, and whether the ray hits, before any test of t against its error
+/// bound.
 template <Number T>
-struct WoopFound {
+struct WoopHit {
     mask_t<T> hit;
-    T t, inverse;
+    T t, inverse_determinant;
 };
 
 template <Number T>
-WoopFound<T> found_by_edges(const Triangle<T>& triangle, const WoopVertices<T>& v, const WoopEdges<T>& e) {
+WoopHit<T> hit_from_edges(const Triangle<T>& triangle, const WoopVertices<T>& v, const WoopEdges<T>& e) {
     const T zero(0);
-    const T area = square(cross(triangle.c - triangle.a, triangle.b - triangle.a));
+    // (2 area)², which is zero for a degenerate triangle.
+    const T doubled_area_squared = square(cross(triangle.c - triangle.a, triangle.b - triangle.a));
     const mask_t<T> below = e.e0 < zero || e.e1 < zero || e.e2<zero, above = e.e0> zero || e.e1 > zero || e.e2 > zero;
     const T det = named("det", e.e0 + e.e1 + e.e2);
     const T scaled = named("tScaled", e.e0 * v.p0.z + e.e1 * v.p1.z + e.e2 * v.p2.z);
     const mask_t<T> ahead = (det < zero && scaled < zero) || (det > zero && scaled > zero);
-    const T inverse = named("invDet", T(1) / det);
-    named("b0", e.e0 * inverse), named("b1", e.e1 * inverse), named("b2", e.e2 * inverse);
-    return {is_not_zero(area) && !(below && above) && ahead, named("t", scaled * inverse), inverse};
+    const T inverse_determinant = named("invDet", T(1) / det);
+    named("b0", e.e0 * inverse_determinant), named("b1", e.e1 * inverse_determinant),
+        named("b2", e.e2 * inverse_determinant);
+    return {is_not_zero(doubled_area_squared) && !(below && above) && ahead, named("t", scaled * inverse_determinant),
+            inverse_determinant};
 }
 
 }  // namespace lostbits::intersect::triangle
