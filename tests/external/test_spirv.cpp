@@ -52,8 +52,16 @@ std::string compiled(const Scratch& made, const std::string& glsl, const std::st
     return to;
 }
 
-constexpr const char* sphere =
-    R"(#version 450 layout(location = 0) out vec4 colour; float ball(vec3 ro, vec3 rd, vec4 s) { vec3 f = ro - s.xyz; float b = dot(f, rd), c = dot(f, f) - s.w * s.w; float h = b * b - c; return h < 0.0 ? -1.0 : -b - sqrt(h); } void main() { colour = vec4(ball(vec3(0), vec3(1), vec4(2))); } )";
+constexpr const char* sphere = R"(#version 450
+layout(location = 0) out vec4 colour;
+float ball(vec3 ro, vec3 rd, vec4 s) {
+    vec3 f = ro - s.xyz;
+    float b = dot(f, rd), c = dot(f, f) - s.w * s.w;
+    float h = b * b - c;
+    return h < 0.0 ? -1.0 : -b - sqrt(h);
+}
+void main() { colour = vec4(ball(vec3(0), vec3(1), vec4(2))); }
+)";
 
 }  // namespace
 
@@ -91,21 +99,20 @@ TEST_CASE("spirv: the culprit is a line and a column of the user's file", "[exte
         const std::string said =
             explained(std::string(LOSTBITS_SOURCE_DIR) + "/examples/shaders/sphere." + ending + ":sphere", "sphere");
         CHECK(said.find(":37\n " + std::string(ending[0] == 'g' ? "8" : "7") +
-                        " |     float disc = b * b - (dot(f, f) - radius * radius);\n   |                           "
-                        "~~~~~~~~~~^~~~~~~~~~~~~~~~~\n") != std::string::npos);
+                        " |     float disc = b * b - (dot(f, f) - radius * radius);\n"
+                        "   |                           ~~~~~~~~~~^~~~~~~~~~~~~~~~~\n") != std::string::npos);
     }
     const auto odd = load_function(folder + "features.glsl:odd", {});
-    CHECK(std::ranges::any_of(odd->places, [](const auto& p) {
-        return p.line == 36 && p.column == 87;
-    }));  // Rounding inside this function is a part of its error only: no operation is to blame, and none is quoted.
+    CHECK(std::ranges::any_of(odd->places, [](const auto& p) { return p.line == 36 && p.column == 87; }));
+    // Rounding inside this function is a part of its error only: no operation is to blame, and none is quoted.
     const std::string unblamed = explained(folder + "features.glsl:odd", "odd");
     CHECK(unblamed.find("No operation is to blame") != std::string::npos);
-    CHECK(unblamed.find("features.glsl:") == std::string::npos);  // A SPIR-V file names lines of its source if it has
-                                                                  // them, and otherwise lines of its assembly.
+    CHECK(unblamed.find("features.glsl:") == std::string::npos);
+    // A SPIR-V file names lines of its source if it has them, and otherwise lines of its assembly.
     const Scratch made;
     const std::string with = explained(compiled(made, sphere, "-g") + ":ball", "ball");
-    CHECK(with.find("own.frag:5:41\n 5 |     float b = dot(f, rd), c = dot(f, f) - s.w * s.w;") !=
-          std::string::npos);  // Newer debug information has the same names, and lines without columns.
+    CHECK(with.find("own.frag:5:41\n 5 |     float b = dot(f, rd), c = dot(f, f) - s.w * s.w;") != std::string::npos);
+    // Newer debug information has the same names, and lines without columns.
     const std::string newer = explained(compiled(made, sphere, "-gV") + ":ball", "ball");
     CHECK(newer.find("own.frag:5") != std::string::npos);
     compiled(made, sphere, "-g");
@@ -136,8 +143,8 @@ TEST_CASE("spirv: what cannot be followed is refused with its place", "[external
     CHECK(refusal(file + "endless").find("features.glsl:49:53: a loop has no bound") != std::string::npos);
     CHECK(refusal(file + "rounded").find("features.glsl:52:66: a number becomes an integer") != std::string::npos);
     CHECK(refusal(file + "nothing")
-              .ends_with("it defines \"endless\", \"kind\", \"many\", \"odd\", \"rounded\", \"timed\", \"turn\", "
-                         "\"wave\", \"whole\""));
+              .ends_with("it defines \"endless\", \"kind\", \"many\", \"odd\", \"rounded\", "
+                         "\"timed\", \"turn\", \"wave\", \"whole\""));
     const std::string many = refusal(file + "many");
     CHECK(many.find("has several functions \"many\"; name one by its line: ") != std::string::npos);
     CHECK(many.find("many@58") != std::string::npos);
@@ -182,7 +189,8 @@ TEST_CASE("spirv: damaged SPIR-V and GLSL give a sentence", "[external]") {
         return text;
     };
     for (int k = 0; k < 3000; ++k) refused += read(changed(whole, "%_0123456789 \"\nOpv")) ? 0 : 1;
-    CHECK(refused > 300);  // The whole way to a form, with real programs.
+    CHECK(refused > 300);
+    // The whole way to a form, with real programs.
     const int count = is_long() ? 400 : 40;
     for (int k = 0; k < count; ++k) {
         std::string words = binary;
