@@ -251,7 +251,7 @@ void print_table(const measure::evaluate::NeededStudy& request,
     for (std::size_t f = 0; f < summaries.size(); ++f) {
         const auto all = summaries[f].all();
         const auto bits = [&all](double q) { return fmt::format("{}", all.quantile(q)); };
-        table.add({std::string(request.forms[f]->info->name), "", bits(0.5), bits(0.99), bits(1),
+        table.add({std::string(request.rows[f]->info->name), "", bits(0.5), bits(0.99), bits(1),
                    std::to_string(summaries[f].hits_beyond), std::to_string(summaries[f].misses_beyond)});
     }
     table.print();

@@ -193,9 +193,8 @@ void measure_group(scene::rays::RayGroup rays, int group, const std::vector<Test
 std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> groups, const std::vector<TestedForm>& rows,
                                         const std::vector<const Metric*>& metrics, truth::TruthLimit limit) {
     std::vector<FormSummary> summaries;
-    for (std::size_t r = 0; r < rows.size(); ++r)
-        summaries.emplace_back(metrics);  // Forms that march are not joined: a field of distances contains all
-                                          // primitives of a group, for every ray.
+    for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
+    // Forms that march are not joined: a field of distances contains all primitives of a group, for every ray.
     std::optional<JoinedRays> joined = join(groups);
     std::vector<TestedForm> at_once, one_by_one;
     std::vector<FormSummary*> of_once, of_each;

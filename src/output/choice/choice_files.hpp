@@ -60,23 +60,24 @@ ChoiceResult choose_among(const measure::choice::ChoiceRequest& request,
                           const std::vector<measure::choice::Candidate>& all, measure::choice::TimedRays timed);
 
 /// Bits to one decimal, or to as many as show on which side of the requirement they are: 15.96 if 16 are required.
-std::string bits_text_near(double kept,
-                           const Requirement& requirement);  /// `, 0.0012 off`, with enough digits to tell it from the
-                                                             /// tolerance of the requirement; empty if there is none.
+std::string bits_text_near(double kept, const Requirement& requirement);
+/// `, 0.0012 off`, with enough digits to tell it from the tolerance of the requirement; empty if there is none.
 std::string off_text(double off, const Requirement& requirement);
 
 /// `16 bits of 99 of 100 hits, no wrong decision`.
-std::string in_words(const Requirement& requirement);  /// The answer, in several lines. All times are of this run.
-std::string in_words(const ChoiceResult& chosen);  /// The formats that the pixels need, and the least cost of switching
-                                                   /// between forms; two or three lines.
-std::string in_words(const ChoiceResult& chosen,
-                     const RequirementMap& requirement_map);  /// The obstacle, in lines that begin with two blanks.
-                                                              /// `near` comes nearest to the requirement.
-std::string obstacle_text(const ChoiceResult& chosen,
-                          const Candidate& near);  /// `; beyond that no ray hits anything`: reason why a margin ends.
-                                                   /// `broken` is the text if the requirement fails.
+std::string in_words(const Requirement& requirement);
+/// The answer, in several lines. All times are of this run.
+std::string in_words(const ChoiceResult& chosen);
+/// The formats that the pixels need, and the least cost of switching between forms; two or three lines.
+std::string in_words(const ChoiceResult& chosen, const RequirementMap& requirement_map);
+/// The obstacle, in lines that begin with two blanks.
+/// `near` comes nearest to the requirement.
+std::string obstacle_text(const ChoiceResult& chosen, const Candidate& near);
+/// `; beyond that no ray hits anything`: reason why a margin ends.
+/// `broken` is the text if the requirement fails.
 std::string margin_end_text(const GrowthMargin& margin, const measure::choice::FileRays* rays,
-                            const std::string& broken);  /// `binary32`, `binary64`, `p31`: name of a format of inputs.
+                            const std::string& broken);
+/// `binary32`, `binary64`, `p31`: name of a format of inputs.
 std::string name_of_inputs(const FloatFormat& format);
 
 /// Plots every form and format by time and bits kept, with the Pareto front and the chosen one.
@@ -90,7 +91,8 @@ struct CandidateRow {
     bool meets, chosen;
     const MendedCandidate* mended;  ///< null: the form as it is
 };
-table::Table<CandidateRow> candidate_table();  /// The rows of choose.csv, cheapest first.
+table::Table<CandidateRow> candidate_table();
+/// The rows of choose.csv, cheapest first.
 std::vector<CandidateRow> candidate_rows(const ChoiceResult& chosen);
 
 /// The columns rays, true_hits, wrong, wrong_fraction and kept_bits.
@@ -116,13 +118,11 @@ struct RequirementRow {
     std::optional<double> time_ns;
     std::uint64_t met, required, pixels;
 };
-table::Table<RequirementRow> requirement_table();  /// A row for each form and format that a pixel requires or that has
-                                                   /// a time, cheapest first; then one per format under
+table::Table<RequirementRow> requirement_table();
+/// A row for each form and format that a pixel requires or that has a time, cheapest first; then one per format under
 /// `any`, and one for the pixels on which nothing meets the requirement.
-std::vector<RequirementRow> requirement_rows(
-    const ChoiceResult& chosen,
-    const RequirementMap& requirement_map);  /// Draws, pixel by pixel, on the left the cheapest that meets the
-                                             /// requirement, and on the right the narrowest format in
+std::vector<RequirementRow> requirement_rows(const ChoiceResult& chosen, const RequirementMap& requirement_map);
+/// Draws, pixel by pixel, on the left the cheapest that meets the requirement, and on the right the narrowest format in
 /// which any form does.
 void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult& chosen,
                           const RequirementMap& requirement_map);

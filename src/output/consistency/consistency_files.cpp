@@ -27,8 +27,8 @@ using table::Table;
 
 namespace {
 
-constexpr const char* excess_unit =
-    "ulps of the length";  /// Category of pixels where numbers are compared and both rays hit.
+constexpr const char* excess_unit = "ulps of the length";
+/// Category of pixels where numbers are compared and both rays hit.
 constexpr std::size_t on_ramp = check_result_names.size();
 
 /// Scale of the excess: by how many ulps the two ends of a chord are further apart than the exact ones.
@@ -50,9 +50,8 @@ pixel::Look look_of(const Check& check) {
 }
 
 std::string note_of(const Check& check, const CheckSummary& s) {
-    if (s.asked() == 0)
-        return "not asked";  // An end at the hit may count or not, by convention: an answer of yes everywhere is not a
-                             // difference.
+    if (s.asked() == 0) return "not asked";
+    // An end at the hit may count or not, by convention: an answer of yes everywhere is not a difference.
     if (check.measure == measure::consistency::check_end) {
         const auto yes = s.of(CheckResult::second_alone);
         return yes == 0 ? "always no" : yes == s.asked() ? "always yes" : share_text(yes, s.asked()) + " yes";

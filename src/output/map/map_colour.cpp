@@ -59,10 +59,8 @@ Rgb8 LostBitsScale::colour(double bits, const FloatFormat& format) const {
 }
 
 Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value) {
-    if (outcome != Outcome::agree_hit)
-        return image::outcome_colours[static_cast<std::size_t>(
-            outcome)];  // A correct hit on which the metric is undefined (the form has no exact value there) gets the
-                        // colour of its
+    if (outcome != Outcome::agree_hit) return image::outcome_colours[static_cast<std::size_t>(outcome)];
+    // A correct hit on which the metric is undefined (the form has no exact value there) gets the colour of its
     // outcome.
     return std::isnan(value) ? image::outcome_colours[0] : scale.map(std::fabs(value));
 }

@@ -26,7 +26,7 @@ using pixel::ExrRows;
 
 /// Values to write, and the command that measured them.
 struct MapExrRequest {
-    constMapStudy& map;
+    const MapStudy& map;
     std::vector<const Metric*> layers;                       ///< a selection of the map's metrics
     std::string command;                                     ///< the command that makes the file again
     const measure::evaluate::NeededStudy* needed = nullptr;  ///< null: bits needed are not asked for
@@ -53,7 +53,8 @@ using NeededStrip = Previewed<NeededBand>;
 /// A number x is `x.hi` (FLOAT). If its format is not within binary32, there are also `x.lo` (hi + lo is good to 48
 /// bits, for viewers), and `x.word1` and `x.word0` (UINT, the high and low halves of the binary64, exact).
 class MapExr {
-public:  /// Without a path no file is written; only `rows_of` may be called.
+public:
+    /// Without a path no file is written; only `rows_of` may be called.
     MapExr(const std::filesystem::path& path, const MapExrRequest& request);
     ~MapExr();
     MapExr(const MapExr&) = delete;
@@ -63,8 +64,8 @@ public:  /// Without a path no file is written; only `rows_of` may be called.
     /// bits needed by a form.
     [[nodiscard]] std::vector<ExrRows> rows_of(const TestedForm& row, const BandResult& result,
                                                std::span<const image::Rgb8> preview) const;
-    [[nodiscard]] std::vector<ExrRows> rows_of(const NeededBand& result, std::span<const image::Rgb8> preview)
-        const;  /// Writes the next rows of their parts. Different parts may be written concurrently.
+    [[nodiscard]] std::vector<ExrRows> rows_of(const NeededBand& result, std::span<const image::Rgb8> preview) const;
+    /// Writes the next rows of their parts. Different parts may be written concurrently.
     void write(const std::vector<ExrRows>& pieces);
     void close();
 

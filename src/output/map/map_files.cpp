@@ -72,7 +72,8 @@ struct MapFiles::Parts {
 
 MapFiles::MapFiles(const MapStudy& request, const MapFilesOptions& options)
     : parts_(new Parts{.request = request, .options = options}) {
-    Parts& p = *parts_;  // Check before an hour of work is spent.
+    Parts& p = *parts_;
+    // Check before an hour of work is spent.
     const std::size_t of_row = (options.singles ? options.drawn.size() : 0) + (options.pixels_csv ? 1 : 0);
     file::require_open_files(request.rows.size() * of_row + options.drawn.size() + 2, options.folder.string(),
                              "select fewer forms, formats or metrics");

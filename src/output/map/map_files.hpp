@@ -42,13 +42,14 @@ struct MapFilesOptions {
 /// names in `finish`. If it is destroyed without `finish`, nothing has a final name.
 class MapFiles {
 public:
-    MapFiles(constMapStudy& request, const MapFilesOptions& options);
+    MapFiles(const MapStudy& request, const MapFilesOptions& options);
     ~MapFiles();
     MapFiles(const MapFiles&) = delete;
     MapFiles& operator=(const MapFiles&) = delete;
 
     /// Returns the function that takes the bands of the request's rows.
-    [[nodiscard]] measure::evaluate::ShowRows show();  /// Writes the next piece of a row, which another run kept.
+    [[nodiscard]] measure::evaluate::ShowRows show();
+    /// Writes the next piece of a row, which another run kept.
     void put(std::size_t row, pixel::Piece&& piece);
     void finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups = {});
 

@@ -145,7 +145,8 @@ MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
     if (!is_enveloped(m)) return {std::move(spec), drawing.row, pixel::drawn_by<BandResult>(pixel_of)};
     const auto paler_of = [pixel_of, look = spec.look, lost = lost_, excess = excess_](const BandResult& band,
                                                                                        std::size_t i) {
-        const pixel::PixelValue pixel = pixel_of(band, i);  // NaN, an undefined metric, is never inside.
+        const pixel::PixelValue pixel = pixel_of(band, i);
+        // NaN, an undefined metric, is never inside.
         if (!inside_envelope(band.metrics[lost][i], band.metrics[excess][i])) return pixel;
         return pixel::PixelValue{.category = look->categories.size() - 1, .colour = paler(look->colour(pixel))};
     };
@@ -185,7 +186,8 @@ pixel::SheetEnd MapPictures::end_of(std::size_t sheet, const std::vector<FormSum
         const FormSummary& summary = summaries[d.row];
         cells.push_back({d.place.across, &summary});
         nothing_hit &= summary.count(Outcome::agree_miss) == summary.rays;
-    }  // The sheet of a claim stands below the claim's sentence.
+    }
+    // The sheet of a claim stands below the claim's sentence.
     const bool has_headline = options_.sheet_alone.empty() && sheets_[sheet].paint.metric().name == "lost_bits";
     return {best_first(sheets_[sheet].forms.size(), cells, lost_), nothing_hit ? ": no ray hits anything" : "",
             has_headline ? finding_text(request_, summaries) : ""};

@@ -40,15 +40,16 @@ struct SheetSubject {
 [[nodiscard]] std::vector<std::string> sheet_subtitle(const SheetSubject& sheet);
 
 /// Four lines of a glance, and one that names the worst pixel.
-inline constexpr std::size_t cell_note_lines =
-    5;  /// Text below a cell of a sheet: a glance, and `worst pixel 100,90` if a ray is worse than another.
+inline constexpr std::size_t cell_note_lines = 5;
+/// Text below a cell of a sheet: a glance, and `worst pixel 100,90` if a ray is worse than another.
 [[nodiscard]] std::string cell_note(const MetricPaint& paint, const FormSummary& summary, std::size_t m);
 
 /// Result of a form in the first format of a sheet.
 struct SheetCell {
     std::size_t form;
     const FormSummary* summary;
-};  /// Order of `forms` forms: fewest wrong decisions first, then the least p99 of lost bits (metric `lost` of the
+};
+/// Order of `forms` forms: fewest wrong decisions first, then the least p99 of lost bits (metric `lost` of the
 /// request), then the given order. Of several cells of a form the first counts.
 [[nodiscard]] std::vector<std::size_t> best_first(std::size_t forms, std::span<const SheetCell> cells,
                                                   std::size_t lost);
@@ -68,17 +69,18 @@ struct MapSheet {
 
 /// Draws the pictures. Metrics that are drawn alike share a sheet. A shard opens no file.
 class MapPictures {
-public:  /// Both arguments must outlive the object.
-    MapPictures(constMapStudy& request, const MapFilesOptions& options);
+public:
+    /// Both arguments must outlive the object.
+    MapPictures(const MapStudy& request, const MapFilesOptions& options);
 
     /// Files of the columns. The first picture of a row is also its preview.
-    [[nodiscard]] pixel::ColumnFiles<BandResult>& files() {
-        return files_;
-    }  /// Draws the pages and gives the files their final names.
+    [[nodiscard]] pixel::ColumnFiles<BandResult>& files() { return files_; }
+    /// Draws the pages and gives the files their final names.
     void finish(const std::vector<FormSummary>& summaries);
 
 private:
-    using Column = pixel::PixelColumn<BandResult>;  /// The subject of a column.
+    using Column = pixel::PixelColumn<BandResult>;
+    /// The subject of a column.
     struct Drawing {
         std::size_t row, metric;  ///< indices in the request
         std::shared_ptr<const MetricPaint> paint;
@@ -94,7 +96,7 @@ private:
     [[nodiscard]] std::string worst_pixel_text(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const;
     [[nodiscard]] pixel::SheetEnd end_of(std::size_t sheet, const std::vector<FormSummary>& summaries) const;
 
-    constMapStudy& request_;
+    const MapStudy& request_;
     const MapFilesOptions& options_;
     std::size_t lost_,
         excess_;  ///< indices of metrics in the request; `excess_` is the number of metrics without an envelope

@@ -34,9 +34,10 @@ public:
     NeededFiles& operator=(const NeededFiles&) = delete;
 
     /// Returns the function that takes the bands of the forms.
-    [[nodiscard]] measure::study::ShowBand<measure::evaluate::NeededStudy> show();  /// Writes the next piece of a form,
-                                                                                    /// which another run kept.
-    void put(std::size_t form, pixel::Piece&& piece);  /// Tables for the folder's datapackage.json.
+    [[nodiscard]] measure::study::ShowBand<measure::evaluate::NeededStudy> show();
+    /// Writes the next piece of a form, which another run kept.
+    void put(std::size_t form, pixel::Piece&& piece);
+    /// Tables for the folder's datapackage.json.
     [[nodiscard]] std::vector<file::DataResource> resources() const;
     void finish(const std::vector<measure::evaluate::NeededSummary>& summaries);
 

@@ -51,7 +51,8 @@ StrategyResult strategy_result_of(const OffsetBand& band, std::size_t pixel, Sid
 
 /// Colours of the smallest safe offset, and of pixels that are not on its scale.
 pixel::Look safe_look() {
-    return {{no_point,  // Not the colour of `every ray is right`, which other cells of the sheet have.
+    return {{no_point,
+             // Not the colour of `every ray is right`, which other cells of the sheet have.
              {"needs no offset", colour_of(Outcome::out_of_order)},
              {"no offset is safe", colour_of(Outcome::not_a_number)},
              {""}},

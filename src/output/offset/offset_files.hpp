@@ -22,10 +22,10 @@ using measure::offset::Side;
 using measure::offset::Strategy;
 
 /// Name without its prefix: `integer` for `offset.integer`.
-[[nodiscard]] std::string short_name(
-    const Strategy& strategy);  /// Name of a row, such as `sphere.half_b.f32.computed`.
-[[nodiscard]] std::string row_name(
-    const OffsetRow& row);  /// Words for a side: `away from the primitive`, `into the primitive`.
+[[nodiscard]] std::string short_name(const Strategy& strategy);
+/// Name of a row, such as `sphere.half_b.f32.computed`.
+[[nodiscard]] std::string row_name(const OffsetRow& row);
+/// Words for a side: `away from the primitive`, `into the primitive`.
 [[nodiscard]] std::string in_words(Side side);
 
 /// A strategy on one side.
@@ -35,8 +35,8 @@ struct StrategyRow {
     Side side;
     const Strategy* strategy;
     std::size_t place;  ///< index of the strategy
-};  /// A view, see output/study/study_files.hpp. One sheet shows all offsets: the smallest safe offset and the
-    /// strategies
+};
+/// A view, see output/study/study_files.hpp. One sheet shows all offsets: the smallest safe offset and the strategies
 /// across; forms, formats, kinds of points and sides down. `<form>.<format>.<point>.<side>.safe.png` and
 /// `….<strategy>.png` are its cells. `<form>.<format>.<point>.csv` has one row per pixel.
 struct OffsetView {
@@ -47,7 +47,8 @@ struct OffsetView {
     static constexpr const char* pixel_title = "One row per pixel with a point that counts";
 
     /// The columns strategy, side, point, form, format, operations and those of `offset_columns`.
-    static table::Table<StrategyRow> summary_table();  /// Every strategy on every side.
+    static table::Table<StrategyRow> summary_table();
+    /// Every strategy on every side.
     static std::vector<StrategyRow> summary_rows(const Study& study, const std::vector<OffsetSummary>& summaries);
     static std::string row_name(const Study& study, std::size_t row);
     static std::size_t pixels(const Band& band) { return band.is_point.size(); }
@@ -73,18 +74,21 @@ struct AlongRow {
 /// `along.<axis>.csv` is the summary preceded by the value on the axis. `along.<axis>.<row>.<side>.wrong.png` plots the
 /// share of rays that go wrong, and `….size.png` the offsets together with the smallest safe one.
 class AlongFiles {
-public:  /// Opens the table. `study`, for the unchanged scene, must outlive it.
+public:
+    /// Opens the table. `study`, for the unchanged scene, must outlive it.
     AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, Along along);
 
-    void add(double k, std::vector<OffsetSummary> summaries);  /// Draws the plots and gives the table its final name.
+    void add(double k, std::vector<OffsetSummary> summaries);
+    /// Draws the plots and gives the table its final name.
     void finish();
     [[nodiscard]] const file::DataResource& resource() const { return table_.about(); }
 
 private:
     void plot_wrong(std::size_t row, Side side) const;
     void plot_size(std::size_t row, Side side) const;
-    [[nodiscard]] plot::LinePlotSpec spec_of(std::size_t row, Side side, const std::string& title, plot::AxisSpec y)
-        const;  /// The line of a strategy; without one, of the smallest safe offset.
+    [[nodiscard]] plot::LinePlotSpec spec_of(std::size_t row, Side side, const std::string& title,
+                                             plot::AxisSpec y) const;
+    /// The line of a strategy; without one, of the smallest safe offset.
     [[nodiscard]] plot::Series series_of(std::size_t row, Side side,
                                          const std::function<double(const measure::offset::SideSummary&)>& value,
                                          const Strategy* strategy = nullptr) const;

@@ -27,9 +27,8 @@ namespace {
 constexpr std::array<std::string_view, 5> derived_metrics{"lost_bits", "correct_bits", "ulp_error", "relative_error",
                                                           "absolute_error"};
 
-bool is_derived(const Metric& m) {
-    return std::ranges::find(derived_metrics, m.name) != derived_metrics.end();
-}  /// Stored for every true hit, whatever the form answers: values of neighbours lie nearly on a line.
+bool is_derived(const Metric& m) { return std::ranges::find(derived_metrics, m.name) != derived_metrics.end(); }
+/// Stored for every true hit, whatever the form answers: values of neighbours lie nearly on a line.
 bool is_inherent(const Metric& m) { return m.name == "inherent_bits"; }
 bool is_condition(const Metric& m) { return m.name == "condition"; }
 
@@ -117,10 +116,12 @@ public:
         for (const auto& [m, layer] : stored_) all += layer.planes();
         return all;
     }
-    [[nodiscard]] std::size_t group() const { return group_; }  /// See `choose_rays`.
+    [[nodiscard]] std::size_t group() const { return group_; }
+    /// See `choose_rays`.
     [[nodiscard]] std::span<const float> sizes() const { return sizes_; }
 
-private:  /// For formats other than the native two: the bits of t in binary64, whose low bits are zero anyway.
+private:
+    /// For formats other than the native two: the bits of t in binary64, whose low bits are zero anyway.
     [[nodiscard]] std::uint64_t difference(double t, const BandResult& result, std::size_t i) const {
         const double near = result.truth(i).is_hit()
                                 ? result.band->rounded_truth(i, binary64, row_.form->info->direction, result.convention)

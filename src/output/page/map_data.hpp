@@ -34,7 +34,7 @@ inline constexpr std::size_t parts_each_way = 4;
 
 /// The output of `explain` for each ray: its sentences, and its table with a row per operation. A compiled form has no
 /// operations.
-[[nodiscard]] Json rays_json(constMapStudy& request, const TestedForm& row, const std::vector<ChosenRay>& rays);
+[[nodiscard]] Json rays_json(const MapStudy& request, const TestedForm& row, const std::vector<ChosenRay>& rays);
 
 /// A packed piece of data, and the name by which the page finds it.
 struct Blob {
@@ -52,7 +52,7 @@ struct Blob {
 /// The page itself computes the metrics that are functions of t and t* alone (`derived_metrics`).
 class MapData {
 public:
-    explicit MapData(constMapStudy& request);
+    explicit MapData(const MapStudy& request);
     ~MapData();
     MapData(const MapData&) = delete;
     MapData& operator=(const MapData&) = delete;
@@ -62,14 +62,14 @@ public:
 
     /// Everything but the pixels; call it after the map. `own_size`: the map has the scene's own size, so that claims
     /// are about the same rays. `named`: the scene with its size, as a command names it.
-    [[nodiscard]] Json index(const std::vector<FormSummary>& summaries, bool own_size, const std::string& named)
-        const;  /// The pixels and the operations of the chosen rays; call it after the map.
+    [[nodiscard]] Json index(const std::vector<FormSummary>& summaries, bool own_size, const std::string& named) const;
+    /// The pixels and the operations of the chosen rays; call it after the map.
     [[nodiscard]] std::vector<Blob> blobs(const std::vector<FormSummary>& summaries) const;
 
 private:
     struct Group;
     class Row;
-    constMapStudy& request_;
+    const MapStudy& request_;
     std::vector<std::unique_ptr<Group>> groups_;
     std::vector<std::unique_ptr<Row>> rows_;
 };

@@ -111,7 +111,7 @@ struct Report {
 
 /// Table of the forms and formats of a map: decisions, and p50, p99 and max of lost bits, which are withheld if too few
 /// hits agree. Each number carries the CSV's own decimal.
-[[nodiscard]] std::string summary_table(constMapStudy& request, const std::vector<FormSummary>& summaries);
+[[nodiscard]] std::string summary_table(const MapStudy& request, const std::vector<FormSummary>& summaries);
 
 /// Table of every form and format, cheapest first: time, bits kept, wrong decisions, and whether it meets the
 /// requirement.
@@ -131,9 +131,8 @@ struct Report {
 [[nodiscard]] std::string offset_overview(const std::vector<OffsetPart>& parts);
 
 /// The counts as tiles, the gravest first.
-[[nodiscard]] std::string verdict_tiles(
-    const claim::VerdictCounts& counts);  /// One table per subject, with a row per claim. If the page shows what the
-                                          /// claim was measured on, the row links to it.
+[[nodiscard]] std::string verdict_tiles(const claim::VerdictCounts& counts);
+/// One table per subject, with a row per claim. If the page shows what the claim was measured on, the row links to it.
 [[nodiscard]] std::string claims_table(const Report& report);
 
 /// Makes the page; the same report gives the same bytes.

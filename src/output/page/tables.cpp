@@ -41,7 +41,7 @@ constexpr StrategyColumn strategy_columns[] = {{"rays wrong", "bad_fraction", tr
 
 }  // namespace
 
-std::string summary_table(constMapStudy& request, const std::vector<FormSummary>& summaries) {
+std::string summary_table(const MapStudy& request, const std::vector<FormSummary>& summaries) {
     const auto columns = measure::evaluate::summary_columns(request.metrics);
     const auto value = [&](std::string_view name, const FormSummary& s) {
         return measure::evaluate::find_column(columns, name)->value(s);

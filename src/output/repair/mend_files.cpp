@@ -114,8 +114,8 @@ image::Canvas front_plot(const MendResult& r) {
     const std::vector<FormRow> rows = rows_of(r);
     std::vector<speed::FrontPoint> points;
     for (const FormRow& row : rows) {
-        const bool is_own =
-            row.kind != "catalogue";  // The wider operations inside a form of the catalogue are not counted.
+        const bool is_own = row.kind != "catalogue";
+        // The wider operations inside a form of the catalogue are not counted.
         const bool has_place =
             timed ? row.price != nullptr : is_own || measure::choice::computes_in(row.row).name == row.row.format.name;
         if (!has_place || (!is_own && row.row.form == r.request.row.form)) continue;

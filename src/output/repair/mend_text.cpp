@@ -316,7 +316,8 @@ std::string names_of(const MendResult& r, const std::vector<NodeId>& operations)
     std::vector<std::string> names;
     std::set<std::string> seen;
     for (const NodeId i : operations) {
-        NodeId named = i;  // Finds the next named operation that is computed from it, as maps of culprits do.
+        NodeId named = i;
+        // Finds the next named operation that is computed from it, as maps of culprits do.
         for (NodeId k = i; k < tape.size() && tape[named].label.empty(); ++k) {
             const auto& operands = tape[k].operands;
             if (!is_given(tape[k].op) && std::ranges::find(operands, named) != operands.end()) named = k;

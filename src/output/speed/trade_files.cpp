@@ -213,13 +213,13 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
     std::vector<FrontPoint> points;
     for (std::size_t k = 0; k < all.size(); ++k) {
         const TradeKernel& kernel = request.kernels[k];
-        points.push_back(
-            {.row = kernel.measured,
-             .quality = all[k],
-             .time = result.times[k][load].timing,
-             .marker = marker_of(kernel),  // A form from outside is always named, because its author looks for it.
-             .named = !map::is_of_catalogue(*kernel.measured.form->info),
-             .hollow = !all[k].never_wrong()});
+        points.push_back({.row = kernel.measured,
+                          .quality = all[k],
+                          .time = result.times[k][load].timing,
+                          .marker = marker_of(kernel),
+                          // A form from outside is always named, because its author looks for it.
+                          .named = !map::is_of_catalogue(*kernel.measured.form->info),
+                          .hollow = !all[k].never_wrong()});
     }
     add_front(spec, points);
     spec.keys = keys_of(request);

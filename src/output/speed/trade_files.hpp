@@ -24,7 +24,8 @@ using measure::speed::TradeResult;
 /// Name of a kernel in tables.
 struct KernelKey {
     std::string_view form, format, isa;
-};  /// The columns form, format and isa. `form` is the meaning of the first.
+};
+/// The columns form, format and isa. `form` is the meaning of the first.
 table::Table<KernelKey> kernel_columns(const std::string& form);
 
 /// The columns time_ns, time_ns_q1 and time_ns_q3.
@@ -43,7 +44,8 @@ struct FrontPoint {
 
 /// Adds points with the quartiles of their times. Points that are neither on the Pareto front nor named are grey, and
 /// the colour shows the format. A stepped line joins the front; it is dashed between points that are sometimes wrong.
-void add_front(plot::ScatterPlotSpec& spec, const std::vector<FrontPoint>& points);  /// Colour of points in a format.
+void add_front(plot::ScatterPlotSpec& spec, const std::vector<FrontPoint>& points);
+/// Colour of points in a format.
 std::size_t colour_of(const Format& format);
 
 /// A kernel with one of the loads.
@@ -53,7 +55,8 @@ struct TimeRow {
     const measure::speed::TradeResult::Timed* timed;
     int repetitions;
     const OperationCounts* operations;
-};  /// A kernel on one of the sets of rays.
+};
+/// A kernel on one of the sets of rays.
 struct ParetoRow {
     std::string_view set;
     KernelKey name;

@@ -32,10 +32,8 @@ constexpr const char* views_meaning =
 }  // namespace
 
 Table<SampleRow> sample_table(const SweepRequest& request) {
-    auto summary = map::summary_table(
-        request.metrics, request.sweep.shapes(),
-        request.sweep
-            .has_mesh());  // Rays of a sweep form no picture. The position of the worst ray is its index in its set.
+    auto summary = map::summary_table(request.metrics, request.sweep.shapes(), request.sweep.has_mesh());
+    // Rays of a sweep form no picture. The position of the worst ray is its index in its set.
     summary.set_meaning("worst_x", "ray with the largest |ulp_error| in its group, from 0");
     summary.set_meaning("worst_y", "row of a scene's picture, 0 for a ray distribution");
     summary.add({"views", views_meaning, [](const map::SummaryRow& r) { return r.summary->views; }});
@@ -136,8 +134,8 @@ void SweepFiles::require_own_columns(const SweepRequest& request) {
 SweepFiles::SweepFiles(const SweepRequest& request, const std::filesystem::path& folder)
     : request_(request),
       folder_(folder),
-      samples_(folder, "samples.csv", "One row per form, format and step",
-               sample_table(request)) {  // An onset is a position on one axis.
+      samples_(folder, "samples.csv", "One row per form, format and step", sample_table(request)) {
+    // An onset is a position on one axis.
     if (request.sweep.axes.size() == 1)
         onsets_.emplace(folder, "onsets.csv", "One row per form, format, event, threshold and end of the axis",
                         onset_table(request));

@@ -97,12 +97,13 @@ TEST_CASE("scales of magnitudes fit the format", "[metric_paint]") {
 
 TEST_CASE("captions begin with decisions and count the hits behind a quantile", "[metric_paint]") {
     CHECK(glance(summary_of(12, {{Outcome::agree_hit, 400}, {Outcome::agree_miss, 600}})) ==
-          "p99 12.0 lost, 12.0/24 kept\nof 400 agreed hits");  // Kept bits are rounded down, and both numbers add up.
+          "p99 12.0 lost, 12.0/24 kept\nof 400 agreed hits");
+    // Kept bits are rounded down, and both numbers add up.
     CHECK(glance(summary_of(2.0625, {{Outcome::agree_hit, 400}, {Outcome::agree_miss, 600}})) ==
           "p99 2.1 lost, 21.9/24 kept\nof 400 agreed hits");
     CHECK(glance(summary_of(22.75, {{Outcome::agree_hit, 400}, {Outcome::agree_miss, 600}}), binary64) ==
-          "p99 22.8 lost, 30.2/53 kept\nof 400 agreed hits");  // Shares are of all pixels, for every kind of wrong
-                                                               // decision, with the most frequent first.
+          "p99 22.8 lost, 30.2/53 kept\nof 400 agreed hits");
+    // Shares are of all pixels, for every kind of wrong decision, with the most frequent first.
     CHECK(glance(summary_of(18, {{Outcome::agree_hit, 200},
                                  {Outcome::false_miss, 50},
                                  {Outcome::false_hit, 20},
@@ -115,8 +116,8 @@ TEST_CASE("captions begin with decisions and count the hits behind a quantile", 
     CHECK(glance(summary_of(0, {{Outcome::agree_miss, 1000}})) == "no ray hits");
     CHECK(MetricPaint(*find_metric("lost_bits"), binary32)
               .caption(summary_of(1, {{Outcome::agree_hit, 999}, {Outcome::not_a_number, 1}}), 0) ==
-          "0.1% NaN; 99 of 100 hits: at most 1.0 lost, 23.0/24 kept; of 999 agreed hits");  // A value that is withheld
-                                                                                            // is not explained.
+          "0.1% NaN; 99 of 100 hits: at most 1.0 lost, 23.0/24 kept; of 999 agreed hits");
+    // A value that is withheld is not explained.
     CHECK(MetricPaint(*find_metric("lost_bits"), binary32)
               .caption(summary_of(0.7, {{Outcome::agree_hit, 5}, {Outcome::false_miss, 995}}), 0) ==
           ">99% false miss; no p99: 5 of 1000 hits agree");
@@ -164,7 +165,8 @@ TEST_CASE("every metric is a number with a scale or a category with a name, and 
         for (std::size_t c = 0; c < m->categories.size(); ++c) {
             const image::Rgb8 drawn = paint.colour(Outcome::agree_hit, static_cast<double>(c));
             CHECK(std::ranges::count(legend, drawn, &image::LegendEntry::colour) == 1);
-        }  // A row whose only ray is a hit without a value.
+        }
+        // A row whose only ray is a hit without a value.
         FormSummary s({m});
         s.rays = s.true_hits = s.outcomes[0] = 1;
         CHECK(legend_of(paint, {{Outcome::agree_hit, none, 1}}).size() <= 1);
@@ -237,13 +239,11 @@ TEST_CASE("a sheet is sorted by fewest wrong decisions, then by smallest 99th pe
         for (auto& metric : s.metrics) metric.seal();
         return s;
     };
-    const FormSummary bad = of(0, 40), good = of(3, 0), better = of(2, 0),
-                      blind = of(0, 880);  // The second cell of the first form, in another format, does not count.
+    const FormSummary bad = of(0, 40), good = of(3, 0), better = of(2, 0), blind = of(0, 880);
+    // The second cell of the first form, in another format, does not count.
     const std::vector<SheetCell> cells{{0, &bad}, {0, &better}, {1, &good}, {2, &blind}, {3, &better}, {4, &good}};
-    CHECK(best_first(5, cells, 0) ==
-          std::vector<std::size_t>{
-              3, 1, 4, 0,
-              2});  // With as many wrong decisions but too few hits for a 99th percentile, a form comes later.
+    CHECK(best_first(5, cells, 0) == std::vector<std::size_t>{3, 1, 4, 0, 2});
+    // With as many wrong decisions but too few hits for a 99th percentile, a form comes later.
     const FormSummary few = summary_of(0, {{Outcome::agree_miss, 900}});
     CHECK(best_first(2, std::vector<SheetCell>{{0, &few}, {1, &good}}, 0) == std::vector<std::size_t>{1, 0});
 
@@ -252,15 +252,16 @@ TEST_CASE("a sheet is sorted by fewest wrong decisions, then by smallest 99th pe
     CHECK_FALSE(has_word(cell_note(paint, seen, 0), "worst"));
     seen.worst.x = 17;
     seen.worst.y = 4;
-    CHECK(has_word(cell_note(paint, seen, 0), "\nworst pixel 17,4"));  // A wrong decision is worse than any error.
+    CHECK(has_word(cell_note(paint, seen, 0), "\nworst pixel 17,4"));
+    // A wrong decision is worse than any error.
     seen.outcomes[static_cast<std::size_t>(Outcome::false_hit)] = 1;
     const auto place = std::ranges::find(lostbits::measure::evaluate::wrong_decisions, Outcome::false_hit) -
                        lostbits::measure::evaluate::wrong_decisions.begin();
     seen.faults[static_cast<std::size_t>(place)] = std::make_unique<lostbits::measure::evaluate::WorstRay>();
     seen.faults[static_cast<std::size_t>(place)]->x = 5;
     seen.faults[static_cast<std::size_t>(place)]->y = 6;
-    CHECK(has_word(cell_note(paint, seen, 0),
-                   "\nworst pixel 5,6"));  // The command above the sheet can be pasted for forms from outside, too.
+    CHECK(has_word(cell_note(paint, seen, 0), "\nworst pixel 5,6"));
+    // The command above the sheet can be pasted for forms from outside, too.
     const lostbits::scene::file::Scene scene{};
     const auto above = [&](const std::string& named = "mine.toml", const std::string& explained_by = "") {
         std::string text;
@@ -271,10 +272,11 @@ TEST_CASE("a sheet is sorted by fewest wrong decisions, then by smallest 99th pe
     CHECK(has_word(above(), "lostbits explain mine.toml --pixel X,Y -i FORM -f FORMAT shows how"));
     attribution::set_plugin_options(" --plugin mine.so");
     CHECK(has_word(above(), "lostbits explain mine.toml --pixel X,Y -i FORM -f FORMAT --plugin mine.so shows how"));
-    attribution::set_plugin_options("");  // Rays of a file have no scene to name.
+    attribution::set_plugin_options("");
+    // Rays of a file have no scene to name.
     CHECK_FALSE(has_word(above(""), "--pixel"));
-    CHECK(has_word(above(""),
-                   "in the column worst_explain"));  // The second sheet of a run refers to the one that explains.
+    CHECK(has_word(above(""), "in the column worst_explain"));
+    // The second sheet of a run refers to the one that explains.
     CHECK(has_word(above("mine.toml", "other/contact"), "as explained in other/contact"));
     CHECK_FALSE(has_word(above("mine.toml", "other/contact"), "--pixel"));
     CHECK_FALSE(has_word(cell_note(MetricPaint(*find_metric("iterations"), binary32), seen, 0), "worst"));
@@ -295,9 +297,8 @@ TEST_CASE("a map says in a sentence which form is best and which is worst", "[fi
     const auto right = [](double lost) { return summary_of(lost, {{O::agree_hit, 500}, {O::agree_miss, 500}}); };
     CHECK(says(right(2), right(2.5)) == "Both forms keep 21.5 of 24 bits in f32");
     CHECK(says(right(9), right(2), right(5)) == "schoolbook keeps 22 of 24 bits in f32; unified keeps 15");
-    CHECK(says(right(2)) ==
-          "unified keeps 22 of 24 bits in f32");  // Of equals the first is named, which is the one whose name stands
-                                                  // above their column of the sheet.
+    CHECK(says(right(2)) == "unified keeps 22 of 24 bits in f32");
+    // Of equals the first is named, which is the one whose name stands above their column of the sheet.
     CHECK(says(right(2), right(9), right(9)) == "unified keeps 22 of 24 bits in f32; schoolbook keeps 15");
     CHECK(says(right(2), summary_of(1, {{O::agree_hit, 500}, {O::agree_miss, 275}, {O::false_hit, 225}})) ==
           "unified keeps 22 of 24 bits in f32; schoolbook hits 45 % of the empty rays");
