@@ -68,7 +68,7 @@ TEST_CASE("a missing file is named once, without a needless extra line") {
     for (const char* what : {"scenes", "sweeps", "claims"}) {
         const auto r = run("list " + std::string(what) + " --data /nowhere");
         CHECK(r.code == 2);
-        CHECK(has(r.err, "there is no folder /nowhere/" + std::string(what)));
+        CHECK(has(r.err, "/nowhere/" + std::string(what) + ": this folder does not exist"));
         CHECK(has(r.err, "LOSTBITS_DATA"));
     }
 }

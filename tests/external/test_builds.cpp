@@ -104,7 +104,7 @@ TEST_CASE("plugin: two builds of one library run together, each under its own na
         run("list intersectors" + plugin("schoolbook") + " --plugin next/schoolbook.so", folder.path());
     CHECK(twice.code == 2);
     CHECK(has(twice.err, "--plugin new=next/schoolbook.so calls this form new.example.schoolbook"));
-    CHECK(has(twice.err, "the first time from " + library("schoolbook")));
+    CHECK(has(twice.err, "first in " + library("schoolbook")));
     std::filesystem::copy_file(library("own_forms"), folder.path() / "next/own_forms.so");
     const Outcome formulas =
         run("list intersectors" + plugin("own_forms") + " --plugin next/own_forms.so", folder.path());

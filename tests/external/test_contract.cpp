@@ -223,10 +223,14 @@ TEST_CASE("contract: a wrong radius of a disc is named, and an inner radius that
         CHECK(subjects_of(broken) == std::set<std::string>{"t"});
         return broken.contains("t") ? broken.at("t") : std::string();
     };
-    CHECK(of_radius([](double r) { return 2 * r; }).starts_with("the outer_radius is taken twice (a diameter?)"));
+    CHECK(of_radius([](double r) { return 2 * r; }).starts_with("the form doubles the outer_radius"));
     CHECK(of_radius([](double r) { return r * r; }).starts_with("the outer_radius is squared once too often"));
-    CHECK(of_radius([](double r) { return r / 2; }).starts_with("the outer_radius is taken for a diameter"));
-    CHECK(of_radius([](double r) { return std::sqrt(r); }).starts_with("the outer_radius is taken for its square"));
+    CHECK(of_radius([](double r) {
+              return r / 2;
+          }).starts_with("the form expects a diameter instead of the outer_radius"));
+    CHECK(of_radius([](double r) {
+              return std::sqrt(r);
+          }).starts_with("the form expects the square of the outer_radius"));
     const auto full = broken_of(changed_disc(7, [](double) { return 0.0; }));
     REQUIRE(subjects_of(full) == std::set<std::string>{"rays"});
     CHECK(full.at("rays").find("it seems to ignore the inner_radius") != std::string::npos);
