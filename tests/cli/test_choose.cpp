@@ -162,7 +162,7 @@ TEST_CASE("choose blames the inputs where rays of a file are more exact than the
     CHECK(r.code == 1);
     CHECK(
         has(r.out, "What limits it: the inputs. Even exact arithmetic on them, rounded to binary32, keeps 8.0 bits."));
-    CHECK(has(r.out, "the rounding of the centres: with these in binary64 (of 32 bits at least)"));
+    CHECK(has(r.out, "lost by rounding the centres. With these in binary64 (at least 32 bits are needed)"));
     const auto rows = read_csv(scratch / "near" / "inputs.csv");
     REQUIRE(rows.size() == 16);
     CHECK(rows.front().at("place") == "binary32");

@@ -39,6 +39,6 @@ void MapStudy::measure(const SharedBandTruth& shared, std::size_t row, FormSumma
     measure_row({rows[row], metrics, show}, shared.of(rows[row]), summary);
 }
 
-std::vector<FormSummary> run_map(const MapStudy& map, const ShowRows& show) { return study::run_study(map, show); }
+std::vector<FormSummary> run_map(const MapStudy& map, const ShowRows& show) { return study::run_share(map, show); }
 
 }  // namespace lostbits::measure::evaluate

@@ -41,7 +41,7 @@ struct MapStudy {
     void measure(const SharedBandTruth& shared, std::size_t row, FormSummary& summary, const Show& show) const;
 };
 
-/// The same as `run_study`, compiled once.
+/// Measures a map, or the share of one. The distributions are not sealed: a requirement may ask for any quantile.
 std::vector<FormSummary> run_map(const MapStudy& map, const ShowRows& show = {});
 
 }  // namespace lostbits::measure::evaluate
