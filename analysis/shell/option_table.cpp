@@ -21,7 +21,7 @@ Values known_values(const std::string& name) {
         std::vector<std::string_view> options;
     };
     static const Known known[] = {
-        {{Kind::names, {"forms"}}, {"intersector", "against"}},
+        {{Kind::names, {"forms"}}, {"form", "against"}},
         {{Kind::names, {"formats"}}, {"format", "answer-format", "f", "as"}},
         {{Kind::names, {"metrics"}}, {"metric"}},
         {{Kind::names, {"strategies"}}, {"strategy"}},
