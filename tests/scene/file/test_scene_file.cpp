@@ -82,7 +82,8 @@ TEST_CASE("one variant can be chosen by name") {
 
 TEST_CASE("scenes are listed by name") {
     const Scratch data;
-    CHECK(has(error_of([&] { scene_files(data.path()); }), (data / "scenes").string() + ": this folder does not exist"));
+    CHECK(
+        has(error_of([&] { scene_files(data.path()); }), (data / "scenes").string() + ": this folder does not exist"));
     CHECK(has(error_of([&] { scene_files(data.write("file", "")); }), ": this folder does not exist"));
     data.write("scenes/b.toml", good_scene);
     data.write("scenes/a.toml", good_scene);
