@@ -144,7 +144,7 @@ std::vector<measure::evaluate::TestedForm> rows_of(const JudgeOptions& o, const 
     return rows;
 }
 
-/// What a judgement of a file found; the worst rays of each row.
+/// Findings of a judgement of a file, with the worst rays of each row.
 struct JudgeFindings {
     JudgeResult result = {};
     std::vector<measure::judge::WorstRays> worst = {};

@@ -56,7 +56,7 @@ std::optional<Result> result_with_files(Result none, Files& files, Division& div
     return none;
 }
 
-/// What a study found: a summary of each row, and how many truths each stage settled.
+/// Findings of a study: a summary of each row, and how many truths each stage settled.
 template <class Summary>
 struct StudyResult {
     std::vector<Summary> rows;

@@ -29,7 +29,7 @@ bool is_in_path(const std::string& program) {
     return false;
 }
 
-/// What a compiler said, without the names of our folder, and without what glslang adds when a file has errors.
+/// Messages of a compiler, without the names of our folder, and without what glslang adds when a file has errors.
 std::string without_our_words(const std::string& said, const std::string& folder) {
     std::string text;
     std::istringstream lines(said.substr(0, 3000));

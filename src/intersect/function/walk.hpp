@@ -165,7 +165,7 @@ private:
     std::size_t steps_ = 0;
 };
 
-// What the files of `Walk` share: flags of instructions, integers of any width, and lanes of vectors.
+// Parts that the files of `Walk` share: flags of instructions, integers of any width, and lanes of vectors.
 
 inline constexpr std::size_t most_steps = 3'000'000;
 

@@ -11,7 +11,7 @@ namespace lostbits::measure::repair {
 
 struct Patch {
     std::string diff;     ///< unified diff, with the path as the user named the file; empty: see `why_not`
-    std::string why_not;  ///< why there is none; ends a sentence that begins with the file
+    std::string why_not;  ///< reason for an empty diff, which ends a sentence that names the file first
     std::string file;
 };
 

@@ -111,7 +111,7 @@ public:
     }
 
     [[nodiscard]] const P& reach() const { return reach_; }
-    /// Where the sign of g′ at the origin is known to be + or −, and where that of g″ is.
+    /// Masks of the rays whose sign of g′ at the origin is proved to be + or −, and the same for g″.
     [[nodiscard]] Mask crosses() const { return up_ || down_; }
     [[nodiscard]] Mask bends() const { return rise_ || fall_; }
 

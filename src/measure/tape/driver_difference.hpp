@@ -11,7 +11,7 @@
 
 namespace lostbits::measure::tape {
 
-/// What drivers do to the operations of a program.
+/// Changes that drivers make to the operations of a program.
 struct DriverRewriting {
     std::string name;           ///< `a b + c rounded once`
     std::vector<NodeId> sites;  ///< operations that it changes, the first one first

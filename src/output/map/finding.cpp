@@ -74,7 +74,7 @@ std::string wrong_decision_text(const FormSummary& s) {
 std::string finding_text(const MapStudy& request, const std::vector<FormSummary>& summaries) {
     const auto forms = forms_of(request, summaries);
     if (forms.empty()) return "";
-    // Of forms that are equally good the first is named, as on the sheet, where the others share its column.
+    // Names the first of forms that are equally good, as on the sheet, where the others share its column.
     const FoundForm &best = *std::ranges::min_element(forms, {}, rank_of),
                     &worst = *std::ranges::max_element(forms, {}, rank_of);
     const auto& format = request.rows.front().format;

@@ -46,8 +46,8 @@ struct WoopEdges {
     }
 };
 
-/// What pbrt computes from the edge values: t, 1/det, and whether the ray hits, before any test of t against its error
-/// bound.
+/// Results that pbrt computes from the edge values: t, 1/det, and whether the ray hits, before any test of t against
+/// its error bound.
 template <Number T>
 struct WoopHit {
     mask_t<T> hit;
