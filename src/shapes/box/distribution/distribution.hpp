@@ -13,8 +13,8 @@ namespace lostbits::scene::box {
 
 /// A box of random sides, and rays that touch it in one point of an edge or a corner, or run along a face, and are
 /// then moved away from it by `gap`. With `adjoining`, the box is one of eight that share three planes, and the rays
-/// are aimed at the shared points: no ray can slip between. Rays that begin on another box are aimed at the same
-/// points, but come from any direction.
+/// are aimed at the shared points. The closed boxes fill the space around these points, so each such ray meets one of
+/// them. Rays that begin on another box are aimed at the same points, but come from any direction.
 struct BoxDistribution {
     static constexpr std::string_view table = "box_rays";
     enum class Aim { face, edge, corner, inside };
