@@ -10,6 +10,7 @@
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
 #include "analysis/shell/command_line.hpp"
+#include "analysis/study/studies_by_name.hpp"
 #include "commands.hpp"
 #include "number/error.hpp"
 #include "output/claim/claim_files.hpp"
@@ -214,7 +215,9 @@ Exit run(const CheckOptions& o, const Common& common) {
     if (!o.report.empty() && !divided.division.is_shard())
         folder = own_folder(o.report, common, common.typed.all_subjects(), {.shared = true});
     if (folder) probe(std::filesystem::path(o.report) / "README.md");
-    const measure::claim::ClaimRequest request{.data_dir = data, .stop = common.stop, .further_draws = o.seeds};
+    const study::StudiesByName studies;
+    const measure::claim::ClaimRequest request{
+        .data_dir = data, .stop = common.stop, .further_draws = o.seeds, .studies = &studies};
     const auto measured = divided.division.result_of("check", [&] {
         const auto units = divided.division.share().of_units(claims.size());
         const std::vector<Claim> own(claims.begin() + static_cast<std::ptrdiff_t>(units.first),

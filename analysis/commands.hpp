@@ -45,8 +45,15 @@ inline constexpr const char* program_and_version = "lostbits " LOSTBITS_VERSION;
 
 /// Functions that add a command to the program. The command keeps a reference to `common`.
 using AddCommand = void(const shell::Command& program, const Common& common);
-AddCommand add_check, add_choose, add_consistency, add_devices, add_diff, add_explain, add_judge, add_list, add_map,
-    add_mend, add_offsets, add_plugin, add_render, add_report, add_shader, add_sweep, add_trade;
+AddCommand add_check, add_choose, add_devices, add_diff, add_explain, add_judge, add_list, add_map, add_mend,
+    add_plugin, add_report, add_shader, add_sweep, add_trade;
+
+struct NamedCommand {
+    std::string name;
+    AddCommand* add;
+};
+/// The commands of all studies, see analysis/study/studies.hpp.
+std::vector<NamedCommand> study_commands();
 
 /// Runs `judge` on a file of answers about the whole surface of a mesh: all hits of rays, numbers of crossings, or
 /// points inside.

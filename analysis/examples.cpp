@@ -11,8 +11,8 @@ struct ExamplesOf {
     std::vector<shell::Example> examples;
 };
 
-/// Two of each command. A test runs every one: in a folder where `before` and `after` hold maps of one scene, `parts`
-/// the only shard of one, and `mine.so` is a library.
+/// Two of each command that is not a study; studies have their own. A test runs every one: in a folder where `before`
+/// and `after` hold maps of one scene, `parts` the only shard of one, and `mine.so` is a library.
 const ExamplesOf all_examples[] = {
     {"check",
      {{"lostbits check --filter 'float.*'", "Measures the claims whose id begins with float."},
@@ -22,10 +22,6 @@ const ExamplesOf all_examples[] = {
        "Finds the cheapest of some forms that keeps 16 bits of t on a scene"},
       {"lostbits choose data/dumps/far-sphere.csv --answer-format f32 --sphere 0,0,0,1 --bits 6 -i 'sphere.h*' --quick",
        "Finds the cheapest form for the rays of a file"}}},
-    {"consistency",
-     {{"lostbits consistency near-benign --size 32x32", "Asks every form for spheres each question in two ways"},
-      {"lostbits consistency box-one -i box.signs --check reverse --size 32x32",
-       "Asks one form about a segment from either end"}}},
     {"devices",
      {{"lostbits devices", "Lists the drivers that can run a shader here"},
       {"lostbits devices --json", "Writes the same for a program"}}},
@@ -57,16 +53,9 @@ const ExamplesOf all_examples[] = {
     {"merge",
      {{"lostbits merge parts", "Joins the shards of a run that lie in a folder"},
       {"lostbits merge parts -o -", "Prints the table of the whole run"}}},
-    {"offsets",
-     {{"lostbits offsets near-benign --size 16x12", "Tries every strategy on the hits of a scene"},
-      {"lostbits offsets box-one --strategy 'offset.ulp*' --points computed --size 16x12",
-       "Tries some strategies, on points as computed"}}},
     {"plugin",
      {{"lostbits plugin check mine.so", "Checks every form of a library"},
       {"lostbits plugin check --pipe 'python3 examples/pipes/schoolbook.py'", "Checks a program behind a pipe"}}},
-    {"render",
-     {{"lostbits render raycast-acne --stage shadows --size 32x32", "Draws a scene with its shadows"},
-      {"lostbits render raycast-acne -i sphere.press -f fp16 --size 32x32", "Draws it with a form in half precision"}}},
     {"report",
      {{"lostbits report near-benign --no-claims -i sphere.press -f f32 --size 32x32",
        "Makes a page about one form on one scene"},

@@ -130,6 +130,28 @@ std::vector<std::string> arguments_of(const Common& common) {
     return words;
 }
 
+Exit run_arguments(const std::vector<std::string>& words, std::shared_ptr<shard::Shards> joined);
+
+void add_merge(const shell::Command& program, const Common& common) {
+    shard::add_merge(program, program_and_version,
+                     [&common](std::vector<std::string> again, std::shared_ptr<shard::Shards> shards) {
+                         std::ranges::move(arguments_of(common), std::back_inserter(again));
+                         return run_arguments(again, std::move(shards));
+                     });
+}
+
+/// Adds the commands in the order of their names.
+void add_commands(const shell::Command& program, const Common& common) {
+    std::vector<NamedCommand> all{{"check", add_check},   {"choose", add_choose},   {"devices", add_devices},
+                                  {"diff", add_diff},     {"explain", add_explain}, {"judge", add_judge},
+                                  {"list", add_list},     {"map", add_map},         {"mend", add_mend},
+                                  {"merge", add_merge},   {"plugin", add_plugin},   {"report", add_report},
+                                  {"shader", add_shader}, {"sweep", add_sweep},     {"trade", add_trade}};
+    std::ranges::move(study_commands(), std::back_inserter(all));
+    std::ranges::sort(all, {}, &NamedCommand::name);
+    for (const NamedCommand& command : all) command.add(program, common);
+}
+
 /// Runs the command of these words. `joined`: finished shards of this command to join; null: do the work.
 Exit run_arguments(const std::vector<std::string>& words, std::shared_ptr<shard::Shards> joined) {
     shell::CommandLine program("lostbits", program_and_version, description);
@@ -139,16 +161,7 @@ Exit run_arguments(const std::vector<std::string>& words, std::shared_ptr<shard:
     common.stop = common.external.stop = shell::stop_by_signal();
     add_common(program, common);
     add_external_options(program, common.external);
-    for (const auto add : {add_check, add_choose, add_consistency, add_devices, add_diff, add_explain, add_judge,
-                           add_list, add_map, add_mend})
-        add(program, common);
-    shard::add_merge(program, program_and_version,
-                     [&common](std::vector<std::string> again, std::shared_ptr<shard::Shards> shards) {
-                         std::ranges::move(arguments_of(common), std::back_inserter(again));
-                         return run_arguments(again, std::move(shards));
-                     });
-    for (const auto add : {add_offsets, add_plugin, add_render, add_report, add_shader, add_sweep, add_trade})
-        add(program, common);
+    add_commands(program, common);
     add_shell(program);
     add_examples(program);
     const shell::UpdatedArguments read = shell::with_new_names(program, words);

@@ -11,6 +11,7 @@
 #include "analysis/selection/ray_numbers.hpp"
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
+#include "analysis/study/studies_by_name.hpp"
 #include "commands.hpp"
 #include "measure/attribution/culprits.hpp"
 #include "measure/speed/timing.hpp"
@@ -39,7 +40,7 @@ using scene::claim::SceneSubject;
 using scene::claim::SweepSubject;
 
 struct ReportOptions {
-    std::vector<std::string> subjects, forms, formats, metrics, claims, choices, mends, offsets;
+    std::vector<std::string> subjects, forms, formats, metrics, claims, choices, mends, offsets, studies;
     std::string size, out;
     bool all = false, no_claims = false, trade = false;
     int seeds = 2;
@@ -147,6 +148,7 @@ struct Work {
     std::vector<ChoiceWork> choices;
     std::vector<report::MendWork> mends;
     std::vector<scene::file::Scene> offsets;
+    std::vector<report::StudyWork> studies;
     std::vector<Claim> claims;
     std::uint64_t units = 0;
 };
@@ -242,6 +244,7 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
         work.mends.push_back(report::mend_of(word, o.size, data, o.stop));
     work.offsets = report::offset_scenes(o.offsets.empty() && o.subjects.empty() ? defaults.offsets : o.offsets, o.size,
                                          data, o.stop);
+    for (const std::string& word : o.studies) work.studies.push_back(report::study_of(word, o.size, data, o.stop));
     for (const Claim& c : claims) {
         if (is_chosen(c, o, work)) work.claims.push_back(c);
     }
@@ -291,9 +294,11 @@ Exit run(const ReportOptions& o, const Common& common) {
         report.sweeps.push_back(sweep_part(sweep, common.stop));
         advance(sweep_units);
     }
+    const study::StudiesByName studies;
     if (!work.claims.empty())
         report.results = measure::claim::measure_claims(
-            work.claims, {.data_dir = data, .stop = common.stop, .further_draws = o.seeds});
+            work.claims, {.data_dir = data, .stop = common.stop, .further_draws = o.seeds, .studies = &studies});
+    for (const report::StudyWork& each : work.studies) report.studies.push_back(study_part(each, common.stop));
     for (const scene::file::Scene& scene : work.offsets) {
         if (auto part = report::offset_part(scene, common.stop)) report.offsets.push_back(std::move(*part));
     }
@@ -352,6 +357,8 @@ void add_report(const shell::Command& program, const Common& common) {
     command.add_list("--offsets", o->offsets,
                      "Scenes on which every offset strategy is tried for the next rays (default: none, or those of "
                      "data/report.toml where no SUBJECT is named)");
+    command.add_list("--study", o->studies,
+                     "Also show a study of a scene with its usual forms: STUDY:SCENE, such as consistency:near-benign");
     selection::add_out(command, o->out, "index.html");
     command.runs([o, &common] { return run(*o, common); });
 }

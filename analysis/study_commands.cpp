@@ -235,19 +235,18 @@ void add_study(const shell::Command& program, const Common& common) {
     MoreFiles<Adapter>::add_option(command, *o);
     add_shard(command, o->shard);
     selection::add_out(command, o->out);
+    command.shows(Adapter::examples());
     command.runs([o, &common] { return run_command<Adapter>(*o, common); });
 }
 
 }  // namespace
 
-void add_consistency(const shell::Command& program, const Common& common) {
-    add_study<study::ConsistencyAdapter>(program, common);
-}
-void add_offsets(const shell::Command& program, const Common& common) {
-    add_study<study::OffsetsAdapter>(program, common);
-}
-void add_render(const shell::Command& program, const Common& common) {
-    add_study<study::RenderAdapter>(program, common);
+std::vector<NamedCommand> study_commands() {
+    return std::apply(
+        [](auto... adapter) {
+            return std::vector<NamedCommand>{{adapter.name, add_study<decltype(adapter)>}...};
+        },
+        study::Studies());
 }
 
 }  // namespace lostbits::analysis

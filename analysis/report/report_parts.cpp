@@ -1,12 +1,14 @@
 #include "analysis/report/report_parts.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <tuple>
 
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
+#include "analysis/study/studies_by_name.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "measure/evaluate/map.hpp"
 #include "measure/sweep/sweep.hpp"
@@ -240,6 +242,31 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
                 column_named(offset::offset_columns(), "bad_fraction", scene.id).value(summary, side, k));
     }
     return part;
+}
+
+StudyWork study_of(const std::string& word, const std::string& size, const std::filesystem::path& data,
+                   StopToken stop) {
+    const std::size_t colon = word.find(':');
+    const std::string names = fmt::format("{}", fmt::join(study::study_names(), ", "));
+    if (colon == std::string::npos)
+        throw InputError(
+            fmt::format("--study {}: has no scene; write STUDY:SCENE with one of the studies {}", word, names));
+    static_cast<void>(study::StudiesByName().names(word.substr(0, colon)));  // throws for an unknown study
+    auto scenes = selection::load_scenes({{word.substr(colon + 1)}, size, "", {}, stop}, data);
+    if (scenes.size() != 1)
+        throw InputError(fmt::format("--study {}: the scene has variants; name one, such as {}:{}", word,
+                                     word.substr(0, colon), scenes.front().id));
+    return {word.substr(0, colon), std::move(scenes.front())};
+}
+
+page::StudyPart study_part(const StudyWork& work, StopToken stop) {
+    auto part = study::study_part(work.study, work.scene, stop);
+    if (!part)
+        throw NothingSelected(
+            fmt::format("--study {}:{}: none of the usual forms of this study fits the scene; `lostbits "
+                        "{} --help` names them",
+                        work.study, work.scene.id, work.study));
+    return std::move(*part);
 }
 
 page::TradePart trade_part(Shape shape, const std::vector<TestedForm>& rows, StopToken stop) {

@@ -66,6 +66,16 @@ MendWork mend_of(const std::string& word, const std::string& size, const std::fi
 output::page::MendPart mend_part(const MendWork& work, StopToken stop);
 output::page::MendPart mend_part(const output::repair::MendResult& result);
 
+/// A study and a scene that it takes.
+struct StudyWork {
+    std::string study;
+    scene::file::Scene scene;
+};
+/// Parses `STUDY:SCENE`. Throws InputError, which says what to write, for other words.
+StudyWork study_of(const std::string& word, const std::string& size, const std::filesystem::path& data, StopToken stop);
+/// Measures the study. Throws NothingSelected if none of its usual forms fits the scene.
+output::page::StudyPart study_part(const StudyWork& work, StopToken stop);
+
 /// Loads the scenes of these names. Throws NothingSelected for a scene on which offsets cannot be measured.
 std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& names, const std::string& size,
                                               const std::filesystem::path& data, StopToken stop);

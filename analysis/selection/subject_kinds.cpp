@@ -51,11 +51,12 @@ struct ArgumentKinds {
     const char* with;  ///< only with this option; empty: in any other case
     std::initializer_list<Kind> kinds;
 };
+/// The argument of every command that is not in the table.
+const ArgumentKinds usual_row{"", "SCENE", "", {Kind::scene}};
 const ArgumentKinds taken_rows[] = {
     {"check", "CLAIMS", "", {Kind::claims}},
     {"choose", "SCENE", "", {Kind::scene, Kind::rays}},
     {"choose", "--scene", "", {Kind::scene}},
-    {"consistency", "SCENE", "", {Kind::scene}},
     {"explain", "SCENE", "--case", {Kind::cases}},
     {"explain", "SCENE", "--worst", {Kind::scene, Kind::sweep, Kind::cases}},
     {"explain", "SCENE", "--ranges", {Kind::scene, Kind::sweep}},
@@ -63,15 +64,11 @@ const ArgumentKinds taken_rows[] = {
     {"explain", "SCENE", "", {Kind::scene}},
     {"judge", "FILE", "", {Kind::rays}},
     {"judge", "--scene", "", {Kind::scene}},
-    {"map", "SCENE", "", {Kind::scene}},
     {"mend", "SCENE", "", {Kind::scene, Kind::rays}},
     {"mend", "--scene", "", {Kind::scene}},
-    {"offsets", "SCENE", "", {Kind::scene}},
     {"plugin", "LIBRARY", "", {Kind::library}},
-    {"render", "SCENE", "", {Kind::scene}},
     {"report", "SUBJECT", "", {Kind::scene, Kind::sweep, Kind::cases, Kind::search}},
     {"sweep", "SWEEP", "", {Kind::sweep, Kind::cases, Kind::search}},
-    {"trade", "SCENE", "", {Kind::scene}},
 };
 
 /// The kind of a sweep file; one that cannot be read is explained by who reads it.
@@ -218,6 +215,10 @@ void refuse_other_kinds(const shell::Command& program, const fs::path& data) {
         if (!argument) continue;
         for (const std::string& word : argument.words()) refuse_other_kind(word, row, program.command_path(), data);
     }
+    if (std::ranges::find(done, usual_row.argument) != done.end()) return;
+    if (const shell::Option argument = command.option(usual_row.argument))
+        for (const std::string& word : argument.words())
+            refuse_other_kind(word, usual_row, program.command_path(), data);
 }
 
 }  // namespace lostbits::analysis::selection

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,13 @@ struct ConsistencyAdapter {
 
     static std::vector<StudyOption> options() {
         return {{"check", "Checks, by name or glob (default: all); `lostbits list checks`", {"*"}}};
+    }
+
+    static std::vector<shell::Example> examples() {
+        return {
+            {"lostbits consistency near-benign --size 32x32", "Asks every form for spheres each question in two ways"},
+            {"lostbits consistency box-one -i box.signs --check reverse --size 32x32",
+             "Asks one form about a segment from either end"}};
     }
 
     static std::vector<std::string> usual_forms() { return {"*"}; }
@@ -64,6 +73,24 @@ struct ConsistencyAdapter {
             for (const measure::consistency::CheckSummary& s : row)
                 all += s.of(measure::consistency::CheckResult::unresolved);
         return all;
+    }
+
+    static std::uint64_t unproved(const View::SummaryRow& row) {
+        return row.summary->of(measure::consistency::CheckResult::unresolved);
+    }
+
+    /// The ray of the first question with its primitives, in a form that `lostbits explain` accepts.
+    static std::optional<measure::evaluate::WorstRay> witness(const View::SummaryRow& row, const std::string&) {
+        const auto& shown = row.summary->shown;
+        if (!shown || shown->rays.first.primitives.empty()) return std::nullopt;
+        const scene::rays::RayGroup& first = shown->rays.first;
+        return measure::evaluate::WorstRay{.x = shown->x,
+                                           .y = shown->y,
+                                           .object = 0,
+                                           .size = 0,
+                                           .ray = first.rays[0],
+                                           .primitive = first.primitives.front(),
+                                           .given = std::make_shared<const scene::rays::RayGroup>(first)};
     }
 
 private:

@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,6 +37,12 @@ struct OffsetsAdapter {
                  "Points as computed, put back onto the surface, or both (default)",
                  {"both"},
                  {"computed", "projected", "both"}}};
+    }
+
+    static std::vector<shell::Example> examples() {
+        return {{"lostbits offsets near-benign --size 16x12", "Tries every strategy on the hits of a scene"},
+                {"lostbits offsets box-one --strategy 'offset.ulp*' --points computed --size 16x12",
+                 "Tries some strategies, on points as computed"}};
     }
 
     static std::vector<std::string> usual_forms() {
@@ -76,6 +85,40 @@ struct OffsetsAdapter {
     }
 
     static std::uint64_t unproved(const Summaries& summaries) { return summaries.front().unresolved; }
+    static std::uint64_t unproved(const View::SummaryRow& row) { return row.summary->unresolved; }
+
+    /// Leaves out the search for a quiet offset, which takes as long as all the rest, if no column is about it.
+    static void leave_out(Study& study, const std::set<std::string>& columns) {
+        study.quiet = std::ranges::any_of(
+            columns, [](const std::string& column) { return column.find("quiet") != std::string::npos; });
+    }
+
+    /// The ray with the fault that a column counts; for any other column, a self-hit if there is one. With the
+    /// primitive that it leaves, in a form that `lostbits explain` accepts.
+    static std::optional<measure::evaluate::WorstRay> witness(const View::SummaryRow& row, const std::string& column) {
+        const auto bad = ray_shown(row.summary->on(row.side).strategies[row.place], column);
+        if (!bad) return std::nullopt;
+        const auto given = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(bad->ray.ray));
+        given->primitives = {bad->primitive};
+        return measure::evaluate::WorstRay{.x = bad->x,
+                                           .y = bad->y,
+                                           .object = bad->object,
+                                           .size = 0,
+                                           .ray = bad->ray.ray,
+                                           .primitive = bad->primitive,
+                                           .given = given};
+    }
+
+private:
+    static std::optional<measure::offset::BadRay> ray_shown(const measure::offset::StrategySummary& s,
+                                                            const std::string& column) {
+        using measure::offset::Fault;
+        for (std::size_t f = 0; f < measure::offset::fault_names.size(); ++f)
+            if (column == std::string(measure::offset::fault_names[f]) + "_fraction") return s.first[f];
+        for (const Fault f : {Fault::self_hit, Fault::lost_occluder, Fault::lost_exit, Fault::self_hit_by_form})
+            if (s.first_with(f)) return s.first_with(f);
+        return std::nullopt;
+    }
 };
 
 }  // namespace lostbits::analysis::study

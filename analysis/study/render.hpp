@@ -37,6 +37,12 @@ struct RenderAdapter {
                  {scene::file::stage_names.begin(), scene::file::stage_names.end()}}};
     }
 
+    static std::vector<shell::Example> examples() {
+        return {{"lostbits render raycast-acne --stage shadows --size 32x32", "Draws a scene with its shadows"},
+                {"lostbits render raycast-acne -i sphere.press -f fp16 --size 32x32",
+                 "Draws it with a form in half precision"}};
+    }
+
     /// The form of the source.
     static std::vector<std::string> usual_forms() { return {"sphere.expanded"}; }
 
@@ -88,6 +94,8 @@ struct RenderAdapter {
             for (const measure::picture::RenderSummary& s : row) most = std::max(most, s.unresolved());
         return most;
     }
+
+    static std::uint64_t unproved(const View::SummaryRow& row) { return row.summary->unresolved(); }
 
 private:
     /// The stage of this name, which must be known.

@@ -18,8 +18,11 @@ namespace lostbits::analysis::study {
 ///   on(scene, rows, values, stop) the study of a scene with these rows. Throws InputError
 ///   title, kinds, form_help, example    texts of the help: the command; the scenes that it takes; the forms that -i
 ///                                 selects by default; an assignment for --set
+///   examples()                    two command lines for the help, which a test runs
 ///   say(study, summaries, verbose)      prints the results of a scene
-///   unproved(summaries)           the number of rays without a proved truth
+///   unproved(summaries), unproved(row)  the number of pixels without a proof, of all rows and of a row of the summary
+///   witness(row, column)          optional: a ray behind a number of a row of the summary, for claims
+///   leave_out(study, columns)     optional: leaves out the work that these columns of the summary do not need
 ///   note(scene, values)           optional: prints notes before the work
 using Studies = std::tuple<ConsistencyAdapter, OffsetsAdapter, RenderAdapter>;
 

@@ -17,7 +17,7 @@ from ._forms import Function, Intersector, intersector
 from ._forms import Function as function
 from ._library import EnvironmentFault, Error, InputError, NothingSelected, library
 from ._measure import (Suspicious, ask, assert_keeps, check, choose, consistency, explain, hits, inside, judge,
-                       judge_mesh, map, mend, offsets, render, sweep, truth)
+                       judge_mesh, map, mend, offsets, render, study, sweep, truth)
 from ._results import (Checked, Choice, Explanation, Hits, Inside, Judgement, Map, Mended, MeshJudgement, Study, Sweep,
                        Truths)
 from ._scene import Scene, scene
@@ -29,4 +29,4 @@ __all__ = ["Checked", "Choice", "EnvironmentFault", "Error", "Explanation", "Fun
            "Intersector", "Judgement", "Map", "Mended", "MeshJudgement", "NothingSelected", "SHAPES", "Scene", "Study",
            "Suspicious", "Sweep", "Table", "Truths", "Unfollowed", "ask", "assert_keeps", "check", "choose",
            "consistency", "explain", "function", "hits", "inside", "intersector", "judge", "judge_mesh", "map", "mend",
-           "offsets", "render", "scene", "sweep", "truth"]
+           "offsets", "render", "scene", "study", "sweep", "truth"]

@@ -326,6 +326,19 @@ def render(scene: Union[Scene, str], forms: Forms = None, formats: Texts = "f32"
     return _study("render", scene, Asked(forms, formats), threads, progress, stage=("stages", stages))
 
 
+def study(name: str, scene: Union[Scene, str], forms: Forms = None, formats: Texts = "f32", *, threads: int = 0,
+          progress: bool = True, **options: Texts) -> Study:
+    """Measures a study of a scene by its name, such as "consistency".
+
+    `forms`, `formats`: as in lb.map; None: the usual forms of the study. `options`: those of its command, by name:
+    lb.study("consistency", "near-benign", check="reverse").
+
+    The result has `.summary`, the columns of the command's summary.csv.
+    """
+    return _study(name, scene, Asked(forms, formats), threads, progress,
+                  **{option: (option, words) for option, words in options.items()})
+
+
 def sweep(of: Union[Scene, str], forms: Forms = None, formats: Texts = _both, *,
           along: Union[str, Mapping[str, float], None] = None, start: float | None = None, to: float | None = None,
           steps: int = 41, spacing: str = "log2", metrics: Texts = (), data: str | None = None, threads: int = 0,

@@ -183,7 +183,7 @@ class Judgement(Summarised):
 
 
 class Study(Summarised):
-    """Result of `consistency`, `offsets` or `render`: `.summary`, the rows of its summary.csv, and `.frame`."""
+    """Result of `study`, `consistency`, `offsets` or `render`: `.summary`, the rows of summary.csv, and `.frame`."""
 
 
 class Truths:

@@ -112,17 +112,43 @@ TEST_CASE("claims about consistency are measured, and wrong ones are refused") {
     CHECK(check("[0, 0.5]") == 1);
     CHECK(check("[1, 1]") == 0);
     const auto out = read_csv(scratch / "out.csv").front();
-    CHECK(has(out.at("subject"), "consistency, before"));
+    CHECK(has(out.at("subject"), "consistency, check before"));
     CHECK(has(out.at("witness_explain"), "lostbits explain --box="));
     const std::string fraction = metric_in("disagree_fraction");
     check_refused_claims(scratch, {{octree, fraction, "check"},
                                    {octree + "check = \"befor\"\n", fraction, "did you mean \"before\"?"},
-                                   {octree + "check = \"light\"\n", fraction, "does not apply to box.max_mult"},
+                                   {octree + "check = \"light\"\n", fraction, "none of these checks applies"},
                                    {before, metric_in("disagree_fractio"), "did you mean \"disagree_fraction\"?"},
                                    {before + "at = 3\n", fraction, "leave it out"},
                                    {before + "scene = \"near-benign\"\n", fraction, "write one of them"},
                                    {"scene = \"box-octree\"\ncheck = \"before\"\n" + tested("box.max_mult"),
                                     metric_in("false_hit_fraction"), "needs consistency"}});
+}
+
+TEST_CASE("a claim names a study, its options and a row of its summary") {
+    const Scratch scratch;
+    const auto given = [](const std::string& words) {
+        return "study = \"consistency\"\nscene = \"near-benign\"\n" + words + tested("sphere.half_b");
+    };
+    const std::string fraction = metric_in("disagree_fraction");
+    for (const char* words : {"options = { check = \"beyond\" }\n", "row = { check = \"beyond\" }\n"}) {
+        scratch.write("c.toml", claims_of({{"c", given(words), fraction}}));
+        CHECK(run("check c.toml", scratch.path()).code == 0);
+    }
+    check_refused_claims(scratch,
+                         {{given(""), fraction,
+                           "several rows of the summary of consistency have form = \"sphere.half_b\", format = "
+                           "\"f32\"; say which one is meant, by check"},
+                          {given("options = { chek = \"beyond\" }\n"), fraction, "did you mean \"check\"?"},
+                          {given("options = { check = 3 }\n"), fraction, "a string is expected"},
+                          {given("row = { checks = \"beyond\" }\n"), fraction, "did you mean \"check\"?"},
+                          {given("row = { check = \"beyon\" }\n"), fraction, "has no row with check = \"beyon\""},
+                          {given("options = { check = \"beyond\" }\nstep = 3\n"), fraction, "step"},
+                          {"study = \"consistenc\"\nscene = \"near-benign\"\n" + tested("sphere.half_b"), fraction,
+                           "did you mean \"consistency\"?"},
+                          {"study = \"consistency\"\n" + tested("sphere.half_b"), fraction, "A study needs a scene"},
+                          {"scene = \"near-benign\"\nrow = { check = \"beyond\" }\n" + tested("sphere.half_b"),
+                           metric_in("false_hit_fraction"), "needs study"}});
 }
 
 TEST_CASE("offsets writes a picture for each side and strategy, a sheet and a table") {
@@ -212,11 +238,11 @@ TEST_CASE("claims about offsets are measured, and wrong ones are refused") {
     CHECK(check("[0, 0.5]") == 1);
     CHECK(check("[0.99, 1]") == 0);
     const auto row = read_csv(scratch / "out.csv").front();
-    CHECK(has(row.at("subject"), "rays inside"));
+    CHECK(has(row.at("subject"), "side inside"));
     CHECK(has(row.at("witness_explain"), "lostbits explain --box="));
     check_refused_claims(scratch, {{box, bad, "strategy"},
                                    {box + "strategy = \"offset.epsilo\"\n", bad, "did you mean \"offset.epsilon\"?"},
-                                   {none + "side = \"insid\"\n", bad, "did you mean \"inside\"?"},
+                                   {none + "side = \"insid\"\n", bad, "there is side = \"inside\", side = \"outside\""},
                                    {none + "points = \"exact\"\n", bad, "computed"},
                                    {none, metric_in("bad_fractio"), "did you mean \"bad_fraction\"?"},
                                    {none + "at = 3\n", bad, "leave it out"},

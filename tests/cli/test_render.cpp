@@ -159,8 +159,9 @@ TEST_CASE("a claim about a rendered picture has its number, and impossible ones 
     check_refused_claims(scratch, {{given("render = \"raycast-curse.pixels\""), pixels, "raycast-course"},
                                    {given("render = \"raycast-course\""), pixels, "has variants"},
                                    {given("render = \"raycast-far.at0\"\nstage = \"phongg\""), pixels, "phong"},
-                                   {given("render = \"raycast-acne.none\"\nstage = \"phong\""), pixels, "has no stage"},
-                                   {given("render = \"box-one\""), pixels, "no spheres"},
+                                   {given("render = \"raycast-acne.none\"\nstage = \"phong\""), pixels,
+                                    "has no row with form = \"sphere.expanded\", format = \"f32\", stage = \"phong\""},
+                                   {given("render = \"box-one\""), pixels, "cannot handle box-one"},
                                    {given("render = \"raycast-far.at0\"\nat = 3"), pixels, "at"},
                                    {given("scene = \"grazing\"\nstage = \"phong\""), pixels, "stage"},
                                    {given("render = \"raycast-far.at0\""), metric_in("pixel"), "pixels"}});

@@ -49,10 +49,13 @@ metric::Spread interval_of(const scene::claim::Claim& claim, const ClaimResult& 
 /// Form and format of a claim. Throws InputError, with the claim's position, for names that do not exist.
 evaluate::TestedForm claim_row(const scene::claim::Claim& claim);
 
+class ClaimStudies;
+
 struct ClaimRequest {
     std::filesystem::path data_dir;
     intersect::process::StopToken stop = {};
     int further_draws = 0;  ///< for every claim about random rays: number of further seeds after its own
+    const ClaimStudies* studies = nullptr;  ///< must be there if a claim is about a study
 };
 
 /// Measures every claim. A scene or sweep that several claims share is run once for the default metrics, and once for

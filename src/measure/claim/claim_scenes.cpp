@@ -1,9 +1,8 @@
-// Measures claims about scenes: mapped, marched through, or rendered.
+// Measures claims about scenes: mapped, or marched through.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
-#include <set>
 #include <span>
 
 #include "measure/answer/one_ray.hpp"
@@ -11,8 +10,6 @@
 #include "measure/claim/claim_subjects.hpp"
 #include "measure/evaluate/map.hpp"
 #include "measure/evaluate/measure_row.hpp"
-#include "measure/picture/render.hpp"
-#include "measure/study/study.hpp"
 #include "scene/rays/composed_forms.hpp"
 
 namespace lostbits::measure::claim {
@@ -20,7 +17,6 @@ namespace lostbits::measure::claim {
 using attribution::OwnedSetting;
 using evaluate::TestedForm;
 using scene::claim::Claim;
-using scene::claim::RenderSubject;
 using scene::claim::SceneSubject;
 using truth::missing;
 
@@ -66,11 +62,6 @@ evaluate::FormSummary summary_of_pixel(const Claim& claim, const scene::file::Sc
     return of_pixel;
 }
 
-/// Accepts only forms that can render a picture.
-struct Rendered {
-    [[nodiscard]] static bool meets(Shapes forms) { return forms == scene::file::rendered_shape; }
-};
-
 }  // namespace
 
 scene::file::Scene one_scene(const Claim& claim, const ClaimRequest& run) {
@@ -108,35 +99,6 @@ void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run)
             on.pixel ? summary_of_pixel(claim, scene, row, request.metrics, request.limit) : evaluate::FormSummary();
         const evaluate::FormSummary& summary = on.pixel ? one : summaries[rows[k]];
         result = judge(claim, columns.value(claim, summary), &summary);
-    }
-}
-
-/// Measures the claims about one rendered scene in one run, with all stages that they name.
-void measure(const SubjectClaims<RenderSubject>& claims, const ClaimRequest& run) {
-    const Claim& first = claims.front().claim;
-    const scene::file::Scene scene = one_scene(first, run);
-    const std::string called = "scene \"" + first.subject_name() + "\"";
-    if (!scene.meets(scene::file::rendered_shape)) scene::toml::fail(first.where, called + " has no spheres to render");
-    const scene::file::Appearance& look = scene.appearance;
-    picture::RenderStudy study{.scene = scene, .stages = {}, .rows = {}, .limit = {.stop = run.stop}};
-    std::set<scene::file::Stage> stages;
-    for (const auto& [claim, on, result] : claims) {
-        const scene::file::Stage stage = on.stage.value_or(look.furthest());
-        if (!look.asks_for(stage))
-            scene::toml::fail(claim.where, called + " has no stage " + std::string(name_of(stage)));
-        stages.insert(stage);
-        study.rows.push_back(row_for(claim, Rendered{}));
-    }
-    study.stages.assign(stages.begin(), stages.end());
-    const auto summaries = study::run_study(study);
-    for (std::size_t k = 0; k < claims.size(); ++k) {
-        const auto& [claim, on, result] = claims[k];
-        const auto stage = std::ranges::find(study.stages, on.stage.value_or(look.furthest())) - study.stages.begin();
-        const picture::RenderSummary& s = summaries[k][static_cast<std::size_t>(stage)];
-        const auto& column =
-            column_named(picture::render_columns(), claim.metric, claim.where.text(), " of a rendered scene");
-        result = judge(claim, column.value(s), nullptr);
-        require_proof(result, s.unresolved(), "pixel is not proved", "pixels are not proved");
     }
 }
 

@@ -39,9 +39,7 @@ using SubjectClaims = std::vector<SubjectClaim<Kind>>;
 /// One function for each kind of subject.
 void measure(const SubjectClaims<scene::claim::SceneSubject>& claims, const ClaimRequest& run);
 void measure(const SubjectClaims<scene::claim::SweepSubject>& claims, const ClaimRequest& run);
-void measure(const SubjectClaims<scene::claim::RenderSubject>& claims, const ClaimRequest& run);
-void measure(const SubjectClaims<scene::claim::OffsetsSubject>& claims, const ClaimRequest& run);
-void measure(const SubjectClaims<scene::claim::ConsistencySubject>& claims, const ClaimRequest& run);
+void measure(const SubjectClaims<scene::claim::StudySubject>& claims, const ClaimRequest& run);
 void measure(const SubjectClaims<scene::claim::SearchSubject>& claims, const ClaimRequest& run);
 void measure(const SubjectClaims<scene::claim::MendSubject>& claims, const ClaimRequest& run);
 void measure(const SubjectClaims<scene::claim::TableSubject>& claims, const ClaimRequest& run);

@@ -3,17 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 
 #include "measure/claim/claim_columns.hpp"
+#include "measure/claim/claim_studies.hpp"
 #include "measure/evaluate/map.hpp"
 #include "output/attribution/explain_text.hpp"
-#include "output/consistency/consistency_files.hpp"
 #include "output/file/escape.hpp"
 #include "output/image/figure.hpp"
 #include "output/map/map_files.hpp"
-#include "output/offset/offset_files.hpp"
-#include "output/picture/render_files.hpp"
 #include "output/sweep/case_files.hpp"
 #include "output/sweep/sweep_plots.hpp"
 
@@ -21,9 +18,8 @@ namespace lostbits::output::claim {
 
 using intersect::Touching;
 using measure::evaluate::TestedForm;
-using scene::claim::OffsetsSubject;
-using scene::claim::RenderSubject;
 using scene::claim::SceneSubject;
+using scene::claim::StudySubject;
 
 namespace {
 
@@ -66,15 +62,6 @@ std::string picture_link(const ShownSubject& shown, const std::string& title, co
     return fmt::format("![{}](pictures/{})\n", file::markdown_text(title), file::markdown_path(name));
 }
 
-/// The sheet of a study.
-template <class View>
-std::string sheet_of(const ShownSubject& shown, const typename View::Study& study, const char* ending) {
-    const std::string file = study.scene.id + ending;
-    study::StudyFiles<View> sheet(study, {.folder = {}, .sheet_alone = picture_path(shown, file)});
-    sheet.finish(measure::study::run_study(study, sheet.show()));
-    return picture_link(shown, study.scene.title, file);
-}
-
 /// The marches along a scene's first pixel, sample by sample, if all claims are about those; otherwise the picture of
 /// the scene.
 std::string picture_of(const SceneSubject& on, const ShownSubject& shown) {
@@ -99,56 +86,19 @@ std::string picture_of(const SceneSubject& on, const ShownSubject& shown) {
     return picture_link(shown, scene.title, file);
 }
 
-/// The pictures of a rendered scene, with all stages that its claims name.
-std::string picture_of(const RenderSubject& on, const ShownSubject& shown) {
+/// The sheet of a study, with the forms, formats and options that its claims name.
+std::string picture_of(const StudySubject& on, const ShownSubject& shown) {
     const scene::file::Scene scene = shown_scene(on.name, shown.run);
-    std::set<scene::file::Stage> stages;
-    for (const Claim* const c : shown.claims)
-        stages.insert(c->on<RenderSubject>()->stage.value_or(scene.appearance.furthest()));
-    measure::picture::RenderStudy study{
-        .scene = scene, .stages = {stages.begin(), stages.end()}, .rows = {}, .limit = {.stop = shown.run.stop}};
-    // Every form in every format that a claim names. An empty cell on the sheet would look like a format that the form
-    // lacks.
-    const std::vector<TestedForm> claimed = rows_of(shown.claims);
-    for (const TestedForm& a : claimed) {
-        for (const TestedForm& b : claimed) {
-            const auto same = [&](const TestedForm& r) { return r.form == a.form && r.format == b.format; };
-            if (a.form->exists_in(b.format) && std::ranges::none_of(study.rows, same))
-                study.rows.push_back({a.form, b.format});
-        }
-    }
-    return sheet_of<picture::RenderView>(shown, study, ".rendered.png");
-}
-
-/// The offsets of a scene, for each form, format and kind of point that its claims name.
-std::string picture_of(const OffsetsSubject& on, const ShownSubject& shown) {
-    const scene::file::Scene scene = shown_scene(on.name, shown.run);
-    measure::offset::OffsetStudy study{.scene = scene,
-                                       .rows = {},
-                                       .strategies = measure::offset::all_strategies(),
-                                       .limit = {.stop = shown.run.stop},
-                                       .quiet = false};
+    measure::claim::StudyQuestion question{.scene = scene, .rows = rows_of(shown.claims), .stop = shown.run.stop};
     for (const Claim* const c : shown.claims) {
-        for (const auto point : {measure::offset::HitPoint::computed, measure::offset::HitPoint::projected}) {
-            const measure::offset::OffsetRow row{measure::claim::claim_row(*c), point};
-            if (name_of(point) == c->on<OffsetsSubject>()->points &&
-                std::ranges::find(study.rows, row) == study.rows.end())
-                study.rows.push_back(row);
+        for (const auto& [option, word] : c->on<StudySubject>()->options) {
+            auto& words = question.options[option];
+            if (std::ranges::find(words, word) == words.end()) words.push_back(word);
         }
     }
-    return sheet_of<offset::OffsetView>(shown, study, ".offsets.png");
-}
-
-/// All consistency checks of a scene.
-std::string picture_of(const scene::claim::ConsistencySubject& on, const ShownSubject& shown) {
-    const scene::file::Scene scene = shown_scene(on.name, shown.run);
-    const std::vector<TestedForm> rows = rows_of(shown.claims);
-    return sheet_of<consistency::ConsistencyView>(shown,
-                                                  {.scene = scene,
-                                                   .rows = rows,
-                                                   .checks = measure::consistency::checks_for(scene, rows),
-                                                   .limit = {.stop = shown.run.stop}},
-                                                  ".consistency.png");
+    const std::string file = fmt::format("{}.{}.png", scene.id, on.study);
+    shown.run.studies->draw(on.study, question, picture_path(shown, file));
+    return picture_link(shown, scene.title, file);
 }
 
 /// The plots of a sweep that its claims are about.

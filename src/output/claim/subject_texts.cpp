@@ -1,6 +1,10 @@
 // Names of the things that claims are measured on.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
 #include "measure/claim/claim_columns.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/claim/claim_files.hpp"
@@ -77,28 +81,23 @@ KindTexts words(const Claim& c, const SweepSubject& on) {
     return w;
 }
 
-KindTexts words(const Claim& c, const RenderSubject& on) {
-    const std::string stage = on.stage ? "stage " + std::string(name_of(*on.stage)) : "";
-    return {.command = asked(c, "render", stage.empty() ? "" : " --" + stage),
-            .kind = ", rendered",
-            .part = ", rendered" + (stage.empty() ? "" : " to " + stage),
-            .place = stage};
-}
-
-KindTexts words(const Claim& c, const OffsetsSubject& on) {
-    const std::string place =
-        fmt::format("{}, {}, {} points", on.strategy, on.side == "outside" ? "rays outside" : "rays inside", on.points);
-    return {.command = asked(c, "offsets", fmt::format(" --strategy {} --points {}", on.strategy, on.points)),
-            .kind = ", offsets",
-            .part = ", " + place,
-            .place = place};
-}
-
-KindTexts words(const Claim& c, const ConsistencySubject& on) {
-    const std::string place = "consistency, " + on.check;
-    return {.command = asked(c, "consistency", " --check " + on.check),
-            .kind = ", consistency",
-            .part = ", " + place,
+KindTexts words(const Claim& c, const StudySubject& on) {
+    std::string options, place;
+    std::vector<std::string_view> said;
+    const auto add = [&](const auto& name_and_word) {
+        const auto& [name, word] = name_and_word;
+        if (std::ranges::find(said, word) != said.end()) return;  // a column often repeats an option
+        said.push_back(word);
+        place += fmt::format("{}{} {}", place.empty() ? "" : ", ", name, word);
+    };
+    for (const auto& option : on.options) {
+        options += fmt::format(" --{} {}", option.first, shell_word(option.second));
+        add(option);
+    }
+    for (const auto& word : on.row) add(word);
+    return {.command = asked(c, on.study.c_str(), options),
+            .kind = ", " + on.study,
+            .part = fmt::format(", {}{}{}", on.study, place.empty() ? "" : ", ", place),
             .place = place};
 }
 

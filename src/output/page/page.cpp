@@ -227,6 +227,14 @@ std::string offsets_body(const std::vector<OffsetPart>& offsets) {
     return text;
 }
 
+std::string studies_body(const std::vector<StudyPart>& studies) {
+    std::string text;
+    for (const StudyPart& s : studies)
+        text += part(fmt::format("study-{}-{}", s.study, s.id), named(fmt::format("{}: {}", s.study, s.title), s.id),
+                     fmt::format("<p>{}.</p>\n", html(s.what)) + about(s.note, "") + s.table + image(s.sheet));
+    return text;
+}
+
 /// Opening sentences: what the page is.
 constexpr const char* what_it_is =
     "This page shows where ray intersectors lose significand bits, and which of their operations lose them. Every form "
@@ -302,6 +310,7 @@ std::vector<Section> sections_of(const Report& report) {
         {"choose", "Choice", "The cheapest form that meets a requirement", choices_body(report)},
         {"mend", "Changes", "What to change in a form", mends_body(report)},
         {"offsets", "Offsets", "Origins of the next ray", offsets_body(report.offsets)},
+        {"studies", "Studies", "Studies", studies_body(report.studies)},
         {"claims", "Claims", "Claims", claims_body(report)},
         {"made", "Command", "The command", made_body(report)},
     };

@@ -95,6 +95,14 @@ struct OffsetPart {
     Picture sheet = {};
 };
 
+/// A study of a scene, such as consistency.
+struct StudyPart {
+    std::string study, what;      ///< its name, and what it measures
+    std::string id, title, note;  ///< of the scene
+    std::string table = {};       ///< HTML, see `study_table`
+    Picture sheet = {};
+};
+
 struct Report {
     std::string command;  ///< the command that makes the page again
     std::vector<MapPart> maps;
@@ -103,6 +111,7 @@ struct Report {
     std::vector<ChoicePart> choices = {};
     std::vector<MendPart> mends = {};
     std::vector<OffsetPart> offsets = {};
+    std::vector<StudyPart> studies = {};
     std::vector<scene::claim::Claim> claims;
     std::vector<measure::claim::ClaimResult> results;
     std::string processor = {};  ///< processor on which the times were measured; empty if unknown
@@ -129,6 +138,10 @@ struct Report {
 
 /// One table per side: strategies down, scenes across, and the share of rays that go wrong.
 [[nodiscard]] std::string offset_overview(const std::vector<OffsetPart>& parts);
+
+/// The summary of a study: its columns across, without those that are empty in every row.
+[[nodiscard]] std::string study_table(const std::vector<file::Column>& columns,
+                                      const std::vector<std::vector<file::Cell>>& rows);
 
 /// The counts as tiles, the gravest first.
 [[nodiscard]] std::string verdict_tiles(const claim::VerdictCounts& counts);

@@ -1,6 +1,7 @@
-// Tables of maps, a choice, a repaired form and offsets.
+// Tables of maps, a choice, a repaired form, offsets and other studies.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "measure/evaluate/summary_columns.hpp"
@@ -157,6 +158,25 @@ std::string offset_table(const measure::offset::OffsetStudy& study, const measur
         text += end_table;
     }
     return text + "</div>\n";
+}
+
+std::string study_table(const std::vector<file::Column>& columns, const std::vector<std::vector<file::Cell>>& rows) {
+    std::vector<std::size_t> used;
+    for (std::size_t c = 0; c < columns.size(); ++c)
+        if (std::ranges::any_of(rows, [c](const auto& row) { return !row[c].is_missing() && !row[c].text().empty(); }))
+            used.push_back(c);
+    std::vector<std::string> names;
+    for (const std::size_t c : used)
+        names.push_back(columns[c].name + (columns[c].unit.empty() ? "" : " [" + columns[c].unit + "]"));
+    std::string text = begin_table(names);
+    for (const auto& row : rows) {
+        text += "<tr>";
+        for (const std::size_t c : used)
+            text += columns[c].type == "string" ? fmt::format("<td>{}</td>", html(row[c].text()))
+                                                : fmt::format("<td class=\"n\">{}</td>", shown(row[c].number()));
+        text += "</tr>\n";
+    }
+    return text + end_table;
 }
 
 std::string offset_overview(const std::vector<OffsetPart>& parts) {

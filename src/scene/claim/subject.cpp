@@ -14,8 +14,6 @@ using toml::TableReader;
 
 namespace {
 
-using file::Stage;
-
 constexpr std::string_view needs_cases = "needs a sweep of cases, and no `at`";
 
 void read_row(TableReader& table, Claim& claim) {
@@ -157,24 +155,43 @@ Subject read_table(TableReader& table, Claim& claim, std::string name) {
     return row;
 }
 
+/// Reads a table of words: `{ check = "reverse" }`.
+std::map<std::string, std::string> read_words(TableReader& table, std::string_view key) {
+    std::map<std::string, std::string> words;
+    if (auto given = table.optional_table(key))
+        for (const std::string& name : given->keys()) words[name] = given->string(name);
+    return words;
+}
+
+/// Reads a study by its name, with the scene in a key of its own.
+Subject read_study(TableReader& table, Claim& claim, std::string name) {
+    StudySubject study{.name = std::move(name), .study = table.string("study")};
+    study.options = read_words(table, "options");
+    study.row = read_words(table, "row");
+    read_row(table, claim);
+    return study;
+}
+
 Subject read_render(TableReader& table, Claim& claim, std::string name) {
-    static constexpr std::pair<std::string_view, Stage> stages[] = {
-        {"visible", Stage::visible}, {"diffuse", Stage::diffuse}, {"shadows", Stage::shadows}, {"phong", Stage::phong}};
-    RenderSubject render{.name = std::move(name), .stage = table.optional_one_of<Stage>("stage", stages)};
+    StudySubject render{.name = std::move(name), .study = "render"};
+    if (const auto stage = table.optional_string("stage")) render.options["stage"] = *stage;
     read_row(table, claim);
     return render;
 }
 
 Subject read_offsets(TableReader& table, Claim& claim, std::string name) {
-    OffsetsSubject offsets{.name = std::move(name), .strategy = table.string("strategy")};
-    offsets.side = table.optional_string("side").value_or("outside");
-    offsets.points = table.optional_string("points").value_or("computed");
+    const std::string points = table.optional_string("points").value_or("computed");
+    StudySubject offsets{.name = std::move(name),
+                         .study = "offsets",
+                         .options = {{"strategy", table.string("strategy")}, {"points", points}},
+                         .row = {{"side", table.optional_string("side").value_or("outside")}, {"point", points}}};
     read_row(table, claim);
     return offsets;
 }
 
 Subject read_consistency(TableReader& table, Claim& claim, std::string name) {
-    ConsistencySubject consistency{.name = std::move(name), .check = table.string("check")};
+    StudySubject consistency{
+        .name = std::move(name), .study = "consistency", .options = {{"check", table.string("check")}}};
     read_row(table, claim);
     return consistency;
 }
@@ -192,19 +209,22 @@ struct Kind {
 };
 
 constexpr Kind timing{"timing", read_timing}, choice{"choose", read_choice}, mend{"mend", read_mend};
+constexpr std::string_view no_place = "has no meaning for a study of a scene; leave it out";
+constexpr Kind study{"scene", read_study, no_place};
 constexpr Kind measured[] = {
     {"scene", read_scene},
     {"sweep", read_sweep},
     {"table", read_table},
-    {"render", read_render, "has no meaning for a rendered scene; leave it out"},
-    {"offsets", read_offsets, "has no meaning for offsets of a scene; leave it out"},
-    {"consistency", read_consistency, "has no meaning for the consistency of a scene; leave it out"},
+    {"render", read_render, no_place},
+    {"offsets", read_offsets, no_place},
+    {"consistency", read_consistency, no_place},
     {"search", read_search, "has no meaning for a search, which draws its own rays; leave it out"}};
 
 /// A key of one kind, and the message if it is given for another kind.
 struct OwnKey {
     std::string_view key, kind, why;
 };
+constexpr std::string_view of_study = "needs study = \"...\" beside scene = \"...\"";
 constexpr std::string_view of_offsets = "needs offsets = \"...\", a scene whose next rays the claim is about";
 constexpr OwnKey own_keys[] = {
     {"size", "", "is the scene's own; write it there, or name a variant of the scene that has that size"},
@@ -212,14 +232,18 @@ constexpr OwnKey own_keys[] = {
     {"side", "offsets", of_offsets},
     {"points", "offsets", of_offsets},
     {"check", "consistency", "needs consistency = \"...\", a scene whose questions are asked in two ways"},
-    {"stage", "render", "needs a scene to render: render = \"raycast-course.pixels\""}};
+    {"stage", "render", "needs a scene to render: render = \"raycast-course.pixels\""},
+    {"options", "study", of_study},
+    {"row", "study", of_study}};
 
 /// Reads a subject that is neither timed nor mended: a form and the rays of one thing.
 Subject read_measured(TableReader& table, Claim& claim) {
     for (const Kind& other : {timing, choice})
         table.reject(other.key, "needs `profile = \"timing\"` at the head of the file");
     std::vector<std::pair<const Kind*, std::string>> given;
-    for (const Kind& kind : measured) {
+    const bool is_study = table.has("study");
+    for (const Kind& each : measured) {
+        const Kind& kind = is_study && each.key == study.key ? study : each;
         const std::string name = table.optional_string(kind.key).value_or("");
         if (!name.empty()) given.emplace_back(&kind, file::beside(table.where().source, name));
     }
@@ -227,13 +251,13 @@ Subject read_measured(TableReader& table, Claim& claim) {
         toml::fail(
             table.where(),
             "claim.given needs a scene, a sweep, a search, a table, a scene to render, or a scene for offsets or "
-            "consistency; write one of them");
+            "consistency; write one of them. A study needs a scene beside its name");
     auto& [kind, name] = given.front();
     if (!kind->no_place.empty()) {
         for (const char* key : {"at", "case", "convention"}) table.reject(key, kind->no_place);
     }
     for (const OwnKey& own : own_keys) {
-        if (own.kind != kind->key) table.reject(own.key, own.why);
+        if (own.kind != (is_study ? "study" : kind->key)) table.reject(own.key, own.why);
     }
     Subject subject = kind->read(table, claim, std::move(name));
     expect_place(table);

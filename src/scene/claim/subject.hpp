@@ -1,6 +1,7 @@
 // The subject of a claim: a struct for each kind, and its keys in a file.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -8,7 +9,6 @@
 #include <vector>
 
 #include "number/real.hpp"
-#include "scene/file/appearance.hpp"
 
 namespace lostbits::scene::claim {
 
@@ -42,20 +42,12 @@ struct SweepSubject {
     }
 };
 
-/// The picture that `lostbits render` makes of a scene.
-struct RenderSubject {
-    std::string name;
-    std::optional<file::Stage> stage = {};  ///< absent: the last stage that the scene asks for
-};
-
-/// The next rays of a scene, as in `lostbits offsets`: the strategy, the side and the points.
-struct OffsetsSubject {
-    std::string name, strategy = {}, side = {}, points = {};
-};
-
-/// The questions about a scene that `lostbits consistency` asks in two ways.
-struct ConsistencySubject {
-    std::string name, check;
+/// A study of a scene, such as `lostbits offsets`. The claim is about the row of its summary that has these words in
+/// `row` and those of the options that are also columns.
+struct StudySubject {
+    std::string name;                                           ///< name of the scene
+    std::string study;                                          ///< `offsets`
+    std::map<std::string, std::string> options = {}, row = {};  ///< by option, by column of the summary
 };
 
 /// The worst ray found by a sweep file with a `[search]` table.
@@ -105,8 +97,8 @@ struct ChoiceSubject {
 };
 
 /// The kinds of subjects, in the order in which they are measured.
-using Subject = std::variant<SceneSubject, SweepSubject, RenderSubject, OffsetsSubject, ConsistencySubject,
-                             SearchSubject, MendSubject, TableSubject, TimingSubject, ChoiceSubject>;
+using Subject = std::variant<SceneSubject, SweepSubject, StudySubject, SearchSubject, MendSubject, TableSubject,
+                             TimingSubject, ChoiceSubject>;
 
 struct Claim;
 /// Reads `[claim.given]` of a claim whose profile is known: its subject, form and format. Throws InputError with a

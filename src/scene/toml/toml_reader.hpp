@@ -91,6 +91,8 @@ public:
     }
 
     [[nodiscard]] bool has(std::string_view key) { return seek(key) != nullptr; }
+    /// Names of all keys, in the order of the file.
+    [[nodiscard]] std::vector<std::string> keys() const { return table_->keys(); }
     /// Returns the value itself, for a notation of its own. `expected` says what to write if it is missing.
     const Node& node(std::string_view key, std::string_view expected = "a value");
 

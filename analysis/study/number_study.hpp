@@ -1,0 +1,255 @@
+// Studies of one number per pixel. Such a study is a struct that finds the number; everything else is here. It has
+//
+//   name, title           its command, and what it does
+//   unit, meaning         of the number
+//   options()             its options
+//   a constructor from StudyValues
+//   scale()               colours of its picture
+//   operator()(RightHit)  the number of a pixel; NaN where there is none
+#pragma once
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "analysis/shell/command_line.hpp"
+#include "analysis/study/study_values.hpp"
+#include "measure/consistency/check.hpp"
+#include "measure/metric/statistics.hpp"
+#include "measure/study/study.hpp"
+#include "number/real.hpp"
+#include "output/file/number_text.hpp"
+#include "output/map/row_names.hpp"
+#include "output/study/study_files.hpp"
+#include "output/table/shared_columns.hpp"
+#include "shapes/lift.hpp"
+
+namespace lostbits::analysis::study {
+
+/// A pixel on which a form hits the primitive that the ray truly hits first.
+struct RightHit {
+    const measure::consistency::FormOnBand& on;
+    std::size_t pixel;
+    measure::truth::Truth truth;
+
+    [[nodiscard]] Ray<Real> ray() const { return lift_ray<Real>(on.rays()[pixel]); }
+    [[nodiscard]] Primitive<Real> primitive() const {
+        return lift_primitive<Real>(on.inputs.primitives[static_cast<std::size_t>(truth.object)]);
+    }
+    /// The t that the form computed, and the true one.
+    [[nodiscard]] Real t() const { return Real(on.closest.t[pixel]); }
+    [[nodiscard]] Real true_t() const {
+        const auto& t = on.is_unit() ? truth.distance : truth.t;
+        return ldexp(Real(Real(t.hi) + Real(t.lo)), static_cast<int>(t.exponent));
+    }
+};
+
+/// Numbers of a row on a band; NaN where a pixel has none.
+struct NumberBand {
+    int y0 = 0, rows = 0, width = 0;
+    std::vector<double> numbers;
+};
+
+struct NumberSummary {
+    std::uint64_t unresolved = 0;
+    measure::metric::Distribution numbers;
+};
+LOSTBITS_FIELDS(NumberSummary, unresolved, numbers)
+
+/// A study, see measure/study/study.hpp.
+template <class Number>
+struct NumberStudy {
+    using Band = NumberBand;
+    using Summary = NumberSummary;
+    static constexpr int pixels_together = 1;
+
+    const scene::file::Scene& scene;
+    std::vector<measure::evaluate::TestedForm> rows;
+    Number number;
+    measure::truth::TruthLimit limit{};
+    measure::shard::Share share = {};
+    std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
+
+    static void require() {}
+    [[nodiscard]] static NumberSummary begin(std::size_t) { return {}; }
+    [[nodiscard]] static const measure::truth::Band& prepare(const measure::truth::Band& band) { return band; }
+    NumberBand measure(const measure::truth::Band& band, std::size_t row, NumberSummary& summary) const {
+        const measure::consistency::FormOnBand on(scene, rows[row], band);
+        NumberBand out{band.y0(), band.rows(), scene.width, std::vector(on.pixels(), measure::truth::missing)};
+        for (std::size_t i = 0; i < on.pixels(); ++i) {
+            const measure::truth::Truth truth = band.truth(i, rows[row].convention());
+            if (truth.decision == measure::truth::Truth::Decision::unresolved) ++summary.unresolved;
+            if (!truth.is_hit() || on.closest.hit[i] == 0 || on.closest.object[i] != truth.object) continue;
+            out.numbers[i] = number(RightHit{on, i, truth});
+            summary.numbers.add(out.numbers[i]);
+        }
+        return out;
+    }
+};
+
+/// A row of the summary of a study of numbers.
+struct NumberRow {
+    const measure::evaluate::TestedForm* row;
+    const NumberSummary* summary;
+};
+
+/// An adapter, see analysis/study/studies.hpp, and its view, see output/study/study_files.hpp. One sheet has a column
+/// for each form and a line for each format. `<form>.<format>.csv` has one row per pixel,
+/// `<form>.<format>.exr` one channel.
+template <class Number>
+struct NumberAdapter {
+    using View = NumberAdapter;
+    using Study = NumberStudy<Number>;
+    using Band = NumberBand;
+    using SummaryRow = NumberRow;
+    using Summaries = std::vector<NumberSummary>;
+    static constexpr const char* name = Number::name;
+    static constexpr const char* title = Number::title;
+    static constexpr const char* none_taken = "none of the selected forms is for a primitive; try -i 'sphere.*'";
+    static constexpr const char* kinds = "; primitives of any kind";
+    static constexpr const char* form_help = "Forms, by name or glob (default: all that fit)";
+    static constexpr const char* example = "sphere[0].radius=10";
+    static constexpr const char* summary_title = "One row per form and format";
+    static constexpr const char* pixel_title = "One row per pixel";
+
+    static std::vector<StudyOption> options() { return Number::options(); }
+    static std::vector<shell::Example> examples() {
+        return {
+            {fmt::format("lostbits {} near-benign --size 32x32", name), "Measures every form for spheres"},
+            {fmt::format("lostbits {} box-one -i box.signs -f f64 --size 32x32", name), "Measures a form in double"}};
+    }
+    static std::vector<std::string> usual_forms() { return {"*"}; }
+    static bool takes(const intersect::table::Intersector& form) { return is_primitive(form.shape); }
+    static void require(const scene::file::Scene&) {}
+    static Study on(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
+                    const StudyValues& values, intersect::process::StopToken stop) {
+        return {.scene = scene, .rows = std::move(rows), .number = Number(values), .limit = {.stop = stop}};
+    }
+    static void say(const Study& study, const Summaries& rows, bool) {
+        for (std::size_t r = 0; r < rows.size(); ++r)
+            fmt::print("  {} {}: {}\n", study.rows[r].form->info->name, study.rows[r].format.name, in_words(rows[r]));
+    }
+    static std::uint64_t unproved(const Summaries& rows) {
+        std::uint64_t most = 0;
+        for (const NumberSummary& row : rows) most = std::max(most, row.unresolved);
+        return most;
+    }
+    static std::uint64_t unproved(const NumberRow& row) { return row.summary->unresolved; }
+
+    static output::table::Table<NumberRow> summary_table() {
+        output::table::Table<NumberRow> table;
+        table.add(output::table::subject_columns(), &NumberRow::row);
+        table.add({"hits", "pixels with a number: the form hits the primitive that the ray truly hits first",
+                   [](const NumberRow& r) { return r.summary->numbers.count(); }});
+        for (const auto& [end, q] : {std::pair{"p50", 0.5}, std::pair{"p99", 0.99}, std::pair{"max", 1.0}})
+            table.add(
+                {fmt::format("{}_{}", name, end), Number::unit, fmt::format("{}: {}", Number::meaning, end),
+                 [q](const NumberRow& r) { return output::file::number_or_missing(r.summary->numbers.quantile(q)); }});
+        return table;
+    }
+    static std::vector<NumberRow> summary_rows(const Study& study, const Summaries& summaries) {
+        std::vector<NumberRow> rows;
+        for (std::size_t r = 0; r < summaries.size(); ++r) rows.push_back({&study.rows[r], &summaries[r]});
+        return rows;
+    }
+    static output::table::Table<output::study::PixelInBand<NumberBand>> pixel_table(const Study&) {
+        using R = output::study::PixelInBand<NumberBand>;
+        return output::study::place_columns<NumberBand>().add(
+            {name, Number::unit, Number::meaning,
+             [](const R& r) { return output::file::number_or_missing(r.band->numbers[r.i]); }});
+    }
+
+    /// One channel with the numbers, rounded to binary32.
+    static output::pixel::ExrLayers<NumberBand> layers(const Study&) {
+        output::pixel::ExrLayers<NumberBand> layers;
+        layers.add_number(name, [](const NumberBand& band, std::size_t i) { return band.numbers[i]; });
+        return layers;
+    }
+    static output::image::ExrSpec exr_spec(const Study& study, std::size_t row,
+                                           const std::vector<output::image::Channel>& channels,
+                                           const std::string& command) {
+        return {.width = study.scene.width,
+                .height = study.scene.height,
+                .channels = channels,
+                .attributes = {{"lostbits:command", command},
+                               {"lostbits:schema", fmt::format("lostbits-{}/1", name)},
+                               {"lostbits:scene", study.scene.id},
+                               {"lostbits:form", std::string(study.rows[row].form->info->name)},
+                               {"lostbits:format", study.rows[row].format.name},
+                               output::image::compiler_attribute()}};
+    }
+
+    static std::string row_name(const Study& study, std::size_t row) { return output::map::row_name(study.rows[row]); }
+    static std::size_t pixels(const NumberBand& band) { return band.numbers.size(); }
+    static std::vector<output::pixel::PixelColumn<NumberBand>> columns(const Study& study) {
+        const auto look = std::make_shared<const output::pixel::Look>(
+            output::pixel::Look{{{"no number", output::pixel::colour_of(measure::answer::Outcome::agree_miss)}, {""}},
+                                Number::scale(),
+                                Number::unit});
+        std::vector<output::pixel::PixelColumn<NumberBand>> all;
+        for (std::size_t r = 0; r < study.rows.size(); ++r) {
+            const measure::evaluate::TestedForm& row = study.rows[r];
+            all.push_back(
+                {{.file = row_name(study, r) + ".png",
+                  .title = Number::meaning,
+                  .subtitle = {fmt::format("{} in {}", row.form->info->name, row.format.name)},
+                  .look = look,
+                  .places = {place_of(study, r)}},
+                 r,
+                 output::pixel::drawn_by<NumberBand>([](const NumberBand& band, std::size_t i) {
+                     const double number = band.numbers[i];
+                     return std::isnan(number) ? output::pixel::PixelValue{0} : output::pixel::PixelValue{1, number};
+                 })});
+        }
+        return all;
+    }
+    static output::pixel::Sheet sheet(const Study& study, const std::filesystem::path& file) {
+        output::image::SheetSpec spec{.title = study.scene.title,
+                                      .subtitle = {fmt::format("{}, {} x {} pixels: {}", study.scene.id,
+                                                               study.scene.width, study.scene.height, Number::meaning)},
+                                      .scales = {Number::scale()},
+                                      .unit = Number::unit};
+        for (const auto* const form : forms_of(study)) spec.forms.push_back(output::map::short_name(*form->info));
+        for (const std::string& format : formats_of(study)) spec.formats.push_back(format);
+        return {file, std::move(spec)};
+    }
+    static std::vector<output::study::Note> notes(const Study& study, const Summaries& rows) {
+        std::vector<output::study::Note> notes;
+        for (std::size_t r = 0; r < rows.size(); ++r) notes.push_back({place_of(study, r), in_words(rows[r])});
+        return notes;
+    }
+
+private:
+    static std::string in_words(const NumberSummary& s) {
+        if (s.numbers.count() == 0) return "no number";
+        return fmt::format("p50 {}, p99 {}, max {}", output::file::short_decimal(s.numbers.quantile(0.5), 3),
+                           output::file::short_decimal(s.numbers.quantile(0.99), 3),
+                           output::file::short_decimal(s.numbers.quantile(1), 3));
+    }
+    static std::vector<const intersect::table::Intersector*> forms_of(const Study& study) {
+        std::vector<const intersect::table::Intersector*> forms;
+        for (const auto& row : study.rows)
+            if (std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
+        return forms;
+    }
+    static std::vector<std::string> formats_of(const Study& study) {
+        std::vector<std::string> formats;
+        for (const auto& row : study.rows)
+            if (std::ranges::find(formats, row.format.name) == formats.end()) formats.emplace_back(row.format.name);
+        return formats;
+    }
+    static output::pixel::SheetPosition place_of(const Study& study, std::size_t row) {
+        const auto forms = forms_of(study);
+        const auto formats = formats_of(study);
+        return {static_cast<std::size_t>(std::ranges::find(forms, study.rows[row].form) - forms.begin()),
+                static_cast<std::size_t>(std::ranges::find(formats, study.rows[row].format.name) - formats.begin())};
+    }
+};
+
+}  // namespace lostbits::analysis::study

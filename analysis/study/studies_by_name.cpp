@@ -1,0 +1,133 @@
+#include "analysis/study/studies_by_name.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "analysis/selection/select.hpp"
+#include "analysis/study/studies.hpp"
+#include "number/error.hpp"
+#include "output/study/study_files.hpp"
+
+namespace lostbits::analysis::study {
+
+using measure::claim::StudyNames;
+using measure::claim::StudyQuestion;
+using measure::claim::StudyRow;
+
+namespace {
+
+/// The study that a claim asks. Work that no column of the question needs is left out.
+template <class Adapter>
+typename Adapter::View::Study study_on(const StudyQuestion& asked) {
+    for (const measure::evaluate::TestedForm& row : asked.rows)
+        if (!Adapter::takes(*row.form))
+            throw InputError(
+                fmt::format("{}: is not a form for {}; {}", row.form->info->name, Adapter::name, Adapter::none_taken));
+    Adapter::require(asked.scene);
+    std::vector<std::string> given;
+    for (const auto& [name, words] : asked.options)
+        for (const std::string& word : words) given.push_back(name + "=" + word);
+    auto study = Adapter::on(asked.scene, asked.rows, study_values(Adapter::options(), given), asked.stop);
+    if constexpr (requires { Adapter::leave_out(study, asked.columns); }) Adapter::leave_out(study, asked.columns);
+    return study;
+}
+
+/// A row of a summary, cell by cell.
+template <class Adapter>
+StudyRow study_row(const output::table::Table<typename Adapter::View::SummaryRow>& table,
+                   const typename Adapter::View::SummaryRow& row, const std::set<std::string>& columns) {
+    StudyRow found;
+    for (const auto& column : table) {
+        const output::file::Cell cell = column.value(row);
+        if (column.about.type == "string") found.words[column.about.name] = cell.text();
+        else found.numbers[column.about.name] = cell.number();
+    }
+    found.unproved = Adapter::unproved(row);
+    if constexpr (requires { Adapter::witness(row, ""); }) {
+        for (const std::string& column : columns)
+            if (auto witness = Adapter::witness(row, column)) found.witnesses[column] = std::move(*witness);
+    }
+    return found;
+}
+
+/// Draws the sheet of a study, and returns its summaries.
+template <class Adapter>
+auto draw_sheet(const typename Adapter::View::Study& study, const std::filesystem::path& file) {
+    output::study::StudyFiles<typename Adapter::View> sheet(study, {.folder = {}, .sheet_alone = file});
+    auto summaries = measure::study::run_study(study, sheet.show());
+    sheet.finish(summaries);
+    return summaries;
+}
+
+template <class Adapter>
+std::optional<output::page::StudyPart> part_of(const scene::file::Scene& scene, intersect::process::StopToken stop) {
+    auto all =
+        selection::cross(selection::select_forms(Adapter::usual_forms()), selection::select_formats({usual_format}));
+    std::erase_if(all, [](const auto& row) { return !Adapter::takes(*row.form); });
+    StudyQuestion question{.scene = scene,
+                           .rows = selection::fitting(
+                               all, [&scene](Shapes of) { return selection::are_primitives(of) && scene.meets(of); }),
+                           .stop = stop};
+    if (question.rows.empty()) return std::nullopt;
+    const auto study = study_on<Adapter>(question);
+    typename std::vector<typename Adapter::View::Study::Summary> summaries;
+    output::page::StudyPart part{
+        .study = Adapter::name, .what = Adapter::title, .id = scene.id, .title = scene.title, .note = scene.note};
+    part.sheet = output::page::picture(fmt::format("{}: {}", scene.title, Adapter::name),
+                                       [&](const auto& file) { summaries = draw_sheet<Adapter>(study, file); });
+    const auto table = Adapter::View::summary_table();
+    std::vector<std::vector<output::file::Cell>> cells;
+    for (const auto& row : Adapter::View::summary_rows(study, summaries)) {
+        auto& line = cells.emplace_back();
+        for (const auto& column : table) line.push_back(column.value(row));
+    }
+    part.table = output::page::study_table(table.columns(), cells);
+    return part;
+}
+
+}  // namespace
+
+StudyNames StudiesByName::names(const std::string& study) const {
+    return with_study(study, [](auto adapter) {
+        using Adapter = decltype(adapter);
+        StudyNames names;
+        for (const StudyOption& option : Adapter::options()) names.options.push_back(option.name);
+        for (const output::file::Column& column : Adapter::View::summary_table().columns())
+            (column.type == "string" ? names.words : names.numbers).push_back(column.name);
+        return names;
+    });
+}
+
+std::vector<StudyRow> StudiesByName::measure(const std::string& study, const StudyQuestion& asked) const {
+    return with_study(study, [&](auto adapter) {
+        using Adapter = decltype(adapter);
+        const auto on = study_on<Adapter>(asked);
+        const auto summaries = measure::study::run_study(on);
+        const auto table = Adapter::View::summary_table();
+        std::vector<StudyRow> rows;
+        for (const auto& row : Adapter::View::summary_rows(on, summaries))
+            rows.push_back(study_row<Adapter>(table, row, asked.columns));
+        return rows;
+    });
+}
+
+void StudiesByName::draw(const std::string& study, const StudyQuestion& asked,
+                         const std::filesystem::path& file) const {
+    with_study(study, [&](auto adapter) {
+        using Adapter = decltype(adapter);
+        draw_sheet<Adapter>(study_on<Adapter>(asked), file);
+        return true;
+    });
+}
+
+std::vector<std::string> study_names() {
+    return std::apply([](auto... adapter) { return std::vector<std::string>{adapter.name...}; }, Studies());
+}
+
+std::optional<output::page::StudyPart> study_part(const std::string& study, const scene::file::Scene& scene,
+                                                  intersect::process::StopToken stop) {
+    return with_study(study, [&](auto adapter) { return part_of<decltype(adapter)>(scene, stop); });
+}
+
+}  // namespace lostbits::analysis::study

@@ -1,0 +1,34 @@
+// Studies by their names, for what is not written for one of them: claims and the page.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/study/study_values.hpp"
+#include "intersect/process/stop_token.hpp"
+#include "measure/claim/claim_studies.hpp"
+#include "output/page/page.hpp"
+
+namespace lostbits::analysis::study {
+
+/// The studies of the list, as claims see them.
+class StudiesByName final : public measure::claim::ClaimStudies {
+public:
+    [[nodiscard]] measure::claim::StudyNames names(const std::string& study) const override;
+    [[nodiscard]] std::vector<measure::claim::StudyRow> measure(
+        const std::string& study, const measure::claim::StudyQuestion& asked) const override;
+    void draw(const std::string& study, const measure::claim::StudyQuestion& asked,
+              const std::filesystem::path& file) const override;
+};
+
+/// Names of all studies, in the order of the list.
+[[nodiscard]] std::vector<std::string> study_names();
+
+/// Measures a study of a scene for the page, with its usual forms, format and options. Nothing if none of these forms
+/// fits the scene. Throws InputError for an unknown study, and for a scene that it does not take.
+[[nodiscard]] std::optional<output::page::StudyPart> study_part(const std::string& study,
+                                                                const scene::file::Scene& scene,
+                                                                intersect::process::StopToken stop);
+
+}  // namespace lostbits::analysis::study
