@@ -9,21 +9,18 @@
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
+#include "analysis/study/measurements.hpp"
 #include "commands.hpp"
 #include "measure/speed/trade.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/speed/trade_files.hpp"
-#include "shapes/number_names.hpp"
 
 namespace lostbits::analysis {
 
-using measure::evaluate::TestedForm;
 using measure::speed::TradeRequest;
 using scene::file::Scene;
 
 namespace {
-
-constexpr std::string_view default_shape = "sphere";
 
 struct TradeOptions {
     std::string shape;  ///< empty: not typed
@@ -37,68 +34,22 @@ struct TradeOptions {
 };
 
 measure::speed::TimingPlan plan_of(const TradeOptions& o) {
-    measure::speed::TimingPlan plan;
-    if (o.quick) {
-        plan.repetitions = 5;
-        plan.least_seconds = 1e-4;
-    }
+    measure::speed::TimingPlan plan = o.quick ? study::quick_plan() : measure::speed::TimingPlan{};
     if (o.repetitions > 0) plan.repetitions = o.repetitions;
     return plan;
 }
 
-/// A request for the forms of a shape, on the sets of rays of the shape.
-TradeRequest request_for(const std::string& typed, const std::vector<TestedForm>& all) {
-    const std::string shape_name = typed.empty() ? std::string(default_shape) : typed;
-    const Shape shape = *shape_named(shape_name);
-    const auto rows = selection::fitting(all, [shape](Shapes forms) { return forms == shape; });
-    if (rows.empty() &&
-        !selection::fitting(all, [shape](Shapes forms) { return forms == Shapes(shape).placed(); }).empty())
-        throw NothingSelected(fmt::format(
-            "--shape {}: its primitive is not placed by a matrix, so a form with a transform has nothing to do; name "
-            "a scene with matrices, as in `lostbits trade instance-far.{}`",
-            shape_name, shape_name));
-    if (rows.empty() && typed.empty())
-        throw NothingSelected(fmt::format(
-            "no selected form is for a {0}, the default shape; name the shape of the forms, as in --shape box, or "
-            "choose forms by -i '{0}.*'",
-            shape_name));
-    if (rows.empty())
-        throw NothingSelected(fmt::format("--shape {0}: no selected form is for {1}; try -i '{0}.*' or another --shape",
-                                          shape_name, with_article(shape)));
-    return {.shape = shape,
-            .kernels = measure::speed::trade_kernels(rows),
-            .metrics = {},
-            .loads = measure::speed::trade_loads(measure::speed::cache_sizes())};
-}
-
-/// A request for the forms that fit a scene, on its own rays.
-TradeRequest request_for(const Scene& scene, const selection::SelectedRows& all) {
-    const auto rows = selection::timed_on(scene, all);
-    return {.shape = rows.front().form->shape,
-            .scene = &scene,
-            .kernels = measure::speed::trade_kernels(rows),
-            .metrics = {},
-            .loads = measure::speed::scene_load()};
-}
-
 Exit run(const TradeOptions& o, const Common& common) {
     require_folder(o.out);
-    const auto formats = selection::select_formats(o.formats);
-    if (const auto emulated = std::ranges::find_if(formats, selection::is_emulated); emulated != formats.end())
-        throw InputError(
-            fmt::format("-f {}: this format is emulated, so its time says nothing; name f32 or f64", emulated->name));
-    auto rows = selection::cross(selection::select_forms(o.forms), formats);
-    selection::refuse_generators(rows, "trade");
-    selection::refuse_contracted(rows, "trade");
+    auto rows = selection::cross(selection::select_forms(o.forms), selection::select_formats(o.formats));
     const auto data = selection::data_folder(common.data);
     std::optional<Scene> scene;
     if (!o.scene.empty()) scene = selection::load_one_scene({{o.scene}, o.size, o.variant, o.set, common.stop}, data);
-    TradeRequest request = scene ? request_for(*scene, {rows, o.forms, common.quiet}) : request_for(o.shape, rows);
+    TradeRequest request = study::trade_of(scene ? &*scene : nullptr, o.shape, {rows, o.forms, common.quiet});
     const auto fits = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == request.shape; };
     selection::note_unmeasured(o.forms, selection::fitting(rows, fits), common.quiet);
     request.plan = plan_of(o);
     request.limit.stop = request.plan.stop = common.stop;
-    for (const char* name : {"lost_bits", "excess_bits"}) request.metrics.push_back(measure::metric::find_metric(name));
     const std::string name = scene ? scene->id : std::string(name_of(request.shape));
     const auto folder = std::filesystem::path(o.out) / name;
     const auto owner = own_folder(folder, common, scene ? output::attribution::shell_word(o.scene) : "");

@@ -261,6 +261,13 @@ LOSTBITS_API int lostbits_study(const char* study, const lostbits_scene* scene, 
                                 const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
                                 lostbits_error* error);
 
+/* Measures speed against accuracy, as `lostbits trade` does: on the rays of a scene or, if it is NULL, on rays of known
+ * kinds at a shape (NULL: "sphere"). If `quick` is not 0, the measurements are few and short. Tables: `trade` and
+ * `pareto`, as trade.csv and pareto.csv; text 0 is the answer in words. Times differ from call to call. */
+LOSTBITS_API int lostbits_trade(const lostbits_scene* scene, const char* shape, int quick,
+                                const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
+                                lostbits_error* error);
+
 typedef struct lostbits_requirement {
     double bits;      /* least number of correct bits of t, 0 to 53 */
     double tolerance; /* largest error of the hit point along the ray, in the scene's unit of length; below 0: any */

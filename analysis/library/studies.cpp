@@ -1,4 +1,4 @@
-// Sweeps, explained rays, studies, choices and repaired forms.
+// Sweeps, explained rays, studies, speed, choices and repaired forms.
 #include <cmath>
 
 #include "analysis/library/handles.hpp"
@@ -12,6 +12,7 @@
 #include "output/attribution/explain_text.hpp"
 #include "output/choice/choice_files.hpp"
 #include "output/repair/mend_files.hpp"
+#include "output/speed/trade_files.hpp"
 #include "output/sweep/sweep_files.hpp"
 #include "scene/rays/composed_forms.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -94,6 +95,20 @@ std::unique_ptr<lostbits_result> study_of(const scene::file::Scene& scene, const
     const auto summaries = measure::study::run_study(study);
     auto result = std::make_unique<lostbits_result>();
     result->add_table("summary", Adapter::View::summary_table(), Adapter::View::summary_rows(study, summaries));
+    return result;
+}
+
+std::unique_ptr<lostbits_result> trade_of(const scene::file::Scene* scene, const std::string& shape, bool quick,
+                                          Selection& chosen, CallRun& running) {
+    auto request = study::trade_of(scene, shape, {chosen.rows, chosen.forms, true});
+    if (quick) request.plan = study::quick_plan();
+    request.limit.stop = request.plan.stop = running.stop();
+    request.plan.progress = running.advancing(measure::speed::trade_units(request));
+    const auto found = measure::speed::run_trade(request);
+    auto result = std::make_unique<lostbits_result>();
+    result->add_table("trade", output::speed::time_table(), output::speed::time_rows(request, found));
+    result->add_table("pareto", output::speed::pareto_table(), output::speed::pareto_rows(request, found));
+    result->texts.push_back(output::speed::trade_text(request, found));
     return result;
 }
 
@@ -228,6 +243,20 @@ int lostbits_study(const char* study, const lostbits_scene* scene, const lostbit
         auto found = study::with_study(
             study, [&](auto of) { return study_of<decltype(of)>(scene->scene, words, choice, running); });
         return hand_over(std::move(found), result);
+    });
+}
+
+int lostbits_trade(const lostbits_scene* scene, const char* shape, int quick, const lostbits_choice* choice,
+                   const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
+    return guarded(error, [&] {
+        require(result, "result");
+        if (scene != nullptr && shape != nullptr)
+            throw InputError("shape: a scene is given, which has its own shapes; pass NULL for one of the two");
+        if (shape != nullptr && *shape == '\0') throw InputError("shape is empty; name one, or pass NULL for a sphere");
+        Selection chosen(choice);
+        CallRun running(run);
+        return hand_over(trade_of(scene ? &scene->scene : nullptr, shape ? shape : "", quick != 0, chosen, running),
+                         result);
     });
 }
 

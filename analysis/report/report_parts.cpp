@@ -8,6 +8,7 @@
 
 #include "analysis/selection/scenes.hpp"
 #include "analysis/selection/select.hpp"
+#include "analysis/study/measurements.hpp"
 #include "analysis/study/studies_by_name.hpp"
 #include "measure/evaluate/culprit_order.hpp"
 #include "measure/evaluate/map.hpp"
@@ -270,14 +271,9 @@ page::StudyPart study_part(const StudyWork& work, StopToken stop) {
 }
 
 page::TradePart trade_part(Shape shape, const std::vector<TestedForm>& rows, StopToken stop) {
-    measure::speed::TradeRequest request{
-        .shape = shape,
-        .kernels = measure::speed::trade_kernels(rows),
-        .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("excess_bits")},
-        .loads = measure::speed::trade_loads(measure::speed::cache_sizes()),
-        .plan = {}};
-    request.plan.repetitions = 5;  // as `lostbits trade --quick`
-    request.plan.least_seconds = 1e-4;
+    std::vector<TestedForm> timed = rows;
+    measure::speed::TradeRequest request = study::trade_of(nullptr, std::string(name_of(shape)), {timed, {}, true});
+    request.plan = study::quick_plan();
     request.limit.stop = request.plan.stop = stop;
     const measure::speed::TradeResult result = measure::speed::run_trade(request);
     page::TradePart part{std::string(shape_names[static_cast<std::size_t>(shape)]),

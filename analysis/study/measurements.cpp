@@ -1,11 +1,16 @@
 #include "analysis/study/measurements.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
-#include "analysis/selection/select.hpp"
 #include "measure/attribution/culprits.hpp"
 #include "measure/evaluate/culprit_order.hpp"
+#include "number/error.hpp"
+#include "scene/toml/did_you_mean.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::analysis::study {
 
@@ -39,6 +44,68 @@ measure::sweep::SweepRequest sweep_of(const scene::sweep::SweepFile& sweep, std:
     request.further_draws = 2;
     request.recoveries = request.both_ends = true;
     return request;
+}
+
+namespace {
+
+constexpr std::string_view default_shape = "sphere";
+
+std::vector<TestedForm> rows_of_shape(const std::string& typed, const std::vector<TestedForm>& all) {
+    const std::string shape_name = typed.empty() ? std::string(default_shape) : typed;
+    const auto named = shape_named(shape_name);
+    if (!named || !is_primitive(*named)) {
+        std::vector<std::string> names;
+        for (const ShapeRow& row : shape_rows) names.emplace_back(row.name);
+        throw InputError(
+            fmt::format("shape \"{}\" is unknown; {}", shape_name, scene::toml::did_you_mean(shape_name, names)));
+    }
+    const Shape shape = *named;
+    const auto rows = selection::fitting(all, [shape](Shapes forms) { return forms == shape; });
+    if (rows.empty() &&
+        !selection::fitting(all, [shape](Shapes forms) { return forms == Shapes(shape).placed(); }).empty())
+        throw NothingSelected(fmt::format(
+            "--shape {}: its primitive is not placed by a matrix, so a form with a transform has nothing to do; name "
+            "a scene with matrices, as in `lostbits trade instance-far.{}`",
+            shape_name, shape_name));
+    if (rows.empty() && typed.empty())
+        throw NothingSelected(fmt::format(
+            "no selected form is for a {0}, the default shape; name the shape of the forms, as in --shape box, or "
+            "choose forms by -i '{0}.*'",
+            shape_name));
+    if (rows.empty())
+        throw NothingSelected(fmt::format("--shape {0}: no selected form is for {1}; try -i '{0}.*' or another --shape",
+                                          shape_name, with_article(shape)));
+    return rows;
+}
+
+void require_timed(const std::vector<TestedForm>& rows) {
+    const auto emulated =
+        std::ranges::find_if(rows, [](const TestedForm& row) { return selection::is_emulated(row.format); });
+    if (emulated != rows.end())
+        throw InputError(fmt::format("-f {}: this format is emulated, so its time says nothing; name f32 or f64",
+                                     emulated->format.name));
+    selection::refuse_generators(rows, "trade");
+    selection::refuse_contracted(rows, "trade");
+}
+
+}  // namespace
+
+measure::speed::TradeRequest trade_of(const scene::file::Scene* scene, const std::string& shape,
+                                      const selection::SelectedRows& all) {
+    require_timed(all.rows);
+    const auto rows = scene ? selection::timed_on(*scene, all) : rows_of_shape(shape, all.rows);
+    return {.shape = rows.front().form->shape,
+            .scene = scene,
+            .kernels = measure::speed::trade_kernels(rows),
+            .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("excess_bits")},
+            .loads = scene ? measure::speed::scene_load() : measure::speed::trade_loads(measure::speed::cache_sizes())};
+}
+
+measure::speed::TimingPlan quick_plan() {
+    measure::speed::TimingPlan plan;
+    plan.repetitions = 5;
+    plan.least_seconds = 1e-4;
+    return plan;
 }
 
 }  // namespace lostbits::analysis::study

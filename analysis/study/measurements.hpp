@@ -1,11 +1,14 @@
-// The measurements of a scene and of a sweep along axes, which the program and the library make alike.
+// The measurements of a scene, of a sweep along axes and of speed, which the program and the library make alike.
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "analysis/selection/select.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "measure/evaluate/map.hpp"
 #include "measure/metric/metric_set.hpp"
+#include "measure/speed/trade.hpp"
 #include "measure/sweep/sweep.hpp"
 
 namespace lostbits::analysis::study {
@@ -22,5 +25,14 @@ measure::sweep::SweepRequest sweep_of(const scene::sweep::SweepFile& sweep,
                                       std::vector<measure::evaluate::TestedForm> rows,
                                       std::vector<const measure::metric::Metric*> asked,
                                       measure::metric::MetricSet& metric_set, intersect::process::StopToken stop);
+
+/// The speed and accuracy of forms: on the rays of a scene or, if it is null, on rays of known kinds at a shape (empty:
+/// sphere). Throws InputError for forms that cannot be timed, and NothingSelected if none fits. The scene must outlive
+/// the result.
+measure::speed::TradeRequest trade_of(const scene::file::Scene* scene, const std::string& shape,
+                                      const selection::SelectedRows& rows);
+
+/// Few and short measurements, for a first look.
+measure::speed::TimingPlan quick_plan();
 
 }  // namespace lostbits::analysis::study

@@ -17,9 +17,9 @@ from ._forms import Function, Intersector, intersector
 from ._forms import Function as function
 from ._library import EnvironmentFault, Error, InputError, NothingSelected, library
 from ._measure import (Suspicious, ask, assert_keeps, check, choose, consistency, explain, hits, inside, judge,
-                       judge_mesh, map, mend, offsets, render, study, sweep, truth)
+                       judge_mesh, map, mend, offsets, render, study, sweep, trade, truth)
 from ._results import (Checked, Choice, Explanation, Hits, Inside, Judgement, Map, Mended, MeshJudgement, Study, Sweep,
-                       Truths)
+                       Trade, Truths)
 from ._scene import Scene, scene
 from ._tables import Table
 from ._trace import Unfollowed
@@ -27,6 +27,6 @@ from ._trace import Unfollowed
 __version__: str = library.lostbits_version().decode()
 __all__ = ["Checked", "Choice", "EnvironmentFault", "Error", "Explanation", "Function", "Hits", "InputError", "Inside",
            "Intersector", "Judgement", "Map", "Mended", "MeshJudgement", "NothingSelected", "SHAPES", "Scene", "Study",
-           "Suspicious", "Sweep", "Table", "Truths", "Unfollowed", "ask", "assert_keeps", "check", "choose",
+           "Suspicious", "Sweep", "Table", "Trade", "Truths", "Unfollowed", "ask", "assert_keeps", "check", "choose",
            "consistency", "explain", "function", "hits", "inside", "intersector", "judge", "judge_mesh", "map", "mend",
-           "offsets", "render", "scene", "study", "sweep", "truth"]
+           "offsets", "render", "scene", "study", "sweep", "trade", "truth"]

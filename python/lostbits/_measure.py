@@ -16,7 +16,7 @@ from . import _library as lib
 from ._arrays import Floats, Rays, array_of, one_per_record, primitives_in, word
 from ._forms import Asked, Form, Forms, Texts
 from ._results import (Checked, Choice, Explanation, Hits, Inside, Judgement, Map, Mended, MeshJudgement, Study, Sweep,
-                       Truths)
+                       Trade, Truths)
 from ._scene import Scene, scene as make_scene, scene_of, toml_text
 from ._tables import Table, tables_of, texts_of
 
@@ -425,6 +425,24 @@ def explain(form: Form, scene: Union[Scene, str], pixel: tuple[int, int], format
     text, found = texts_of(result)
     tapes = asked.own[0].tapes if asked.own else {}
     return Explanation(text, json.loads(found), tapes.get(format, tapes.get("f32")))
+
+
+def trade(scene: Union[Scene, str, None] = None, forms: Forms = None, formats: Texts = _both, *,
+          shape: str | None = None, quick: bool = False, threads: int = 0, progress: bool = True) -> Trade:
+    """Measures speed against accuracy: on the rays of a scene, or on rays of known kinds at a shape (None: "sphere").
+
+    `forms`, `formats`: as in lb.map. With `quick` the measurements are few and short.
+
+    The result has `.times`, the columns of trade.csv; `.pareto`, those of pareto.csv, with the forms that no other one
+    beats in both (`dominated` is false); and `.text`. Times are measured anew in each call.
+    """
+    if scene is not None and shape is not None:
+        raise lib.InputError("shape: a scene is given, which has its own shapes; leave out one of the two")
+    on, asked = None if scene is None else scene_of(scene), Asked(forms, formats)
+    of = None if shape is None else lib.in_utf8(shape, "shape")
+    _, result = asked.call("lostbits_trade", on.handle.pointer if on else None, of, c.c_int(bool(quick)),
+                           threads=threads, progress=progress)
+    return Trade(tables_of(result), texts_of(result)[0])
 
 
 def _requirement(bits: float, tolerance: float, wrong: float, at: str) -> Any:

@@ -300,6 +300,21 @@ class Choice(Summarised):
         return self.text
 
 
+class Trade:
+    """Result of `trade`: `.times`, the rows of trade.csv, `.pareto` (`.frame`), those of pareto.csv, and `.text`."""
+
+    def __init__(self, tables: dict[str, Table], text: str) -> None:
+        self.times, self.pareto, self.text = tables["trade"], tables["pareto"], text
+
+    @property
+    def frame(self) -> Any:
+        """The Pareto table as a pandas.DataFrame."""
+        return self.pareto.frame
+
+    def __repr__(self) -> str:
+        return self.text
+
+
 class Mended:
     """Result of `mend`. It prints as the text.
 

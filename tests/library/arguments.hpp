@@ -180,6 +180,8 @@ inline const Function functions[] = {
      [](Arguments& a, lostbits_error* e) {
          return lostbits_study(a.study, a.scene, a.given_options, &a.choice, &a.run, a.out, e);
      }},
+    {"trade",
+     [](Arguments& a, lostbits_error* e) { return lostbits_trade(nullptr, a.shape, 1, &a.choice, &a.run, a.out, e); }},
     {"choose",
      [](Arguments& a, lostbits_error* e) {
          return lostbits_choose(a.scene, a.given_requirement, &a.choice, &a.run, a.out, e);

@@ -322,6 +322,12 @@ int client_asks_for_studies_and_a_choice(void) {
     HOLDS(lostbits_study("consistency", scene, NULL, NULL, NULL, &result, &error) == LOSTBITS_OK);
     HOLDS(column_named(result, 0, "check", &column) && strcmp(column.texts[0], "beyond") == 0);
     lostbits_result_free(result);
+    HOLDS(lostbits_trade(scene, NULL, 1, &choice, NULL, &result, &error) == LOSTBITS_OK);
+    HOLDS(column_named(result, 1, "kept_bits_p99", &column) && column.numbers[0] > 8 && column.numbers[0] <= 24);
+    HOLDS(column_named(result, 0, "time_ns", &column) && column.numbers[0] > 0);
+    lostbits_result_free(result);
+    HOLDS(lostbits_trade(scene, "sphere", 1, &choice, NULL, &result, &error) == LOSTBITS_BAD_INPUT);
+    HOLDS(strstr(error.text, "pass NULL for one of the two") != NULL);
     HOLDS(lostbits_choose(scene, &requirement, &choice, NULL, &result, &error) == LOSTBITS_OK);
     HOLDS(column_named(result, 0, "distance_error", &column) && column.numbers[0] > 0 && column.numbers[0] <= 1e-4);
     lostbits_result_free(result);

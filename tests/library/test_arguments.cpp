@@ -30,9 +30,11 @@ struct Row {
     bool may_be_taken = false;  ///< what it says is nobody's business but the caller's
 };
 
-const std::vector<std::string> choosing{"map", "judge", "answers", "sweep", "explain", "study", "choose", "mend"},
+const std::vector<std::string> choosing{"map",   "judge", "answers", "sweep", "explain",
+                                        "study", "trade", "choose",  "mend"},
     aiming{"judge", "answers", "truth", "hits"}, of_rays{"judge", "answers", "truth", "hits", "judge_mesh"},
-    running{"map", "judge", "answers", "truth", "hits", "inside", "judge_mesh", "sweep", "study", "choose", "mend"},
+    running{"map",        "judge", "answers", "truth", "hits",   "inside",
+            "judge_mesh", "sweep", "study",   "trade", "choose", "mend"},
     opening{"scene_open", "scene_text"}, with_requirement{"choose", "mend"};
 
 const std::vector<Row> null_rows{
@@ -50,7 +52,7 @@ const std::vector<Row> null_rows{
     {"matrix", {"scene_transform"}, [](Arguments& a) { a.matrix = nullptr; }},
     {"result to make",
      {"form_function", "scene_rays", "shapes", "map", "judge", "answers", "truth", "hits", "inside", "judge_mesh",
-      "sweep", "explain", "study", "choose", "mend"},
+      "sweep", "explain", "study", "trade", "choose", "mend"},
      [](Arguments& a) { a.out = nullptr; }},
     {"forms", {"form_make"}, [](Arguments& a) { a.given_forms = nullptr; }},
     {"named", {"form_function"}, [](Arguments& a) { a.function = nullptr; }},
@@ -156,7 +158,7 @@ std::vector<Row> text_rows() {
         const std::string is = " is " + std::string(text).substr(0, 20);
         rows.push_back({"name" + is, {"scene_open"}, [text](Arguments& a) { a.name = text; }});
         rows.push_back({"text" + is, {"scene_text"}, [text](Arguments& a) { a.text = text; }});
-        rows.push_back({"shape" + is, {"scene_primitives"}, [text](Arguments& a) { a.shape = text; }});
+        rows.push_back({"shape" + is, {"scene_primitives", "trade"}, [text](Arguments& a) { a.shape = text; }});
         rows.push_back({"form's name" + is,
                         {"form_make"},
                         [text](Arguments& a) { a.forms[0].name = text; },

@@ -195,6 +195,23 @@ class Bits(unittest.TestCase):
         self.hold_table(s.samples, self.rows("few", "samples.csv"))
         self.hold_table(s.onsets, self.rows("few", "onsets.csv"))
 
+    def test_trade(self):
+        run("trade", "near-benign", "--size", "32x32", "--quick", "-i", "sphere.un*", "-f", "f32", "-o", self.out)
+        t = lb.trade(lb.scene("near-benign", size=(32, 32)), "sphere.un*", "f32", quick=True, progress=False)
+        files = self.by_form("near-benign", "pareto.csv")
+        for k, form in enumerate(t.pareto["form"]):
+            self.assertEqual(str(t.pareto["wrong_fraction"][k]), str(float(files[form, "f32"]["wrong_fraction"])))
+            self.assertEqual(t.pareto["kept_bits_p99"][k], float(files[form, "f32"]["kept_bits_p99"]))
+        self.assertTrue((t.times["time_ns"] > 0).all())
+        self.assertIn("sphere.unified", t.text)
+
+    def test_a_study_by_its_name(self):
+        named = lb.study("consistency", "near-benign", "sphere.unified", check="reverse", progress=False)
+        own = lb.consistency("near-benign", "sphere.unified", checks="reverse", progress=False)
+        self.assertEqual(list(named.summary), list(own.summary))
+        for column in own.summary:
+            np.testing.assert_array_equal(named.summary[column], own.summary[column])
+
     def test_choose(self):
         run("choose", "near-benign", "--bits", "16", "--quick", "-i", "sphere.un*", "-o", self.out)
         c = lb.choose("near-benign", 16, forms="sphere.un*", progress=False)

@@ -27,6 +27,8 @@ namespace {
 
 constexpr const char* form_meaning = "form under test; with +contract or +fastmath: compiled with those flags";
 
+}  // namespace
+
 Table<TimeRow> time_table() {
     using R = TimeRow;
     using Timed = TradeResult::Timed;
@@ -103,6 +105,8 @@ Table<ParetoRow> pareto_table() {
                 &R::dominated}});
     return table;
 }
+
+namespace {
 
 const measure::metric::Distribution& metric_of(const TradeRequest& request, const measure::evaluate::FormSummary& s,
                                                const char* name) {
@@ -290,33 +294,38 @@ TradeFiles::TradeFiles(const TradeRequest& request, const std::filesystem::path&
       pareto_(folder, "pareto.csv",
               "One row per set of rays, form, format and register width; times vary from run to run", pareto_table()) {}
 
-void TradeFiles::write_times(const TradeResult& result) {
-    for (std::size_t k = 0; k < request_.kernels.size(); ++k) {
-        for (std::size_t l = 0; l < request_.loads.size(); ++l)
-            times_.add({name_of(request_.kernels[k]), &request_.loads[l], &result.times[k][l],
-                        request_.plan.repetitions, &result.operations[k]});
-    }
+std::vector<TimeRow> time_rows(const TradeRequest& request, const TradeResult& result) {
+    std::vector<TimeRow> rows;
+    for (std::size_t k = 0; k < request.kernels.size(); ++k)
+        for (std::size_t l = 0; l < request.loads.size(); ++l)
+            rows.push_back({name_of(request.kernels[k]), &request.loads[l], &result.times[k][l],
+                            request.plan.repetitions, &result.operations[k]});
+    return rows;
 }
 
-void TradeFiles::write_pareto(const TradeResult& result) {
-    const auto sets = measure::speed::trade_sets(request_);
+std::vector<ParetoRow> pareto_rows(const TradeRequest& request, const TradeResult& result) {
+    std::vector<ParetoRow> rows;
+    const auto sets = measure::speed::trade_sets(request);
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        const auto all = pareto_points_of(request_, result, s);
+        const auto all = pareto_points_of(request, result, s);
         const auto beaten = measure::speed::dominated(all);
         for (std::size_t k = 0; k < all.size(); ++k) {
             const measure::evaluate::FormSummary& accuracy = result.accuracy(s, k);
-            pareto_.add({sets[s].name, name_of(request_.kernels[k]), all[k], &accuracy,
-                         &metric_of(request_, accuracy, "lost_bits"), &metric_of(request_, accuracy, "excess_bits"),
-                         static_cast<bool>(beaten[k])});
+            rows.push_back({sets[s].name, name_of(request.kernels[k]), all[k], &accuracy,
+                            &metric_of(request, accuracy, "lost_bits"), &metric_of(request, accuracy, "excess_bits"),
+                            static_cast<bool>(beaten[k])});
         }
-        image::save_figure(folder_ / fmt::format("{}.png", sets[s].name),
-                           plot::scatter_plot(trade_plot(request_, result, s)));
     }
+    return rows;
 }
 
 void TradeFiles::finish(const TradeResult& result) {
-    write_times(result);
-    write_pareto(result);
+    times_.add_all(time_rows(request_, result));
+    pareto_.add_all(pareto_rows(request_, result));
+    const auto sets = measure::speed::trade_sets(request_);
+    for (std::size_t s = 0; s < sets.size(); ++s)
+        image::save_figure(folder_ / fmt::format("{}.png", sets[s].name),
+                           plot::scatter_plot(trade_plot(request_, result, s)));
     file::write_file(folder_ / "trade.txt", trade_text(request_, result));
     table::close_tables(folder_,
                         request_.scene ? fmt::format("Speed against accuracy on {}", request_.scene->id)

@@ -58,13 +58,18 @@ struct TimeRow {
 };
 /// A kernel on one of the sets of rays.
 struct ParetoRow {
-    std::string_view set;
+    std::string set;
     KernelKey name;
     ParetoPoint quality;
     const measure::evaluate::FormSummary* accuracy;
     const measure::metric::Distribution *lost, *excess;
     bool dominated;
 };
+
+[[nodiscard]] table::Table<TimeRow> time_table();
+[[nodiscard]] std::vector<TimeRow> time_rows(const TradeRequest& request, const TradeResult& result);
+[[nodiscard]] table::Table<ParetoRow> pareto_table();
+[[nodiscard]] std::vector<ParetoRow> pareto_rows(const TradeRequest& request, const TradeResult& result);
 
 /// Opens its files before the work and gives them their final names when they are complete.
 class TradeFiles {
@@ -73,9 +78,6 @@ public:
     void finish(const TradeResult& result);
 
 private:
-    void write_times(const TradeResult& result);
-    void write_pareto(const TradeResult& result);
-
     const TradeRequest& request_;
     std::filesystem::path folder_;
     table::TableFile<TimeRow> times_;
