@@ -212,8 +212,8 @@ Exit run(const CheckOptions& o, const Common& common) {
         divide(o.shard, o.report, whole ? std::vector<std::filesystem::path>{} : files_of(o, data), common);
     divided.division.expect({"check"});
     std::unique_ptr<output::file::ResultFolder> folder;
-    if (!o.report.empty() && !divided.division.is_shard())
-        folder = own_folder(o.report, common, common.typed.all_subjects(), {.shared = true});
+    if (!o.report.empty())
+        folder = own_folder(divided, o.report, common, common.typed.all_subjects(), {.shared = true});
     if (folder) probe(std::filesystem::path(o.report) / "README.md");
     const study::StudiesByName studies;
     const measure::claim::ClaimRequest request{

@@ -78,6 +78,24 @@ void require_folder(const std::string& out);
                                                                      const Common& common, const std::string& subject,
                                                                      output::file::ResultFolder::Rules rules = {});
 
+/// The division of a run, and its folders.
+struct RunDivision {
+    shard::Division division;
+    std::unique_ptr<output::file::ResultFolder> folder = {};  ///< folder of a shard; null in other runs
+    std::filesystem::path out;                                ///< folder of the results; in a shard, the shard's
+
+    /// The path of a file or folder that a whole run writes; empty in a shard, which writes none.
+    [[nodiscard]] std::filesystem::path written(const std::filesystem::path& path) const {
+        return division.is_shard() ? std::filesystem::path() : path;
+    }
+};
+
+/// The same for a run that may be a shard, which has a folder of its own: null there.
+[[nodiscard]] std::unique_ptr<output::file::ResultFolder> own_folder(const RunDivision& divided,
+                                                                     const std::filesystem::path& folder,
+                                                                     const Common& common, const std::string& subject,
+                                                                     output::file::ResultFolder::Rules rules = {});
+
 /// Prints the path of each file of a drawing.
 void print_figures(const std::filesystem::path& path);
 
@@ -88,7 +106,8 @@ void complete(const std::unique_ptr<output::file::ResultFolder>& folder);
 /// run until the work on its scene is done; its files are then complete, even if the run fails later.
 class SceneFolders {
 public:
-    SceneFolders(const std::vector<scene::file::Scene>& scenes, const std::string& out, const Common& common);
+    /// The folders of the scenes in the results of `divided`.
+    SceneFolders(const std::vector<scene::file::Scene>& scenes, const RunDivision& divided, const Common& common);
 
     /// Called when the files of a scene are complete, before anything is printed about them.
     using Complete = std::function<void()>;
@@ -115,21 +134,15 @@ void add_shard(const shell::Command& command, std::string& word);
 /// A hash of these files and of the libraries, which decide what a run measures.
 [[nodiscard]] std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, const Common& common);
 
-/// The division of a run, and its folders.
-struct RunDivision {
-    shard::Division division;
-    std::unique_ptr<output::file::ResultFolder> folder = {};  ///< folder of a shard; null in other runs
-    std::filesystem::path out;                                ///< folder of the results; in a shard, the shard's
-};
-
 /// Divides a run by the value of its `--shard`. `out` is the folder of its results; `files` decide what it measures.
 /// Throws InputError for a bad value, and if the shards to join read other files.
 [[nodiscard]] RunDivision divide(const std::string& word, const std::string& out,
                                  const std::vector<std::filesystem::path>& files, const Common& common,
                                  bool resumed = false);
 
-/// Ends such a run: the file of a shard gets its final name, which is printed.
-void finish(RunDivision& divided, const Common& common);
+/// Ends such a run: the file of a shard gets its final name, which is printed. Returns false for a shard, whose results
+/// are a part of those of the run.
+bool finish(RunDivision& divided, const Common& common);
 
 /// Throws EnvironmentError if the file cannot be written, so that a run fails before its first ray and not after the
 /// tenth scene.

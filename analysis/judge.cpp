@@ -157,15 +157,14 @@ LOSTBITS_FIELDS(JudgeFindings, result, worst, stages)
 std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output::judge::JudgeFiles& files,
                                       shard::Division& division,
                                       const std::function<std::unique_ptr<Dump>()>& open_again) {
-    if (division.is_shard())
+    if (division.share().count > 1)  // counting reads the file once more
         request.pieces = division.share().of_units(measure::judge::count_pieces(*open_again(), request));
     auto found = shard::result_with_files(
         JudgeFindings{.worst = files.worst()}, files, division, "judge", [&]() -> JudgeFindings {
             JudgeResult result = measure::judge::run_judge(
                 dump, request,
                 [&files](std::size_t row, const auto& chunk, const auto& band) { files.piece(row, chunk, band); });
-            return {std::move(result), division.is_shard() ? files.worst() : std::vector<measure::judge::WorstRays>{},
-                    *request.stages};
+            return {std::move(result), files.worst(), *request.stages};
         });
     if (!found) return std::nullopt;
     if (division.joins()) {
@@ -251,8 +250,7 @@ Exit run(const JudgeOptions& o, const Common& common) {
     shard::Division& division = divided.division;
     division.expect({"judge"});
     const auto folder = std::filesystem::path(o.out) / stem;
-    std::unique_ptr<output::file::ResultFolder> owner;
-    if (!division.is_shard()) owner = own_folder(folder, common, output::attribution::shell_word(o.file));
+    const auto owner = own_folder(divided, folder, common, output::attribution::shell_word(o.file));
     output::judge::JudgeFiles files(request, *dump,
                                     {.folder = folder,
                                      .id = stem,

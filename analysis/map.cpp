@@ -162,7 +162,7 @@ void say_results(const SceneWork& work, const SceneSummaries& summaries, const s
 struct MapContext {
     const Common& common;
     output::file::Progress& progress;
-    shard::Division& division;
+    RunDivision& divided;
     const SceneFolders::Complete& complete;
     std::string explained_by;  ///< see `MapFilesOptions`
 };
@@ -173,14 +173,14 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
                         const MapContext& context) {
     const Common& common = context.common;
     output::file::Progress& progress = context.progress;
-    shard::Division& division = context.division;
+    shard::Division& division = context.divided.division;
     const Scene& scene = *work.map.scene;
     const std::string job = "map " + scene.id, needed_job = "needed " + scene.id;
     const auto folder = std::filesystem::path(o.out) / scene.id;
     const bool pixels = o.pixels == "csv";
     std::optional<output::map::MapExr> exr;
     if (o.exr)
-        exr.emplace(division.is_shard() ? std::filesystem::path() : folder / (scene.id + ".exr"),
+        exr.emplace(context.divided.written(folder / (scene.id + ".exr")),
                     output::map::MapExrRequest{.map = work.map,
                                                .layers = exr_layers(work, o, drawn),
                                                .command = canonical_command(scene, o),
@@ -268,7 +268,7 @@ Exit run(MapOptions o, const Common& common) {
     }
     divided.division.expect(jobs);
     o.out = divided.out.string();
-    SceneFolders folders(divided.division.is_shard() ? std::vector<Scene>{} : scenes, o.out, common);
+    SceneFolders folders(scenes, divided, common);
     for (const SceneWork& work : works) selection::note_without_formula(drawn, work.map.rows, common.quiet);
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     for (const SceneWork& work : works)
@@ -286,12 +286,11 @@ Exit run(MapOptions o, const Common& common) {
             work.map.scene->pixels() * work.map.rows.size() / divided.division.share().count, common.quiet, bands);
         work.map.progress = advancing(progress, &estimate);
         work.map.stages = &stages;
-        return map_scene(
-            work, o, drawn_of(selection::applicable_metrics(drawn, work.map.rows, work.map.scene->id), work),
-            {common, progress, divided.division, complete, k == 0 ? "" : works.front().map.scene->id + "/contact"});
+        return map_scene(work, o,
+                         drawn_of(selection::applicable_metrics(drawn, work.map.rows, work.map.scene->id), work),
+                         {common, progress, divided, complete, k == 0 ? "" : works.front().map.scene->id + "/contact"});
     });
-    finish(divided, common);
-    if (divided.division.is_shard()) return Exit::done;
+    if (!finish(divided, common)) return Exit::done;
     for (const SceneWork& work : works)
         note_suspicions(work.map.rows, common,
                         [&work](const TestedForm& row) { return measure::contract::suspicion(*work.map.scene, row); });

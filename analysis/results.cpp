@@ -40,10 +40,17 @@ void complete(const std::unique_ptr<output::file::ResultFolder>& folder) {
     if (folder) folder->complete();
 }
 
-SceneFolders::SceneFolders(const std::vector<scene::file::Scene>& scenes, const std::string& out,
+std::unique_ptr<output::file::ResultFolder> own_folder(const RunDivision& divided, const std::filesystem::path& folder,
+                                                       const Common& common, const std::string& subject,
+                                                       output::file::ResultFolder::Rules rules) {
+    return divided.division.is_shard() ? nullptr : own_folder(folder, common, subject, std::move(rules));
+}
+
+SceneFolders::SceneFolders(const std::vector<scene::file::Scene>& scenes, const RunDivision& divided,
                            const Common& common) {
+    if (divided.division.is_shard()) return;
     for (const auto& scene : scenes) {
-        const auto folder = std::filesystem::path(out) / scene.id;
+        const auto folder = divided.out / scene.id;
         folders_.push_back(
             own_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data))));
         probe(folder / "summary.csv");
@@ -121,11 +128,12 @@ RunDivision divide(const std::string& word, const std::string& out, const std::v
     return {.division = shard::Division(folder, head), .folder = std::move(owner), .out = folder};
 }
 
-void finish(RunDivision& divided, const Common& common) {
+bool finish(RunDivision& divided, const Common& common) {
     divided.division.finish();
     complete(divided.folder);
-    if (divided.division.is_shard() && !common.quiet)
-        fmt::print("{}\n", (divided.out / output::shard::state_file_name).string());
+    if (!divided.division.is_shard()) return true;
+    if (!common.quiet) fmt::print("{}\n", (divided.out / output::shard::state_file_name).string());
+    return false;
 }
 
 void probe(const std::filesystem::path& file) { const output::file::AtomicFile opened(file); }

@@ -27,12 +27,11 @@ struct StudyOptions : selection::SharedOptions {
     std::string shard;
 };
 
-/// The run of a study over several scenes: its options, the folder of all results, its division, its progress.
+/// The run of a study over several scenes.
 struct StudyRun {
     const StudyOptions& options;
     const Common& common;
-    std::filesystem::path out;
-    shard::Division& division;
+    RunDivision& divided;
     output::file::Progress& progress;
 };
 
@@ -79,9 +78,10 @@ template <>
 class MoreFiles<study::OffsetsAdapter> {
 public:
     MoreFiles(const OffsetStudy& study, const StudyRun& run) : steps_(steps_of(run.options.values)) {
-        if (run.division.is_shard()) return;
+        const auto folder = run.divided.written(run.divided.out / study.scene.id);
         for (const Steps& steps : steps_)
-            files_.push_back(std::make_unique<output::offset::AlongFiles>(run.out / study.scene.id, study, steps.axis));
+            if (!folder.empty())
+                files_.push_back(std::make_unique<output::offset::AlongFiles>(folder, study, steps.axis));
     }
 
     static void add_option(const shell::Command& command, StudyOptions& o) {
@@ -145,7 +145,7 @@ std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun&
                             const SceneFolders::Complete& complete) {
     const StudyOptions& o = run.options;
     const std::string job = fmt::format("{} {}", Adapter::name, study.scene.id);
-    const auto folder = run.out / study.scene.id;
+    const auto folder = run.divided.out / study.scene.id;
     const std::string named = selection::name_of_scene(study.scene, selection::data_folder(run.common.data));
     MoreFiles<Adapter> more(study, run);
     output::study::StudyFiles<typename Adapter::View> files(study,
@@ -154,13 +154,14 @@ std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun&
                                                              .command = run.common.typed.of(named),
                                                              .singles = o.pictures == "all",
                                                              .also = more.resources()},
-                                                            shard::keep_in(run.division, job));
+                                                            shard::keep_in(run.divided.division, job));
     // Opening the files of many forms takes seconds, so the estimate starts after it.
     output::file::Estimate estimate(run.progress, study.scene.id,
-                                    units_of<Adapter>(study, o.values) / run.division.share().count, run.common.quiet);
+                                    units_of<Adapter>(study, o.values) / run.divided.division.share().count,
+                                    run.common.quiet);
     study.progress = advancing(run.progress, &estimate);
-    const auto summaries = shard::run_divided(study, files, run.division, job);
-    more.run(study, run.division);
+    const auto summaries = shard::run_divided(study, files, run.divided.division, job);
+    more.run(study, run.divided.division);
     if (!summaries) return 0;
     files.finish(*summaries);
     complete();
@@ -199,13 +200,12 @@ Exit run_command(const StudyOptions& o, const Common& common) {
     }
     auto divided = divide(o.shard, o.out, read, common);
     divided.division.expect(jobs);
-    SceneFolders folders(divided.division.is_shard() ? std::vector<scene::file::Scene>{} : scenes, divided.out.string(),
-                         common);
+    SceneFolders folders(scenes, divided, common);
     for (const auto& scene : scenes) selection::note_numbers(scene, o.scenes.set, rows, common.quiet);
 
     output::file::Progress progress(units / divided.division.share().count, Adapter::name, common.progress,
                                     common.quiet);
-    const StudyRun run{o, common, divided.out, divided.division, progress};
+    const StudyRun run{o, common, divided, progress};
     const std::uint64_t unproved = folders.each(studies.size(), progress, [&](std::size_t k, const auto& complete) {
         return measure_scene<Adapter>(studies[k], run, complete);
     });

@@ -94,7 +94,7 @@ void ExhaustiveRun::forget_state() const {
     const auto owner = was_stopped() ? chosen_.own(sweep_.id, path_, {.keep = true}) : nullptr;
     output::file::forget_result(unfinished_.path());
     std::error_code ignored;
-    if (chosen_.division().is_shard()) std::filesystem::remove(folder_, ignored);  // removes it if it is empty
+    std::filesystem::remove(folder_, ignored);  // only removes an empty folder, as a shard leaves it
 }
 
 std::uint64_t ExhaustiveRun::run(bool others_follow) {

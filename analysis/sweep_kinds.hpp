@@ -59,8 +59,7 @@ struct SweepSelection {
     [[nodiscard]] std::unique_ptr<output::file::ResultFolder> own(const std::string& id,
                                                                   const std::filesystem::path& sweep,
                                                                   output::file::ResultFolder::Rules rules = {}) const {
-        if (divided.division.is_shard()) return nullptr;
-        return own_folder(folder_of(id), common, selection::name_of_sweep(sweep, data()), rules);
+        return own_folder(divided, folder_of(id), common, selection::name_of_sweep(sweep, data()), rules);
     }
     /// The result of a sweep of so many units, measured here or joined from shards; nothing in a shard.
     template <class Request, class Measure>

@@ -74,7 +74,7 @@ set(near near-benign --size 16x16 -i sphere.unified -i sphere.schoolbook -f f32 
 
 # The command: help, tables and their description, pictures.
 say("^0\n.*--unit.*--shard" angle --help)
-say("^0\n.*sphere\\.unified f32: p50 [0-9.]+e-0[0-9]+, p99 " angle ${near} --unit degree --pixels csv
+say("^0\n.*sphere\\.unified f32: p50 [0-9.]+.*10\\^-6, p99 " angle ${near} --unit degree --pixels csv
     --pictures all -o whole)
 hold(whole/near-benign/summary.csv "^form,format,hits,angle_p50,angle_p99,angle_max\nsphere\\.schoolbook,f32,[1-9]")
 hold(whole/near-benign/sphere.unified.f32.csv "^x,y,angle\n")
@@ -130,7 +130,7 @@ int main(void) {
     return 0;
 }
 ]=])
-execute_process(COMMAND ${CXX} -x c -std=c99 -I${WORK}/analysis/library ${WORK}/study.c -o ${WORK}/study -x none
+execute_process(COMMAND ${CXX} -x c -std=c99 -I${WORK}/analysis/library -I${WORK}/plugins ${WORK}/study.c -o ${WORK}/study -x none
     ${WORK}/build/liblostbits.so -Wl,-rpath,${WORK}/build COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${WORK}/study WORKING_DIRECTORY ${WORK} OUTPUT_VARIABLE said RESULT_VARIABLE code)
 if(NOT "${code}\n${said}" STREQUAL "0\nmeasured\n")
