@@ -298,7 +298,8 @@ Exit run(const ReportOptions& o, const Common& common) {
     if (!work.claims.empty())
         report.results = measure::claim::measure_claims(
             work.claims, {.data_dir = data, .stop = common.stop, .further_draws = o.seeds, .studies = &studies});
-    for (const report::StudyWork& each : work.studies) report.studies.push_back(study_part(each, common.stop));
+    for (const report::StudyWork& each : work.studies)
+        report.studies.push_back(study_part(each, o.forms, o.formats, common.stop));
     for (const scene::file::Scene& scene : work.offsets) {
         if (auto part = report::offset_part(scene, common.stop)) report.offsets.push_back(std::move(*part));
     }
@@ -357,8 +358,10 @@ void add_report(const shell::Command& program, const Common& common) {
     command.add_list("--offsets", o->offsets,
                      "Scenes on which every offset strategy is tried for the next rays (default: none, or those of "
                      "data/report.toml where no SUBJECT is named)");
-    command.add_list("--study", o->studies,
-                     "Also show a study of a scene with its usual forms: STUDY:SCENE, such as consistency:near-benign");
+    command.add_list(
+        "--study", o->studies,
+        "Also show a study of a scene: STUDY:SCENE, such as consistency:near-benign (with the forms of -i, or the "
+        "study's usual ones)");
     selection::add_out(command, o->out, "index.html");
     command.runs([o, &common] { return run(*o, common); });
 }

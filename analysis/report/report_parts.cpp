@@ -260,13 +260,14 @@ StudyWork study_of(const std::string& word, const std::string& size, const std::
     return {word.substr(0, colon), std::move(scenes.front())};
 }
 
-page::StudyPart study_part(const StudyWork& work, StopToken stop) {
-    auto part = study::study_part(work.study, work.scene, stop);
+page::StudyPart study_part(const StudyWork& work, const std::vector<std::string>& forms,
+                           const std::vector<std::string>& formats, StopToken stop) {
+    auto part = study::study_part(work.study, work.scene, forms, formats, stop);
     if (!part)
         throw NothingSelected(
-            fmt::format("--study {}:{}: none of the usual forms of this study fits the scene; `lostbits "
-                        "{} --help` names them",
-                        work.study, work.scene.id, work.study));
+            fmt::format("--study {0}:{1}: none of the forms fits; `lostbits {0} --help` says which "
+                        "forms and scenes the study takes",
+                        work.study, work.scene.id));
     return std::move(*part);
 }
 

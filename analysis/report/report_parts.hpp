@@ -73,8 +73,10 @@ struct StudyWork {
 };
 /// Parses `STUDY:SCENE`. Throws InputError, which says what to write, for other words.
 StudyWork study_of(const std::string& word, const std::string& size, const std::filesystem::path& data, StopToken stop);
-/// Measures the study. Throws NothingSelected if none of its usual forms fits the scene.
-output::page::StudyPart study_part(const StudyWork& work, StopToken stop);
+/// Measures the study with these forms and formats; the usual ones of the study if none is named. Throws
+/// NothingSelected if none of the forms fits.
+output::page::StudyPart study_part(const StudyWork& work, const std::vector<std::string>& forms,
+                                   const std::vector<std::string>& formats, StopToken stop);
 
 /// Loads the scenes of these names. Throws NothingSelected for a scene on which offsets cannot be measured.
 std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& names, const std::string& size,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "analysis/selection/select.hpp"
 #include "analysis/study/studies.hpp"
@@ -61,9 +62,11 @@ auto draw_sheet(const typename Adapter::View::Study& study, const std::filesyste
 }
 
 template <class Adapter>
-std::optional<output::page::StudyPart> part_of(const scene::file::Scene& scene, intersect::process::StopToken stop) {
-    auto all =
-        selection::cross(selection::select_forms(Adapter::usual_forms()), selection::select_formats({usual_format}));
+std::optional<output::page::StudyPart> part_of(const scene::file::Scene& scene, std::vector<std::string> forms,
+                                               std::vector<std::string> formats, intersect::process::StopToken stop) {
+    if (forms.empty()) forms = Adapter::usual_forms();
+    if (formats.empty()) formats = {usual_format};
+    auto all = selection::cross(selection::select_forms(forms), selection::select_formats(formats));
     std::erase_if(all, [](const auto& row) { return !Adapter::takes(*row.form); });
     StudyQuestion question{.scene = scene,
                            .rows = selection::fitting(
@@ -126,8 +129,11 @@ std::vector<std::string> study_names() {
 }
 
 std::optional<output::page::StudyPart> study_part(const std::string& study, const scene::file::Scene& scene,
+                                                  std::vector<std::string> forms, std::vector<std::string> formats,
                                                   intersect::process::StopToken stop) {
-    return with_study(study, [&](auto adapter) { return part_of<decltype(adapter)>(scene, stop); });
+    return with_study(study, [&](auto adapter) {
+        return part_of<decltype(adapter)>(scene, std::move(forms), std::move(formats), stop);
+    });
 }
 
 }  // namespace lostbits::analysis::study

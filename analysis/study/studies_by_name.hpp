@@ -25,10 +25,13 @@ public:
 /// Names of all studies, in the order of the list.
 [[nodiscard]] std::vector<std::string> study_names();
 
-/// Measures a study of a scene for the page, with its usual forms, format and options. Nothing if none of these forms
-/// fits the scene. Throws InputError for an unknown study, and for a scene that it does not take.
+/// Measures a study of a scene for the page, with its usual options. Empty lists of forms and formats mean the usual
+/// ones. Nothing if none of the forms fits the study and the scene. Throws InputError for an unknown study, and for a
+/// scene that it does not take.
 [[nodiscard]] std::optional<output::page::StudyPart> study_part(const std::string& study,
                                                                 const scene::file::Scene& scene,
+                                                                std::vector<std::string> forms,
+                                                                std::vector<std::string> formats,
                                                                 intersect::process::StopToken stop);
 
 }  // namespace lostbits::analysis::study

@@ -139,7 +139,7 @@ struct Report {
 /// One table per side: strategies down, scenes across, and the share of rays that go wrong.
 [[nodiscard]] std::string offset_overview(const std::vector<OffsetPart>& parts);
 
-/// The summary of a study: its columns across, without those that are empty in every row.
+/// The summary of a study: its columns across, without those that are empty in every row and those of commands.
 [[nodiscard]] std::string study_table(const std::vector<file::Column>& columns,
                                       const std::vector<std::vector<file::Cell>>& rows);
 

@@ -161,10 +161,15 @@ std::string offset_table(const measure::offset::OffsetStudy& study, const measur
 }
 
 std::string study_table(const std::vector<file::Column>& columns, const std::vector<std::vector<file::Cell>>& rows) {
+    const auto is_used = [](const file::Cell& cell) { return !cell.is_missing() && !cell.text().empty(); };
+    const auto is_command = [](const file::Cell& cell) { return cell.text().starts_with("lostbits "); };
     std::vector<std::size_t> used;
-    for (std::size_t c = 0; c < columns.size(); ++c)
-        if (std::ranges::any_of(rows, [c](const auto& row) { return !row[c].is_missing() && !row[c].text().empty(); }))
-            used.push_back(c);
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+        const auto any = [&](const auto& of) {
+            return std::ranges::any_of(rows, [&](const auto& r) { return of(r[c]); });
+        };
+        if (any(is_used) && !any(is_command)) used.push_back(c);
+    }
     std::vector<std::string> names;
     for (const std::size_t c : used)
         names.push_back(columns[c].name + (columns[c].unit.empty() ? "" : " [" + columns[c].unit + "]"));
