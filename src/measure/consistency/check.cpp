@@ -16,7 +16,7 @@ namespace {
 std::shared_ptr<const culling::PrimitiveIndex> tree_of(const truth::Band& band, const FloatFormat& format,
                                                        const scene::rays::PrimitiveList<double>& primitives) {
     if (primitives.size() <= offset::most_primitives || !primitives.mesh() || !band.culler()) return nullptr;
-    return band.culler()->for_own_truth(format, primitives);
+    return band.culler()->for_stored_truth(format, primitives);
 }
 
 }  // namespace

@@ -184,9 +184,9 @@ std::shared_ptr<const PrimitiveIndex> Culler::for_forms(const FloatFormat& forma
                                                         const PrimitiveList<double>& primitives) {
     return index_for(For::forms, format, primitives);
 }
-std::shared_ptr<const PrimitiveIndex> Culler::for_own_truth(const FloatFormat& format,
-                                                            const PrimitiveList<double>& primitives) {
-    return index_for(For::own_truth, format, primitives);
+std::shared_ptr<const PrimitiveIndex> Culler::for_stored_truth(const FloatFormat& format,
+                                                               const PrimitiveList<double>& primitives) {
+    return index_for(For::stored_truth, format, primitives);
 }
 
 std::shared_ptr<const PrimitiveIndex> Culler::index_for(For use, const FloatFormat& format,

@@ -164,15 +164,15 @@ public:
     /// Indices for forms in a format that receive `primitives`, and for the truth of those. Made on first use.
     std::shared_ptr<const PrimitiveIndex> for_forms(const FloatFormat& format,
                                                     const scene::rays::PrimitiveList<double>& primitives);
-    std::shared_ptr<const PrimitiveIndex> for_own_truth(const FloatFormat& format,
-                                                        const scene::rays::PrimitiveList<double>& primitives);
+    std::shared_ptr<const PrimitiveIndex> for_stored_truth(const FloatFormat& format,
+                                                           const scene::rays::PrimitiveList<double>& primitives);
 
 private:
     RayBounds bounds_{0, 1, 1};
     scene::rays::PrimitiveList<Real> ideal_;
     scene::rays::PrimitiveList<double> stored_;
     std::shared_ptr<const PrimitiveIndex> truth_;
-    enum class For : std::uint8_t { forms, own_truth };
+    enum class For : std::uint8_t { forms, stored_truth };
     /// Indices that are made when they are first asked for.
     struct LazyIndices {
         std::mutex making;

@@ -70,7 +70,7 @@ FormStatements::FormStatements(const TestedForm& row, unsigned needs, const trut
 
 void FormStatements::into(metric::Sample& sample) const {
     if (bounded_) sample.bounded = &*bounded_;
-    if (way_) sample.way = &*way_;
+    if (way_) sample.filter_arithmetic = &*way_;
     if (steps_) sample.steps = &*steps_;
     sample.end_margin = end_margin_;
     if (levels_) sample.levels = &*levels_;

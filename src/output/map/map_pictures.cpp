@@ -131,7 +131,7 @@ MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
         .file = row_name(row) + (options_.drawn.size() == 1 ? "" : "." + file_word(m)) + ".png",
         .title = fmt::format(
             "{} in {}: {}{}", row.form->info->name, row.format.name, m.name,
-            m.over == measure::metric::MetricDomain::pairs ? fmt::format(" {}", row.against->info->name) : ""),
+            m.domain == measure::metric::MetricDomain::pairs ? fmt::format(" {}", row.against->info->name) : ""),
         .subtitle = {title_of(*row.form->info), drawing.paint->note()},
         .look = std::make_shared<const pixel::Look>(look_of(drawing)),
         .places = {drawing.place},

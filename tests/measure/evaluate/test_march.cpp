@@ -125,7 +125,7 @@ TEST_CASE("explaining one ray gives the values of its pixel in the map", "[measu
     const auto scene = scene_of("sdf-union", 16);
     const intersect::table::Intersector& form = intersect::table::intersectors(Shape::sdf).front();
     measure::truth::Band band(scene, 0, 16);
-    const auto inputs = band.inputs(*find_format("f32"), {.unit_rays = true, .own_truth = false});
+    const auto inputs = band.inputs(*find_format("f32"), {.unit_rays = true, .stored_truth = false});
     const measure::answer::Answers all = measure::answer::evaluate(form, inputs);
     for (const auto& [x, y] : {std::pair{3, 4}, std::pair{8, 9}, std::pair{15, 0}}) {
         const OneRay one(scene, x, y);
