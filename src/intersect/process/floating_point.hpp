@@ -35,12 +35,12 @@ private:
 
 /// Restores the thread's initial state when it is destroyed: for calls of foreign code without a contract, such as
 /// image libraries and drivers.
-class KeepsFloatingPoint {
+class FloatingPointGuard {
 public:
-    KeepsFloatingPoint() noexcept : before_(FloatingPoint::current()) {}
-    ~KeepsFloatingPoint() { before_.set(); }
-    KeepsFloatingPoint(const KeepsFloatingPoint&) = delete;
-    KeepsFloatingPoint& operator=(const KeepsFloatingPoint&) = delete;
+    FloatingPointGuard() noexcept : before_(FloatingPoint::current()) {}
+    ~FloatingPointGuard() { before_.set(); }
+    FloatingPointGuard(const FloatingPointGuard&) = delete;
+    FloatingPointGuard& operator=(const FloatingPointGuard&) = delete;
 
 private:
     FloatingPoint before_;
