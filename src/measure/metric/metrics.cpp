@@ -190,11 +190,11 @@ constexpr Metric table[] = {
            {.needs = needs_attribution, .ramp = Ramp::categories, .domain = MetricDomain::blamed, .by_run = true}),
     tabled({"without_culprit", "ulp", "culprit.without"},
            "rounding error of t if the culprit alone does not round, in ulps of t without rounding",
-           counterfactual<&attribution::Counterfactuals::mended>,
+           counterfactual<&attribution::Counterfactuals::only_exact>,
            {.needs = needs_tape, .ramp = Ramp::magnitude, .low = 0x1p-4}),
     tabled({"culprit_alone", "ulp", "culprit.alone"},
            "rounding error of t if the culprit alone rounds, in ulps of t without rounding",
-           counterfactual<&attribution::Counterfactuals::alone>,
+           counterfactual<&attribution::Counterfactuals::only_rounded>,
            {.needs = needs_tape, .ramp = Ramp::magnitude, .low = 0x1p-4}),
     tabled({"against", "", "against.class"},
            "tells whether the form of --against makes the same decision with the same t; alone_hits: the form of "

@@ -200,7 +200,7 @@ std::string culprit_sentence(const Explanation& x) {
 std::string counterfactual_sentence(const Explanation& x) {
     if (!x.culprit_alone || x.attribution.subject == no_node) return "";
     const OperationView words(x);
-    const auto& [mended, alone] = *x.culprit_alone;
+    const auto& [only_exact, only_rounded] = *x.culprit_alone;
     const NodeId culprit = x.attribution.culprit;
     const bool steps = measure::attribution::is_on_purpose(x.tape[culprit].op);
     const std::string what = words.text().operand(culprit), without = steps ? "Without" : "With",
@@ -208,15 +208,15 @@ std::string counterfactual_sentence(const Explanation& x) {
     if (x.attribution.subject != x.tape.outputs.t) {
         const auto decides = [](bool hit) { return hit ? "hits" : "misses"; };
         return fmt::format("{} {}{} the form {}{}; with {}{} it {}.", without, what, exact,
-                           mended.hit == x.hit ? "still " : "", decides(mended.hit), what, rounded, decides(alone.hit));
+                           only_exact.hit == x.hit ? "still " : "", decides(only_exact.hit), what, rounded, decides(only_rounded.hit));
     }
     const auto off = [&](std::string_view cause, const measure::attribution::Counterfactual& c) {
         if (!c.hit) return std::string("the form misses");
         return std::isfinite(c.error) ? fmt::format("{} puts t {:.4g} ulp off", cause, std::fabs(c.error / words.ulp()))
                                       : "t is not finite";
     };
-    return fmt::format("{} {}{}, {}; with {}{}, {}.", without, what, exact, off("rounding", mended), what, rounded,
-                       off("it", alone));
+    return fmt::format("{} {}{}, {}; with {}{}, {}.", without, what, exact, off("rounding", only_exact), what, rounded,
+                       off("it", only_rounded));
 }
 
 }  // namespace lostbits::output::attribution

@@ -95,8 +95,8 @@ std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& ma
         return Json{{"hit", c.hit}, {"error", c.hit ? json_number(c.error) : Json(nullptr)}};
     };
     const bool runs = x.culprit_alone && verdict.culprit != no_node;
-    j["culprit_alone_exact"] = runs ? counterfactual(x.culprit_alone->mended) : Json(nullptr);
-    j["culprit_alone_rounded"] = runs ? counterfactual(x.culprit_alone->alone) : Json(nullptr);
+    j["culprit_alone_exact"] = runs ? counterfactual(x.culprit_alone->only_exact) : Json(nullptr);
+    j["culprit_alone_rounded"] = runs ? counterfactual(x.culprit_alone->only_rounded) : Json(nullptr);
     j["equals"] = Json::array();
     for (const NodeId i : a.equals) j["equals"].push_back(text.name(i));
     const auto of_subject = [&a](double v) { return a.subject == no_node ? Json(nullptr) : json_number(v); };
