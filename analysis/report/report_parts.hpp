@@ -64,7 +64,7 @@ struct MendWork {
 MendWork mend_of(const std::string& word, const std::string& size, const std::filesystem::path& data, StopToken stop);
 /// Repairs the form without measuring times, as `lostbits mend` does without --price.
 output::page::MendPart mend_part(const MendWork& work, StopToken stop);
-output::page::MendPart mend_part(const output::repair::MendResult& result);
+output::page::MendPart mend_part(const output::repair::RepairSummary& result);
 
 /// Loads the scenes of these names. Throws NothingSelected for a scene on which offsets cannot be measured.
 std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& names, const std::string& size,

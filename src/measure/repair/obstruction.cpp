@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "measure/metric/statistics.hpp"
-#include "measure/repair/mend.hpp"
+#include "measure/repair/repair.hpp"
 #include "measure/truth/lost_bits.hpp"
 
 namespace lostbits::measure::repair {

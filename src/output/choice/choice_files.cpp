@@ -50,7 +50,7 @@ Table<CandidateRow> candidate_table() {
                {"meets", "true if it meets the requirement", &R::meets},
                {"chosen", "true for the cheapest that meets the requirement", &R::chosen},
                {"mended", "the form that was repaired, and how; missing for a form as it is",
-                [](const R& r) { return r.mended ? r.mended->how : ""; }}});
+                [](const R& r) { return r.repair ? r.repair->how : ""; }}});
     return table;
 }
 
@@ -193,7 +193,7 @@ std::vector<CandidateRow> candidate_rows(const ChoiceResult& chosen) {
                         &c.quality,
                         c.quality.meets(requirement),
                         chosen.meets == k,
-                        chosen.mended_as(form)});
+                        chosen.repair_of(form)});
     }
     if (!chosen.request.rays || !chosen.request.rays->answers) return rows;
     const auto& [name, format, quality] = *chosen.request.rays->answers;

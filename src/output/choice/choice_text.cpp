@@ -205,13 +205,13 @@ std::string nothing_meets(const ChoiceResult& chosen) {
 
 /// Results of repairing the forms that do not meet the requirement.
 std::string mended_text(const ChoiceResult& chosen) {
-    if (!chosen.mended) return "";
-    if (chosen.mended->empty())
+    if (!chosen.repaired) return "";
+    if (chosen.repaired->empty())
         return "The repair gave no new form: each form here already meets the requirement, or cannot be repaired to "
                "meet it.\n";
     const Requirement& requirement = chosen.request.requirement;
     std::string text;
-    for (const MendedCandidate& one : *chosen.mended) {
+    for (const RepairedCandidate& one : *chosen.repaired) {
         const auto found =
             std::ranges::find(chosen.all, one.name, [](const Candidate& c) { return c.row.form->info->name; });
         const int precision = found->row.format.parameters.precision;

@@ -7,7 +7,7 @@
 
 #include "catch.hpp"
 #include "intersect/table/recording.hpp"
-#include "measure/repair/mend.hpp"
+#include "measure/repair/repair.hpp"
 #include "measure/rows.hpp"
 #include "scene/file/scene.hpp"
 

@@ -26,7 +26,7 @@ struct WiderSet {
 /// the one whose loss costs least, as long as the requirement is met. Then tries all smaller sets, size by size, as
 /// long as there are at most `affordable` sets of one size.
 WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const RowQuality& with_all,
-                      const MendRequest& request, Judge& judge, std::uint64_t affordable);
+                      const RepairRequest& request, Judge& judge, std::uint64_t affordable);
 
 using identity::Rule;
 
@@ -70,7 +70,7 @@ struct SearchLimit {
 /// the requirement with least work, and compares the results with the truth on all rays. It ends when nothing new
 /// comes, or after the last round. A candidate that is not the form in real arithmetic (on a sample of the rays, see
 /// `RaySample::agree`) is dropped.
-Rewriting rewrite(const MendRequest& request, const Tape& form, const RowQuality& own, Judge& judge,
+Rewriting rewrite(const RepairRequest& request, const Tape& form, const RowQuality& own, Judge& judge,
                   const SearchLimit& limit = {});
 
 /// Estimate of the time of a tape before it is measured: the operations that round, with each division and root counted
@@ -86,7 +86,7 @@ struct Obstruction {
     double off_unit = 0;
 };
 
-struct Mended {
+struct RepairResult {
     Tape tape;                         ///< the tape of the form
     FloatFormat wider;                 ///< the arithmetic of the wider operations
     std::size_t operations = 0;        ///< number of operations that round, and so could be done wider
@@ -109,24 +109,24 @@ struct Mended {
 
 /// Repairs the form of a request. `affordable` is that of `smallest_set`. InputError for a form whose operations are
 /// not the same for every ray of the scene: its tape then has other answers than the form.
-Mended mend(const MendRequest& request, std::uint64_t affordable = 600);
+RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable = 600);
 
 /// True where the primitives' matrices are stored as inverses (world to object); false without matrices. InputError as
 /// for `recorded`.
-bool are_inverses(const MendRequest& request);
+bool are_inverses(const RepairRequest& request);
 
 /// Records every operation of the request's form, as its primitives are stored. Each way of storing a matrix has a tape
 /// of its own, and so has a primitive without a matrix: InputError where the primitives are of several kinds.
-Tape recorded(const MendRequest& request);
+Tape recorded(const RepairRequest& request);
 
 /// Tape of the form with a set of operations done wider.
-Tape with_wider(const Mended& mended, const std::vector<NodeId>& operations);
+Tape with_wider(const RepairResult& mended, const std::vector<NodeId>& operations);
 
 class RaySample {
 public:
     /// Takes about `rays` rays, evenly over the picture or the file. Each ray comes with the primitive that it truly
     /// hits, or with the first one.
-    explicit RaySample(const MendRequest& request, int rays = 64);
+    explicit RaySample(const RepairRequest& request, int rays = 64);
 
     /// Counts how often each operation of a tape loses most.
     [[nodiscard]] std::vector<int> culprits(Tape tape) const;
