@@ -9,7 +9,7 @@
 
 #include "intersect/process/parallel.hpp"
 #include "intersect/table/recording.hpp"
-#include "measure/answer/self.hpp"
+#include "measure/answer/without_rounding.hpp"
 #include "measure/tape/tape_form.hpp"
 #include "measure/truth/band.hpp"
 #include "number/rounded.hpp"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "measure/answer/self.hpp"
+#include "measure/answer/without_rounding.hpp"
 #include "number/ball.hpp"
 #include "number/real.hpp"
 #include "number/rounded.hpp"

@@ -8,7 +8,7 @@
 
 #include "measure/answer/against.hpp"
 #include "measure/answer/owners.hpp"
-#include "measure/answer/self.hpp"
+#include "measure/answer/without_rounding.hpp"
 #include "measure/evaluate/row_parts.hpp"
 #include "measure/stability/stability.hpp"
 #include "measure/truth/lost_bits.hpp"

@@ -13,9 +13,9 @@ using answer::Outcome;
 using truth::missing;
 using truth::Truth;
 
-void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& truth, bool tells_t,
+void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueLengths& truth, bool tells_t,
                    const OutcomeColumns& out, FormSummary& summary) {
-    const answer::Answers& answers = of.answers;
+    const answer::Answers& answers = band_answers.answers;
     const std::size_t n = truth.decision.size();
     const answer::OutcomeTable table(tells_t);
     out.measured.resize(n);
@@ -29,7 +29,7 @@ void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& tr
         const bool other = tells_t & (outcomes[i] == Outcome::agree_hit) & (answers.object[i] != truth.object[i]);
         outcomes[i] = other ? Outcome::wrong_primitive : outcomes[i];
     }
-    if (tells_t) take_apart(of, truth, out.outcomes);
+    if (tells_t) refine_outcomes(band_answers, truth, out.outcomes);
     for (std::size_t i = 0; i < n; ++i) {
         measured[i] = (tells_t & (outcomes[i] == Outcome::agree_hit)) ? answers.t[i] : missing;
     }

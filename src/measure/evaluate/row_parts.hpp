@@ -41,7 +41,7 @@ struct OutcomeColumns {
 
 /// Finds the outcome of every ray, and counts the outcomes in `summary`. `tells_t` is false for a form that answers
 /// only hit or miss: its hits have no t, which does not count as NaN, and the primitive that they hit is unknown.
-void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& truth, bool tells_t,
+void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueLengths& truth, bool tells_t,
                    const OutcomeColumns& out, FormSummary& summary);
 
 /// A form's statements about its own answer to ray i at one primitive: its error bound, the arithmetic of its filter,

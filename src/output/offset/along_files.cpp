@@ -23,7 +23,7 @@ std::size_t look_of(const Strategy* strategy) {
 
 }  // namespace
 
-AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, Along along)
+AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, SceneAxis along)
     : folder_(folder),
       study_(study),
       along_(along),
