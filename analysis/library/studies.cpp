@@ -63,8 +63,8 @@ std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene,
     const auto* const generator = scene::rays::generator_of(*row.form);
     const scene::file::Scene generated = generator ? with_rays(scene, *generator) : scene;
     const measure::answer::OneRay ray(generated, x, y);
-    const auto found =
-        measure::attribution::explain(*row.form, row.format, ray, {}, measure::attribution::PixelOf{&generated, x, y});
+    const auto found = measure::attribution::explain(*row.form, row.format, ray, {},
+                                                     measure::attribution::ScenePixel{&generated, x, y});
     const auto march = output::attribution::end_of_march(*row.form, row.format, ray);
     auto result = std::make_unique<lostbits_result>();
     result->texts = {output::attribution::explain_text(found, false, march),

@@ -81,7 +81,7 @@ ForeignForm renamed(const intersect::table::Intersector& row, int bits, bool fir
 std::map<std::string, std::string> broken_of(const ForeignForm& form, const ForeignForm* first = nullptr) {
     std::map<std::string, std::string> broken;
     for (const Observation& f : try_contract(form, first))
-        if (f.verdict == Observation::Verdict::broken) broken[f.subject] = f.words;
+        if (f.verdict == Observation::Verdict::broken) broken[f.subject] = f.text;
     return broken;
 }
 

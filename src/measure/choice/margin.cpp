@@ -107,7 +107,7 @@ public:
         double next = 1;
         while (next <= most && try_at(next)) next *= step;
         if (!known_) return std::nullopt;
-        if (margin_.end == End::none || margin_.holds == 0) return margin_;
+        if (margin_.end == MarginEnd::none || margin_.holds == 0) return margin_;
         while (margin_.beyond / margin_.holds > close) try_at(std::sqrt(margin_.holds * margin_.beyond));
         return margin_;
     }
@@ -120,18 +120,18 @@ private:
         known_ = true;
         const RowQuality& quality = there->quality;
         const bool meets = quality.meets(requirement_) || (quality.hits == 0 && quality.decides(requirement_));
-        const End end = !there->as_meant    ? End::other_scene
-                        : !meets            ? End::fails
-                        : quality.hits == 0 ? End::nothing_hit
-                                            : End::none;
-        if (end == End::none) {
+        const MarginEnd end = !there->as_meant    ? MarginEnd::other_scene
+                              : !meets            ? MarginEnd::fails
+                              : quality.hits == 0 ? MarginEnd::nothing_hit
+                                                  : MarginEnd::none;
+        if (end == MarginEnd::none) {
             margin_.holds = factor;
             margin_.value = there->value;
             return true;
         }
         margin_.end = end;
         margin_.beyond = factor;
-        margin_.broken = end == End::fails ? quality : RowQuality{};
+        margin_.broken = end == MarginEnd::fails ? quality : RowQuality{};
         return false;
     }
 

@@ -55,7 +55,7 @@ Json form_result_json(const measure::attribution::FormResult& s) {
             {"t", json_number(s.t)},
             {"ulp_error", if_any(s.ulps)},
             {"lost_bits", if_any(s.lost)},
-            {"lost_bits_around", if_any(s.around)}};
+            {"lost_bits_around", if_any(s.lost_nearby)}};
 }
 
 }  // namespace
@@ -110,7 +110,7 @@ std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& ma
                         {"shadow_bits", a.exact_bits}};
     j["operations"] = Json::array();
     for (NodeId i = 0; i < x.tape.size(); ++i) j["operations"].push_back(operation(x, text, i));
-    j["lost_bits_around"] = if_any(x.result.around);
+    j["lost_bits_around"] = if_any(x.result.lost_nearby);
     j["better"] = Json::array();
     for (const measure::attribution::FormResult& s : x.better) j["better"].push_back(form_result_json(s));
     return file::json_text(j);

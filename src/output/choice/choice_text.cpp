@@ -12,8 +12,8 @@
 
 namespace lostbits::output::choice {
 
-using measure::choice::End;
 using measure::choice::Growth;
+using measure::choice::MarginEnd;
 
 namespace {
 
@@ -66,7 +66,7 @@ std::string kept(const RowQuality& quality, int precision, const Requirement& re
     return std::isnan(quality.kept_bits)
                ? "no hit to keep bits of"
                : fmt::format("{} of {} bits{}", bits_text_near(quality.kept_bits, requirement), precision,
-                             off_text(quality.off, requirement));
+                             off_text(quality.distance_error, requirement));
 }
 
 std::string decisions(const RowQuality& quality) {
@@ -91,12 +91,12 @@ std::string times(double factor) { return fmt::format("{:.2f} times", factor); }
 
 std::string broken_by(const GrowthMargin& margin, const Requirement& requirement, int precision) {
     if (!margin.broken.decides(requirement)) {
-        const std::string_view first = measure::answer::wrong_decision_phrase(margin.broken.first.value());
+        const std::string_view first = measure::answer::wrong_decision_phrase(margin.broken.main_fault.value());
         const std::string rays = scene::toml::counted(margin.broken.rays, "ray");
-        if (margin.broken.of_first == margin.broken.wrong)
+        if (margin.broken.main_fault_count == margin.broken.wrong)
             return fmt::format("{} ({} of {})", first, margin.broken.wrong, rays);
         return fmt::format("wrong decisions ({} of {}; most often, {} times, {})", margin.broken.wrong, rays,
-                           margin.broken.of_first, first);
+                           margin.broken.main_fault_count, first);
     }
     return std::isnan(margin.broken.kept_bits) ? "no hit on which form and truth agree"
                                                : "keeping " + kept(margin.broken, precision, requirement);
@@ -230,12 +230,12 @@ std::string mended_text(const ChoiceResult& chosen) {
 std::string margin_end_text(const GrowthMargin& margin, const measure::choice::FileRays* rays,
                             const std::string& broken) {
     switch (margin.end) {
-        case End::fails: return broken;
-        case End::nothing_hit: return "; beyond that no ray hits anything";
-        case End::other_scene:
+        case MarginEnd::fails: return broken;
+        case MarginEnd::nothing_hit: return "; beyond that no ray hits anything";
+        case MarginEnd::other_scene:
             return fmt::format("; beyond that, the scene rounded to {} is another scene",
                                rays ? rays->format.name : "binary32");
-        case End::none: break;
+        case MarginEnd::none: break;
     }
     return ", the largest change that was tried";
 }

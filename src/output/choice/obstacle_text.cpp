@@ -20,7 +20,7 @@ std::string bits(double kept, const Requirement& requirement, double off = measu
 
 /// Bits kept, and the wrong decisions if the requirement does not allow them.
 std::string kept_and_wrong(const RowQuality& quality, const Requirement& requirement) {
-    const std::string kept = bits(quality.kept_bits, requirement, quality.off);
+    const std::string kept = bits(quality.kept_bits, requirement, quality.distance_error);
     if (quality.decides(requirement)) return kept;
     return fmt::format("{} and decides {} of {} wrongly", kept, quality.wrong,
                        scene::toml::counted(quality.rays, "ray"));

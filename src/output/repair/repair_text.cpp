@@ -175,8 +175,8 @@ std::string obstruction_text(const RepairSummary& r) {
                            r.request.row.format.parameters.precision);
     std::string without = fmt::format("without any rounding its operations keep {}", in_words(exact, requirement));
     if (exact.wrong > 0)
-        without += fmt::format(" ({} of them {})", exact.of_first,
-                               exact.first == measure::answer::Outcome::false_hit ? "false hits" : "missed hits");
+        without += fmt::format(" ({} of them {})", exact.main_fault_count,
+                               exact.main_fault == measure::answer::Outcome::false_hit ? "false hits" : "missed hits");
     if (with_unit && !exact.meets(requirement) && measure::repair::is_more_accurate(*with_unit, exact))
         return fmt::format(
             "  In the way: {} assumes directions of length one, and rounded to {} they differ from it by up to {:.2g}. "
