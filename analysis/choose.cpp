@@ -46,7 +46,7 @@ struct LoadedRepairs {
 /// Repairs forms one after another. Deques keep requests and results at fixed addresses.
 class FormRepairer {
 public:
-    FormRepairer(const ChoiceRequest& asked, std::string command) : request_(asked), command_(std::move(command)) {}
+    FormRepairer(const ChoiceRequest& request, std::string command) : request_(request), command_(std::move(command)) {}
 
     void repair_all() {
         ChoiceRequest quiet = request_;
@@ -93,7 +93,7 @@ private:
         written.push_back(output::repair::written(result, proposal, name, command_));
         std::string how = fmt::format("{}, {}", row.form->info->name, method_text(result, proposal));
         if (proposal.wider) how += ": " + names_of(result, *proposal.wider);
-        candidates.push_back({"mended." + name, std::move(how), *proposal.apart, name + ".hpp"});
+        candidates.push_back({"mended." + name, std::move(how), *proposal.held_out, name + ".hpp"});
     }
 
     const ChoiceRequest& request_;

@@ -149,9 +149,9 @@ public:
     /// Makes a culler for rays that do not belong to a scene.
     Culler(scene::rays::PrimitiveList<double> primitives, const scene::rays::RayBlock& rays);
     /// The first serves rays that come in blocks, the second one block: it shares every index that does not depend on
-    /// bounds of rays. Several threads may make and use those of blocks; `of_all` outlives them.
+    /// bounds of rays. Several threads may make and use those of blocks; `parent` outlives them.
     explicit Culler(scene::rays::PrimitiveList<double> primitives);
-    Culler(const Culler& of_all, const scene::rays::RayBlock& rays);
+    Culler(const Culler& parent, const scene::rays::RayBlock& rays);
     Culler(Culler&&) = default;
     Culler& operator=(Culler&&) = default;
 
@@ -180,7 +180,7 @@ private:
     };
     std::shared_ptr<const PrimitiveIndex> index_for(For use, const FloatFormat& format,
                                                     const scene::rays::PrimitiveList<double>& primitives) const;
-    const Culler* of_all_ = nullptr;
+    const Culler* parent_ = nullptr;
     std::unique_ptr<LazyIndices> made_ = std::make_unique<LazyIndices>();
 };
 

@@ -322,12 +322,12 @@ RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable)
     std::vector<Tape> asked{m.tape, with_wider(m, m.set ? m.set->operations : all)};
     for (const Rewritten& r : m.rewriting.found) asked.push_back(r.tape);
     if (m.symmetric) asked.push_back(with_wider(m, m.symmetric->operations));
-    if (request.scene) m.apart = in_other_pixels(*request.scene);
-    const auto there = request.scene ? Judge(request, m.apart).quality_of(asked) : request.on_all(asked);
-    m.own_apart = there[0];
-    m.apart_quality = there[1];
-    for (std::size_t k = 0; k < m.rewriting.found.size(); ++k) m.rewriting.found[k].apart = there[k + 2];
-    if (m.symmetric) m.symmetric->apart = there.back();
+    if (request.scene) m.held_out_scene = in_other_pixels(*request.scene);
+    const auto there = request.scene ? Judge(request, m.held_out_scene).quality_of(asked) : request.on_all(asked);
+    m.own_held_out = there[0];
+    m.set_held_out = there[1];
+    for (std::size_t k = 0; k < m.rewriting.found.size(); ++k) m.rewriting.found[k].held_out = there[k + 2];
+    if (m.symmetric) m.symmetric->held_out = there.back();
     return m;
 }
 

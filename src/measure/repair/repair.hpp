@@ -33,7 +33,7 @@ using identity::Rule;
 /// Set of operations done wider that treats x, y and z alike: groups of `exchanged_groups`.
 struct SymmetricSet {
     std::vector<NodeId> operations;
-    RowQuality quality{}, apart{};           ///< worth on the scene, and on rays that were not searched on
+    RowQuality quality{}, held_out{};        ///< worth on the scene, and on rays that were not searched on
     std::vector<RowQuality> probed = {};     ///< worth on each probe
     std::size_t groups = 0, all_groups = 0;  ///< number of groups in the set, and of all groups
     bool is_smallest = false;                ///< no set of groups with fewer operations passes: all were tried
@@ -42,9 +42,9 @@ struct SymmetricSet {
 /// Form written another way.
 struct Rewritten {
     Tape tape;
-    std::vector<const Rule*> rules;  ///< the rules that made it, in order
-    RowQuality quality{}, apart{};   ///< worth on the scene, and on rays that were not searched on
-    std::size_t operations = 0;      ///< number of operations that round
+    std::vector<const Rule*> rules;    ///< the rules that made it, in order
+    RowQuality quality{}, held_out{};  ///< worth on the scene, and on rays that were not searched on
+    std::size_t operations = 0;        ///< number of operations that round
     /// The fewest operations to do wider, where the form meets the requirement only with them; `tape` has them wider.
     std::optional<WiderSet> set = {};
     std::vector<RowQuality> probed = {};  ///< worth on each probe
@@ -95,9 +95,9 @@ struct RepairResult {
                                        ///< set: it is met as the form is
     Rewriting rewriting = {};          ///< other ways of writing it; none where the requirement is met as the form is
     std::uint64_t tried = 0;           ///< candidates tried, each on all rays
-    scene::file::Scene apart = {};     ///< the scene in other pixels: rays that were not searched on
-    /// Worth of the form and of the set on `apart`; with files, on all their rays.
-    RowQuality own_apart{}, apart_quality{};
+    scene::file::Scene held_out_scene = {};  ///< the scene in other pixels: rays that were not searched on
+    /// Worth of the form and of the set on `held_out_scene`; with files, on all their rays.
+    RowQuality own_held_out{}, set_held_out{};
     /// Probes that apply, and the worth there of the form and of the set (of all operations wider without a set). None
     /// where nothing meets the requirement.
     std::vector<const Isometry*> probes = {};

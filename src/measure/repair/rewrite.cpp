@@ -114,7 +114,7 @@ private:
         std::vector<Candidate> made;
         for (const auto& [loss, k] : order) {
             if (made.size() == limit_.places) break;
-            const TapeOutputs outputs = terms_.with(from.outputs, rewrites[k].replaced);
+            const TapeOutputs outputs = terms_.with_replaced(from.outputs, rewrites[k].replaced);
             if (!seen_.insert(identity::all_of(outputs)).second) continue;
             made.push_back({.outputs = outputs, .rules = from.rules});
             made.back().rules.push_back(rewrites[k].rule);

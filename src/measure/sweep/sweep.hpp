@@ -11,6 +11,7 @@
 
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/metric/statistics.hpp"
+#include "measure/shard/share.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/sweep_file.hpp"
 

@@ -28,10 +28,10 @@ using measure::choice::RowQuality;
 
 /// A candidate made by repairing a form (`lostbits mend`) that does not meet the requirement.
 struct RepairedCandidate {
-    std::string name;  ///< name of the candidate's form
-    std::string how;   ///< `sphere.half_b, 3 of its 20 operations in double: c, disc`
-    RowQuality apart;  ///< on rays of the scene that the search did not use
-    std::string file;  ///< file that holds it as C++
+    std::string name;     ///< name of the candidate's form
+    std::string how;      ///< `sphere.half_b, 3 of its 20 operations in double: c, disc`
+    RowQuality held_out;  ///< on rays of the scene that the search did not use
+    std::string file;     ///< file that holds it as C++
 };
 
 /// All results of a choice.

@@ -219,8 +219,8 @@ std::string mended_text(const ChoiceResult& chosen) {
             fmt::format("{} is {}: {}, {}; {:.2f} ns.\n", one.name, one.how,
                         kept(found->quality, precision, requirement), decisions(found->quality), nanoseconds(*found));
         text += fmt::format("  On rays that the search did not use: {}, {}{}. Its file: {}\n",
-                            kept(one.apart, precision, requirement), decisions(one.apart),
-                            one.apart.meets(requirement) ? "" : ", which does not meet the requirement", one.file);
+                            kept(one.held_out, precision, requirement), decisions(one.held_out),
+                            one.held_out.meets(requirement) ? "" : ", which does not meet the requirement", one.file);
     }
     return text;
 }

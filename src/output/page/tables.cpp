@@ -122,7 +122,7 @@ std::string mend_table(const repair::RepairSummary& r) {
         text += fmt::format("<tr{}><th scope=\"row\">{}</th>", is_best ? " class=\"chosen\"" : "", html(row.name));
         add(is_known ? static_cast<double>(row.operations) : NAN);
         add(is_known ? static_cast<double>(row.wide) : NAN);
-        for (const auto* const quality : {row.quality, row.apart}) {
+        for (const auto* const quality : {row.quality, row.held_out}) {
             add(quality ? quality->kept_bits : NAN);
             add(quality ? static_cast<double>(quality->wrong) : NAN);
         }

@@ -44,22 +44,22 @@ std::vector<FormRow> rows_of(const RepairSummary& r) {
     const auto& own = r.request.row;
     const std::string wider = name_of_wider(m.wider);
     std::vector<FormRow> rows{
-        {"own", std::string(own.form->info->name), own, m.operations, 0, &m.own, &m.own_apart, &m.own_probed}};
+        {"own", std::string(own.form->info->name), own, m.operations, 0, &m.own, &m.own_held_out, &m.own_probed}};
     const auto add = [&](const Proposal& p) {
         if (p.rewritten)
             return rows.push_back({"rewritten", rules_of(*p.rewritten), own, p.rewritten->operations,
-                                   p.rewritten->set ? p.rewritten->set->operations.size() : 0, p.quality, p.apart,
+                                   p.rewritten->set ? p.rewritten->set->operations.size() : 0, p.quality, p.held_out,
                                    p.probed, rules_of(*p.rewritten)});
         const std::string name = fmt::format("{} of {} in {}", p.wider->size(), m.operations, wider);
         rows.push_back({p.symmetric ? "symmetric" : "wider", p.symmetric ? name + ", symmetric" : name, own,
-                        m.operations, p.wider->size(), p.quality, p.apart, p.probed});
+                        m.operations, p.wider->size(), p.quality, p.held_out, p.probed});
         rows.back().set = p.wider;
     };
     const auto proposals = proposals_of(r);
     const auto rewritten = std::ranges::find_if(proposals, [](const Proposal& p) { return p.rewritten != nullptr; });
     std::for_each(proposals.begin(), rewritten, add);
     rows.push_back({"all_wider", fmt::format("all {} in {}", m.operations, wider), own, m.operations, m.operations,
-                    &m.all, m.set ? nullptr : &m.apart_quality, m.set ? nullptr : &m.set_probed});
+                    &m.all, m.set ? nullptr : &m.set_held_out, m.set ? nullptr : &m.set_probed});
     std::for_each(rewritten, proposals.end(), add);
     for (FormRow& row : rows) row.wider = row.wide == 0 ? "" : wider;
     const std::size_t first = rows.size();
@@ -157,7 +157,7 @@ Table<FormRow> form_table() {
         {{"apart_rays", "rays that the search did not use; missing if they were not measured", &RowQuality::rays},
          {"apart_wrong", "number of these that are decided wrongly", &RowQuality::wrong},
          {"apart_kept_bits", "bits", "bits kept on these", or_missing(&RowQuality::kept_bits)}},
-        &R::apart);
+        &R::held_out);
     using P = Price;
     table.add<P>(
         {{"isa", "registers of `time_ns`; missing, like the times, if nothing was compiled", &P::isa},

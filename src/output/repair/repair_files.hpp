@@ -49,7 +49,7 @@ RepairSummary result_of(const measure::repair::RepairRequest& request, const mea
 /// A resulting form: the set, the symmetric set, or another way of writing the form.
 struct Proposal {
     Tape tape;
-    const RowQuality *quality, *apart;
+    const RowQuality *quality, *held_out;
     const std::vector<RowQuality>* probed;        ///< worth on each probe of the result
     const measure::repair::Rewritten* rewritten;  ///< null: it is one of the sets
     const std::vector<NodeId>* wider;             ///< operations of the set; null: it is none
@@ -89,7 +89,7 @@ struct FormRow {
     std::size_t operations = 0;         ///< rounding operations; 0 for the catalogue
     std::size_t wide = 0;               ///< number of operations that are done wider
     const RowQuality* quality = nullptr;
-    const RowQuality* apart = nullptr;                ///< on rays that the search did not use; null: not measured
+    const RowQuality* held_out = nullptr;             ///< on rays that the search did not use; null: not measured
     const std::vector<RowQuality>* probed = nullptr;  ///< on each probe; null: not measured
     std::string rules = {};                           ///< rules that rewrote it
     std::string wider = {};                           ///< format of the wider operations

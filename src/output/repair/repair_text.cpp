@@ -47,11 +47,11 @@ std::string margin_text(const GrowthMargin& margin, const RepairSummary& r) {
 
 std::string own_is_enough(const RepairSummary& r) {
     return fmt::format("It meets the requirement as it is: no operation has to be wider.\n{}",
-                       r.repair.own_apart.meets(r.request.requirement)
+                       r.repair.own_held_out.meets(r.request.requirement)
                            ? ""
                            : fmt::format("On {} it does not: {}.\n",
                                          r.request.scene ? "rays that lie between these" : "all rays of the file",
-                                         in_words(r.repair.own_apart, r.request.requirement)));
+                                         in_words(r.repair.own_held_out, r.request.requirement)));
 }
 
 /// The change of a proposal: as a patch of the user's file, and else as lines of the formula.
@@ -71,15 +71,16 @@ std::string change_of(const RepairSummary& r, std::size_t k) {
 }
 
 /// `here`: accuracy on the rays of the search.
-std::string apart_rays_text(const RepairSummary& r, const RowQuality& here, const RowQuality& apart) {
+std::string held_out_text(const RepairSummary& r, const RowQuality& here, const RowQuality& held_out) {
     const auto& m = r.repair;
     const std::string where =
-        r.request.scene ? fmt::format("{}x{} other pixels, which the search did not use", m.apart.width, m.apart.height)
+        r.request.scene ? fmt::format("{}x{} other pixels, which the search did not use", m.held_out_scene.width,
+                                      m.held_out_scene.height)
                         : fmt::format("all {} of the file", scene::toml::counted(r.request.rays->rays, "ray"));
     std::string text =
-        fmt::format("  On {}: {}; without the change: {}.\n", where, in_words(apart, r.request.requirement),
-                    in_words(m.own_apart, r.request.requirement));
-    if (here.meets(r.request.requirement) && !apart.meets(r.request.requirement))
+        fmt::format("  On {}: {}; without the change: {}.\n", where, in_words(held_out, r.request.requirement),
+                    in_words(m.own_held_out, r.request.requirement));
+    if (here.meets(r.request.requirement) && !held_out.meets(r.request.requirement))
         text += fmt::format("  There it does not meet the requirement: it was found for the {} only.\n",
                             r.request.scene ? "pixels of this scene" : "rays that the search kept");
     return text;
@@ -134,7 +135,7 @@ std::string symmetric_set_text(const RepairSummary& r) {
                         set.groups, set.all_groups,
                         set.is_smallest ? "no groups with fewer operations are enough (all were tried)"
                                         : "none of these can be spared");
-    return text + probes_text(r, set.probed) + apart_rays_text(r, set.quality, set.apart) +
+    return text + probes_text(r, set.probed) + held_out_text(r, set.quality, set.held_out) +
            margins_text(r.symmetric_margins, r);
 }
 
@@ -160,7 +161,7 @@ std::string wider_set_text(const RepairSummary& r) {
                             m.set->none_of + 1 == n ? ", so this set is one of the smallest"
                                                     : "; sets of sizes between were not all tried");
     }
-    return text + apart_rays_text(r, m.set->quality, m.apart_quality) + probes_text(r, m.set_probed) +
+    return text + held_out_text(r, m.set->quality, m.set_held_out) + probes_text(r, m.set_probed) +
            margins_text(r.margins, r) + symmetric_set_text(r);
 }
 
@@ -206,7 +207,7 @@ std::string rewritten_text(const RepairSummary& r, std::size_t k) {
                             rule->condition);
     }
     text += change_of(r, proposals_of(r).size() - r.repair.rewriting.found.size() + k);
-    text += apart_rays_text(r, one.quality, one.apart) + probes_text(r, one.probed);
+    text += held_out_text(r, one.quality, one.held_out) + probes_text(r, one.probed);
     return k < r.rewritten_margins.size() ? text + margins_text(r.rewritten_margins[k], r) : text;
 }
 
@@ -276,13 +277,13 @@ std::vector<Proposal> proposals_of(const RepairSummary& r) {
     std::vector<Proposal> all;
     const auto& m = r.repair;
     if (r.has_set())
-        all.push_back({with_wider(m, m.set->operations), &m.set->quality, &m.apart_quality, &m.set_probed, nullptr,
+        all.push_back({with_wider(m, m.set->operations), &m.set->quality, &m.set_held_out, &m.set_probed, nullptr,
                        &m.set->operations});
     if (const auto& set = m.symmetric)
-        all.push_back({with_wider(m, set->operations), &set->quality, &set->apart, &set->probed, nullptr,
+        all.push_back({with_wider(m, set->operations), &set->quality, &set->held_out, &set->probed, nullptr,
                        &set->operations, true});
     for (const auto& one : m.rewriting.found)
-        all.push_back({one.tape, &one.quality, &one.apart, &one.probed, &one, nullptr});
+        all.push_back({one.tape, &one.quality, &one.held_out, &one.probed, &one, nullptr});
     for (std::size_t k = 0; k < all.size() && !r.prices.empty(); ++k) all[k].price = &r.prices[k + 1];
     return all;
 }

@@ -96,7 +96,7 @@ TEST_CASE("no identity changes the unrounded answer of a form of the catalogue",
         Terms terms(before);
         for (const Rewrite& rewrite : rewrites_of(terms, terms.outputs(), unit_of(form, terms))) {
             INFO(form.info->name << ", " << rewrite.rule->name);
-            const Tape after = terms.tape(terms.with(terms.outputs(), rewrite.replaced));
+            const Tape after = terms.tape(terms.with_replaced(terms.outputs(), rewrite.replaced));
             const int seed = ++applied[rewrite.rule->name];
             hits[rewrite.rule->name] += check_same(before, after, form, static_cast<std::uint64_t>(seed));
         }
@@ -175,7 +175,7 @@ TEST_CASE("the square of a root is its radicand, where the radicand is not negat
     const auto found = std::ranges::find(rewrites, "square of a root", [](const Rewrite& r) { return r.rule->name; });
     REQUIRE(found != rewrites.end());
     CHECK(found->rule->condition == "x >= 0");
-    const Tape after = terms.tape(terms.with(terms.outputs(), found->replaced));
+    const Tape after = terms.tape(terms.with_replaced(terms.outputs(), found->replaced));
     CHECK(std::ranges::count(after.nodes, TapeOp::sqrt, &TapeNode::op) == 0);
     for (int k = 0; k <= 200; ++k) {
         const double value = std::ldexp(k, -3);

@@ -111,7 +111,7 @@ TEST_CASE("edges seen from the ray's origin decide better near a triangle, and f
         std::vector<Tape> tapes{before};
         for (const auto& rewrite : identity::rewrites_of(terms, terms.outputs(), std::nullopt))
             if (rewrite.rule->name == "edges from the origin")
-                tapes.push_back(terms.tape(terms.with(terms.outputs(), rewrite.replaced)));
+                tapes.push_back(terms.tape(terms.with_replaced(terms.outputs(), rewrite.replaced)));
         REQUIRE(tapes.size() == 2);
         tapes.push_back(tape::tape_of(test::form_named("triangle.signed_volumes"), *find_format("f32")));
         Judge judge(request, scene);
@@ -259,7 +259,7 @@ TEST_CASE("pairs of floats have the same effect as double here", "[mend]") {
     const RepairResult m = repair_form(request, 1);
     CHECK(m.wider == tape::two_floats);
     CHECK(m.all.kept_bits > 23);
-    CHECK((m.apart.width != scene.width && m.apart_quality.rays != m.own.rays));
+    CHECK((m.held_out_scene.width != scene.width && m.set_held_out.rays != m.own.rays));
     CHECK(m.set.value().quality.meets(request.requirement));
 }
 
