@@ -149,7 +149,7 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> asked, 
     };
     using namespace measure::metric;
     keep_where(
-        [](const TestedForm& row) { return row.form->way != nullptr; },
+        [](const TestedForm& row) { return row.form->filter_arithmetic != nullptr; },
         [](const Metric* m) { return (m->needs & needs_filter_arithmetic) != 0; },
         fmt::format(
             "none of the selected forms in {} filters, that is, uses a wider format if it must; add -i '*.filtered'",

@@ -47,7 +47,7 @@ struct RowQuality {
     [[nodiscard]] bool decides(const Requirement& requirement) const { return wrong_fraction() <= requirement.wrong; }
     [[nodiscard]] bool meets(const Requirement& requirement) const {
         return decides(requirement) && kept_bits >= requirement.bits &&
-               (!requirement.has_tolerance() || off <= requirement.tolerance);
+               (!requirement.has_tolerance() || distance_error <= requirement.tolerance);
     }
 };
 

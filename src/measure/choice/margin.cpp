@@ -197,7 +197,7 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
     constexpr std::size_t most_asked = 1 << 16;
     constexpr std::size_t most_near = 64;  // triangles of a mesh near a point: no more are asked
     const std::size_t faces = scene.mesh ? scene.mesh->faces.size() : 0, beside = scene.primitive_count() - faces;
-    if (beside + faces == 0 || beside > offset::most_primitives || !offset::can_be_asked(*row.form))
+    if (beside + faces == 0 || beside > offset::most_primitives || !offset::can_measure_offsets(*row.form))
         return std::nullopt;
     const std::size_t asked = beside + std::min(faces, most_near);
     const auto affordable = static_cast<int>(std::clamp<std::size_t>(most_asked / asked, 64, 65536));
@@ -207,7 +207,7 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
     const offset::OffsetSummary summary = std::move(study::run_study(request).front());
     SafeOffsets safe;
     safe.points = summary.points;
-    for (const offset::Side side : offset::both_sides) safe.rays += summary.on(side).rays;
+    for (const offset::Side side : offset::both_sides) safe.rays += summary.side_summary(side).rays;
     safe.outside =
         offset::safe_strategies(summary, request.strategies, row.form->shape, std::array{offset::Side::outside});
     safe.both = offset::safe_strategies(summary, request.strategies, row.form->shape);

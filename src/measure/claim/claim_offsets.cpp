@@ -67,7 +67,7 @@ RowClaims& row_of(const SubjectClaim<OffsetsSubject>& asked, const scene::file::
                   std::vector<RowClaims>& rows) {
     const Claim& claim = asked.claim;
     const evaluate::TestedForm row = row_for(claim, scene);
-    if (!offset::can_be_asked(*row.form))
+    if (!offset::can_measure_offsets(*row.form))
         scene::toml::fail(claim.where, claim.form +
                                            " does not answer the t at which a ray meets a primitive, so no next ray "
                                            "can start there; name another form");

@@ -48,8 +48,8 @@ FormStatements::FormStatements(const TestedForm& row, unsigned needs, const trut
     const double tmax = rays.tmax.empty() ? HUGE_VAL : rays.tmax[i];
     if ((needs & metric::needs_bound) && form.bounded)
         bounded_ = form.bounded(row.format, ray, inputs.target_for(form, primitive), tmax);
-    if ((needs & metric::needs_filter_arithmetic) && form.way)
-        way_ = form.way(row.format, ray, inputs.target_for(form, primitive), tmax);
+    if ((needs & metric::needs_filter_arithmetic) && form.filter_arithmetic)
+        filter_arithmetic_ = form.filter_arithmetic(row.format, ray, inputs.target_for(form, primitive), tmax);
     if ((needs & metric::needs_levels) && truly >= 0) {
         const Primitive<double> met = inputs.primitives[static_cast<std::size_t>(truly)];
         const intersect::table::Intersector& part = form.of(met.shape);
@@ -70,7 +70,7 @@ FormStatements::FormStatements(const TestedForm& row, unsigned needs, const trut
 
 void FormStatements::into(metric::Sample& sample) const {
     if (bounded_) sample.bounded = &*bounded_;
-    if (way_) sample.filter_arithmetic = &*way_;
+    if (filter_arithmetic_) sample.filter_arithmetic = &*filter_arithmetic_;
     if (steps_) sample.steps = &*steps_;
     sample.end_margin = end_margin_;
     if (levels_) sample.levels = &*levels_;

@@ -111,7 +111,8 @@ bool MetricPaint::applies_to(const TestedForm& row) const {
                (!metric_->categories.empty() || measure::answer::are_comparable(*row.form->info, *row.against->info));
     const bool machine = row.format.engine != Format::Engine::rounded;
     if ((metric_->needs & measure::metric::needs_bound) && (row.form->bounded == nullptr || !machine)) return false;
-    if ((metric_->needs & measure::metric::needs_filter_arithmetic) && row.form->way == nullptr) return false;
+    if ((metric_->needs & measure::metric::needs_filter_arithmetic) && row.form->filter_arithmetic == nullptr)
+        return false;
     return metric_->domain != MetricDomain::marches || !is_primitive(row.form->shape);
 }
 
