@@ -170,10 +170,10 @@ ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken s
     return request;
 }
 
-using Owner = std::unique_ptr<output::file::ResultFolder>;
+using OwnedFolder = std::unique_ptr<output::file::ResultFolder>;
 
 /// The part that scenes and files of rays share. For files, the accuracy on their rays is known already.
-Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const Owner& owner,
+Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const OwnedFolder& owner,
             output::file::Progress& progress, const Common& common,
             std::optional<std::vector<output::choice::RepairedCandidate>> repaired = {}) {
     measure::choice::TimedRays timed;

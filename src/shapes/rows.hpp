@@ -83,7 +83,7 @@ struct ShapeRow {
     bool surface = false;              ///< it has no inside: a line crosses it at single points
     bool edges = false;                ///< its keys are corners, and rays can be aimed at the edges between them
     bool shaded = false;               ///< it has a normal for shading, so pictures can be made of it
-    ShapeTexts words = {};
+    ShapeTexts texts = {};
 };
 
 namespace detail {

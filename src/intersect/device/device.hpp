@@ -60,7 +60,7 @@ public:
     Device& operator=(const Device&) = delete;
     virtual ~Device() = default;
 
-    [[nodiscard]] virtual const DeviceDescription& words() const = 0;
+    [[nodiscard]] virtual const DeviceDescription& description() const = 0;
     [[nodiscard]] virtual const DeviceLimits& limits() const = 0;
     /// A compute program. CompileError if the compiler rejects it; EnvironmentError if the compiler itself fails or
     /// does not know the language.

@@ -22,8 +22,8 @@ public:
     void set() const noexcept;
     /// `flush_to_zero,denormals_are_zero`: the differences from the standard, as the property of a contract; empty if
     /// there are none.
-    [[nodiscard]] std::string words() const;
-    /// The inverse of `words`. False for an unknown word.
+    [[nodiscard]] std::string differences() const;
+    /// The inverse of `differences`. False for an unknown word.
     static bool read(const std::string& words, FloatingPoint& into);
 
     friend bool operator==(const FloatingPoint&, const FloatingPoint&) = default;

@@ -87,7 +87,8 @@ void judge_row(const RowClaims& row, const OffsetSummary& summary) {
         const offset::Side side = side_of(claim, on);
         const auto& column = column_named(offset::offset_columns(), claim.metric, claim.where.text());
         result = judge(claim, column.value(summary, side, strategy), nullptr);
-        if (const auto bad = shown_by(claim, summary.on(side).strategies[strategy])) result.witness = witness_of(*bad);
+        if (const auto bad = shown_by(claim, summary.side_summary(side).strategies[strategy]))
+            result.witness = witness_of(*bad);
         require_proof(result, summary.unresolved, "pixel has no proved truth", "pixels have no proved truth");
     }
 }

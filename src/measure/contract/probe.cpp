@@ -55,7 +55,7 @@ std::vector<Question> many(Shape shape) {
     return questions;
 }
 
-std::string plainest_primitive_text(Shape shape) { return std::string(row_of(shape).words.plainest); }
+std::string plainest_primitive_text(Shape shape) { return std::string(row_of(shape).texts.plainest); }
 
 /// The plainest ray and its primitive in words.
 std::string plainest_ray_text(Shape shape, const char* joint) {
@@ -370,7 +370,7 @@ void try_odd_numbers(Trial& trial) {
     }
     try_odd(trial, "nan-origin", "an origin of NaN", along(shape, nan, 1));
     try_odd(trial, "infinite-origin", "an origin at infinity", along(shape, -infinity, 1));
-    try_odd(trial, "point", std::string(row_of(shape).words.point), along(shape, -5, 1, 0, 0));
+    try_odd(trial, "point", std::string(row_of(shape).texts.point), along(shape, -5, 1, 0, 0));
     const int scale = trial.contract.bits == 32 ? 100 : 600;
     const std::string format = "binary" + std::to_string(trial.contract.bits), power = std::to_string(scale);
     try_odd(trial, "huge", "numbers of 2^" + power + ", whose squares overflow in " + format,

@@ -173,7 +173,7 @@ void try_touching(Trial& trial) {
         return trial.truth(q, closed).hit && !trial.truth(q, open).hit;
     };
     if (!touches(2) && !touches(1)) return;  // a plane has no rim
-    const std::string what(row_of(trial.shape).words.touching);
+    const std::string what(row_of(trial.shape).texts.touching);
     int hits = 0, asked = 0;
     for (const double from : {-5.0, -4.0, -7.0}) {
         for (const double side : {1.0, -1.0}) {

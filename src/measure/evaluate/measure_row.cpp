@@ -163,7 +163,7 @@ private:
                                         asked_of(i), truth.is_hit() ? truth_.object[i] : -1);
         const Primitive<double> primitive = result_.inputs->primitives[asked_of(i)];
         Sample sample = sample_of(i, ray, primitive, truth);
-        statements.into(sample);
+        statements.fill(sample);
         const bool rays = (needs_ & metric::needs_true_ray) != 0;
         const std::optional<Ray<Real>> true_ray = rays ? std::optional(result_.band->true_ray(i)) : std::nullopt;
         if (rays) sample.true_ray = &*true_ray, sample.frame = result_.band->frame();
@@ -219,7 +219,7 @@ private:
         if (needs_ & metric::needs_attribution) sample.attribution = &attribution;
         const unsigned others = needs_ & ~unsigned{metric::needs_filter_arithmetic | metric::needs_levels};
         const FormStatements statements(row_, others, in, ray, i, asked_of(i), -1);
-        statements.into(sample);
+        statements.fill(sample);
         take(i, sample, which);
     }
 
@@ -286,25 +286,25 @@ private:
 
 }  // namespace
 
-void measure_row(const RowRequest& request, const RowInputs& on, FormSummary& summary,
+void measure_row(const RowRequest& request, const RowInputs& row_inputs, FormSummary& summary,
                  std::span<const RaySubset> parts) {
     const TestedForm& row = request.row;
-    const answer::Answers asked = request.answers ? answer::Answers{} : answer::evaluate(*row.form, on.inputs);
+    const answer::Answers asked = request.answers ? answer::Answers{} : answer::evaluate(*row.form, row_inputs.inputs);
     const answer::Answers& answers = request.answers ? *request.answers : asked;
     // The columns are taken out of `kept`: a thread that waits in here may start another row.
     thread_local std::optional<RowColumns> kept;
     RowColumns columns_of_thread = std::exchange(kept, std::nullopt).value_or(RowColumns{});
-    columns_of_thread.make(on.band.pixels(), request.metrics);
-    BandResult result{.y0 = on.band.y0(),
-                      .rows = on.band.rows(),
-                      .width = on.inputs.rays.width,
-                      .band = &on.band,
-                      .inputs = &on.inputs,
+    columns_of_thread.make(row_inputs.band.pixels(), request.metrics);
+    BandResult result{.y0 = row_inputs.band.y0(),
+                      .rows = row_inputs.band.rows(),
+                      .width = row_inputs.inputs.rays.width,
+                      .band = &row_inputs.band,
+                      .inputs = &row_inputs.inputs,
                       .answers = &answers,
                       .convention = row.convention(),
                       .outcomes = std::move(columns_of_thread.outcomes),
                       .metrics = std::move(columns_of_thread.metrics)};
-    const TrueLengths& truth = on.columns.of(row.convention(), row.form->info->direction);
+    const TrueLengths& truth = row_inputs.columns.of(row.convention(), row.form->info->direction);
     Measurement(request, truth, result, columns_of_thread).measure(summary, parts);
     if (request.show) request.show(result);
     columns_of_thread.outcomes = std::move(result.outcomes);

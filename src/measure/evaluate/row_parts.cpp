@@ -68,7 +68,7 @@ FormStatements::FormStatements(const TestedForm& row, unsigned needs, const trut
         answer::steps_of(intersect::bounding_box::without_world_boxes(part), row.format, ray, asked, rays.range(i));
 }
 
-void FormStatements::into(metric::Sample& sample) const {
+void FormStatements::fill(metric::Sample& sample) const {
     if (bounded_) sample.bounded = &*bounded_;
     if (filter_arithmetic_) sample.filter_arithmetic = &*filter_arithmetic_;
     if (steps_) sample.steps = &*steps_;

@@ -52,7 +52,7 @@ public:
     FormStatements(const TestedForm& row, unsigned needs, const truth::FormatInputs& inputs, const Ray<double>& ray,
                    std::size_t i, std::size_t primitive, std::int32_t truly);
     /// Sets pointers in the sample to this object, which must outlive the sample.
-    void into(metric::Sample& sample) const;
+    void fill(metric::Sample& sample) const;
 
 private:
     std::optional<intersect::BoundedAnswer> bounded_;

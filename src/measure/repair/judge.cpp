@@ -83,7 +83,7 @@ struct Compared {
 Compared compared(const TestedForm& form, const Tape& tape, const RepairRequest& request, Judge& judge) {
     const TapeForm other(*request.row.form, request.row.format, tape, "tape", "");
     std::array<Bits, 2> bits;
-    const auto quality = judge.quality_of({form, row_like(form, other)}, evaluate::shown_to_each(bits));
+    const auto quality = judge.quality_of({form, row_like(form, other)}, evaluate::show_to_each(bits));
     return {quality.front(), bits[0] == bits[1]};
 }
 

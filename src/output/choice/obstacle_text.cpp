@@ -42,7 +42,7 @@ std::string required_inputs_text(const ChoiceResult& chosen, const Candidate& ne
     const Obstacle& found = *chosen.obstacle;
     const Requirement& requirement = chosen.request.requirement;
     const Shape shape = near.row.form->shape;
-    const std::string_view places = is_primitive(shape) ? row_of(shape).words.places : "centres";
+    const std::string_view places = is_primitive(shape) ? row_of(shape).texts.places : "centres";
     const auto form_in_f64 = [&near, &requirement](const InputTrial& trial) {
         return trial.form ? fmt::format("; {} in f64 keeps {}", near.row.form->info->name,
                                         kept_and_wrong(*trial.form, requirement))

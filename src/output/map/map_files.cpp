@@ -91,7 +91,7 @@ MapFiles::MapFiles(const MapStudy& request, const MapFilesOptions& options)
 
 MapFiles::~MapFiles() = default;
 
-measure::evaluate::ShowRows MapFiles::show() { return measure::evaluate::shown_to_each(parts_->rows); }
+measure::evaluate::ShowRows MapFiles::show() { return measure::evaluate::show_to_each(parts_->rows); }
 
 void MapFiles::put(std::size_t row, pixel::Piece&& piece) { parts_->rows.at(row).put(piece); }
 

@@ -67,7 +67,7 @@ TEST_CASE("input, model and rounding error of a march sum to its total error", "
     for (const char* name : {"ulp_error", "model_error", "rounding_error", "input_error", "iterations", "stop"})
         request.metrics.push_back(measure::metric::find_metric(name));
     std::vector<Checker> checkers(request.rows.size(), Checker(scene.march->max_steps));
-    const auto summaries = measure::evaluate::run_map(request, measure::evaluate::shown_to_each(checkers));
+    const auto summaries = measure::evaluate::run_map(request, measure::evaluate::show_to_each(checkers));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         INFO(request.rows[r].form->info->name << " in " << request.rows[r].format.name << ", without a value "
                                               << checkers[r].without_self);
