@@ -125,10 +125,10 @@ Parsed NumberParser::read_hexadecimal(std::string_view text) const {
 }
 
 Parsed NumberParser::read_slowly(std::string_view text) const {
-    const auto parsed = toml::parse_number(text);
-    if (const auto* const fault = std::get_if<toml::NumberFault>(&parsed))
+    const auto exact_or_fault = toml::parse_number(text);
+    if (const auto* const fault = std::get_if<toml::NumberFault>(&exact_or_fault))
         return {fault->too_large ? Kind::too_large : Kind::not_numeric};
-    const Real& exact = std::get<Real>(parsed);
+    const Real& exact = std::get<Real>(exact_or_fault);
     Parsed parsed{Kind::number, toml::round_to_format(exact, format_.parameters)};
     if (std::isinf(parsed.value)) return {Kind::too_large};
     const std::string_view magnitude = unsigned_part(text);
