@@ -111,7 +111,7 @@ inline constexpr std::array<ShapeRow, Primitives::size> shape_rows = [] {
              .surface = SurfaceSpan<decltype(std::declval<One>().span(Ray<float>{})), float>,
              .edges = One::edges,
              .shaded = Shaded<One>,
-             .words = One::words};
+             .texts = One::texts};
         for (const Key& key : r.keys) r.numbers += key.count();
     });
     return rows;
