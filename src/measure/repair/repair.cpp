@@ -300,7 +300,7 @@ Tape recorded(const RepairRequest& request) {
     return tape::tape_of(*request.row.form, request.row.format, are_inverses(request));
 }
 
-Tape with_wider(const RepairResult& mended, const std::vector<NodeId>& operations) {
+Tape with_wider(const RepairResult& repair, const std::vector<NodeId>& operations) {
     return tape::widened(repair.tape, operations, repair.wider);
 }
 

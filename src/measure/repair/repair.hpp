@@ -120,7 +120,7 @@ bool are_inverses(const RepairRequest& request);
 Tape recorded(const RepairRequest& request);
 
 /// Tape of the form with a set of operations done wider.
-Tape with_wider(const RepairResult& mended, const std::vector<NodeId>& operations);
+Tape with_wider(const RepairResult& repair, const std::vector<NodeId>& operations);
 
 class RaySample {
 public:

@@ -256,7 +256,7 @@ void RepairFiles::finish(const RepairSummary& r) {
     minimal_.add_all(minimal_rows(r));
     probes_.add_all(probe_rows(r));
     file::write_file(folder_ / "mend.txt", in_words(r));
-    table::close_tables(folder_, fmt::format("RepairResult: {}", r.request.id()), forms_, minimal_, probes_);
+    table::close_tables(folder_, fmt::format("Mended: {}", r.request.id()), forms_, minimal_, probes_);
 }
 
 namespace {
