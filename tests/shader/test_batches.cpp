@@ -49,7 +49,7 @@ public:
     bool loses = false;  ///< the last ray of each run
 
 private:
-    DeviceDescription words_{"echo", "Echo", "-", "1", "-"};
+    DeviceDescription description_{"echo", "Echo", "-", "1", "-"};
     DeviceLimits limits_;
 };
 
