@@ -20,15 +20,15 @@ struct PredefinedName {
     std::string_view name, value;
 };
 constexpr std::array<PredefinedName, 10> predefined_names{{{"iResolution", "vec3(640.0, 360.0, 1.0)"},
-                                                    {"iTime", "0.0"},
-                                                    {"iGlobalTime", "0.0"},
-                                                    {"iTimeDelta", "0.0"},
-                                                    {"iFrameRate", "60.0"},
-                                                    {"iFrame", "0"},
-                                                    {"iMouse", "vec4(0.0)"},
-                                                    {"iDate", "vec4(0.0)"},
-                                                    {"iSampleRate", "44100.0"},
-                                                    {"lb_FragCoord", "vec4(0.5, 0.5, 0.0, 1.0)"}}};
+                                                           {"iTime", "0.0"},
+                                                           {"iGlobalTime", "0.0"},
+                                                           {"iTimeDelta", "0.0"},
+                                                           {"iFrameRate", "60.0"},
+                                                           {"iFrame", "0"},
+                                                           {"iMouse", "vec4(0.0)"},
+                                                           {"iDate", "vec4(0.0)"},
+                                                           {"iSampleRate", "44100.0"},
+                                                           {"lb_FragCoord", "vec4(0.5, 0.5, 0.0, 1.0)"}}};
 
 /// An offset in a text, and what is inserted before that byte.
 using Insertion = std::pair<std::size_t, std::string>;
@@ -36,7 +36,7 @@ using Insertion = std::pair<std::size_t, std::string>;
 /// Turns `uniform vec2 size;`, whose first token is `at`, into a variable, which holds 0 if `initialized`:
 /// Vulkan has uniforms only in blocks. Blocks and samplers stay.
 void add_zero_initializer(std::string& text, std::vector<Insertion>& insertions, const std::vector<Token>& tokens,
-                 std::size_t at, bool initialized) {
+                          std::size_t at, bool initialized) {
     static const std::set<std::string_view> types{"float", "int", "uint", "bool", "vec2", "vec3", "vec4", "double"};
     if (at + 3 >= tokens.size() || !types.contains(tokens[at + 1].text) || tokens[at + 3].text != ";") return;
     blank(text, tokens[at]);
@@ -80,7 +80,8 @@ std::string as_compute_code(const std::string& original, bool initialize_uniform
         if (t.text == "main") text.replace(t.offset, 4, "lb_m");
         if (depth == 0 && t.text == "uniform") add_zero_initializer(text, insertions, tokens, i, initialize_uniforms);
         // `layout(location = 0) out vec4 color;` of the file becomes a variable.
-        static const std::set<std::string_view> qualifiers{"in", "out", "varying", "attribute", "flat", "smooth", "layout"};
+        static const std::set<std::string_view> qualifiers{"in",   "out",    "varying", "attribute",
+                                                           "flat", "smooth", "layout"};
         if (depth == 0 && !t.in_directive && qualifiers.contains(t.text)) {
             blank(text, t);
             interface = t.text == "layout";
@@ -111,8 +112,8 @@ std::string site_declarations(const std::string& text) {
     if (used.contains("lb_FragDepth")) declarations += "float lb_FragDepth;\n";
     for (const std::string channel : {"iChannel0", "iChannel1", "iChannel2", "iChannel3"}) {
         if (used.contains(channel) && !declared.contains(channel))
-            declarations += "layout(binding = " + std::to_string(8 + channel.back() - '0') + ") uniform sampler2D " + channel +
-                     ";\n";
+            declarations += "layout(binding = " + std::to_string(8 + channel.back() - '0') + ") uniform sampler2D " +
+                            channel + ";\n";
     }
     return declarations;
 }
@@ -148,7 +149,7 @@ std::string call_code(const Signature& s, const ShaderMarch& march) {
     }
     const std::string call = s.function.name + "(" + list + ")";
     code += s.kind == Signature::Kind::field ? march_code(s, march, call)
-                                              : "    " + s.function.type + " lb_says = " + call + ";\n";
+                                             : "    " + s.function.type + " lb_says = " + call + ";\n";
     const auto store = [&code](const std::string& near, const std::string& far) {
         code += "    lb_answers[2u * lb_i] = " + near + ";\n    lb_answers[2u * lb_i + 1u] = " + far + ";\n";
     };
@@ -184,7 +185,7 @@ std::string glsl_prologue(const std::string& real) {
     std::string code = "layout(local_size_x = " + std::to_string(device::group_size) + ") in;\n", head;
     const auto buffer = [&code](BufferBinding at, bool written, const std::string& members) {
         code += "layout(std430, binding = " + std::to_string(at) + ") " + (written ? "writeonly" : "readonly") +
-                 " buffer LbBuffer" + std::to_string(at) + " {" + members + " };\n";
+                " buffer LbBuffer" + std::to_string(at) + " {" + members + " };\n";
     };
     for (const std::string_view member : head_members) head += " uint " + std::string(member) + ";";
     buffer(BufferBinding::head, false, head);
@@ -201,7 +202,7 @@ std::string hlsl_prologue() {
         code += "#define " + std::string(head_members[k]) + " lb_head[" + std::to_string(k) + "]\n";
     const auto buffer = [&code](const ColumnBuffer& c) {
         code += "[[vk::binding(" + std::to_string(c.at) + ")]] " + (c.written ? "RW" : "") + "StructuredBuffer<" +
-                 (c.whole ? "uint" : "float") + "> " + std::string(c.name) + ";\n";
+                (c.whole ? "uint" : "float") + "> " + std::string(c.name) + ";\n";
     };
     buffer({BufferBinding::head, "lb_head", false, true});
     for (const ColumnBuffer& c : column_buffers) buffer(c);

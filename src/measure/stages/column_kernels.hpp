@@ -180,7 +180,8 @@ void fill_kernels(ColumnKernels::OfOperation& kernels) {
     } else {
         [&]<std::size_t... masks>(std::index_sequence<masks...>) {
             const auto fill = [&]<std::size_t mask>() {
-                if constexpr (known_exact(mask, operands) == mask) kernels[mask] = run<P, BoundedStep<operation, mask, W>>;
+                if constexpr (known_exact(mask, operands) == mask)
+                    kernels[mask] = run<P, BoundedStep<operation, mask, W>>;
             };
             (fill.template operator()<masks>(), ...);
         }

@@ -64,7 +64,8 @@ PixelValue shadow_of(Seen seen, Shadow shadow) {
 }
 
 PixelValue certified(const measure::picture::TrueColour& c) {
-    return c.certain ? PixelValue{.colour = Rgb8{c.byte[0], c.byte[1], c.byte[2]}} : PixelValue{picture_category::not_proved};
+    return c.certain ? PixelValue{.colour = Rgb8{c.byte[0], c.byte[1], c.byte[2]}}
+                     : PixelValue{picture_category::not_proved};
 }
 
 constexpr const char* glance_means =
@@ -194,7 +195,8 @@ const Look& picture_look() {
 }
 
 PixelValue pixel_of(const measure::picture::Painted& p) {
-    if (std::isnan(p.colour.x) || std::isnan(p.colour.y) || std::isnan(p.colour.z)) return {picture_category::not_a_number};
+    if (std::isnan(p.colour.x) || std::isnan(p.colour.y) || std::isnan(p.colour.z))
+        return {picture_category::not_a_number};
     return {.colour = Rgb8{p.byte[0], p.byte[1], p.byte[2]}};
 }
 
