@@ -72,7 +72,7 @@ private:
 /// The node with `instead` in place of the two products.
 NodeId with_pair(RewriteFinder& finder, NodeId i, const Pair& pair, const Product& instead) {
     const PairFinder pair_finder(finder, pair.others);
-    const Sum now = plus(pair.others, Sum{{finder.reduced(times(pair.rest, instead)), pair.factor}});
+    const Sum now = plus(pair.others, Sum{{pair_finder.reduced(times(pair.rest, instead)), pair.factor}});
     return now.empty() ? i : written_out(finder.terms, now, finder.newest, finder.terms[i].label);
 }
 
