@@ -20,16 +20,16 @@
 #include "output/choice/choice_files.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/repair/form_code.hpp"
-#include "output/repair/mend_files.hpp"
+#include "output/repair/repair_files.hpp"
 
 namespace lostbits::analysis {
 
 using measure::choice::ChoiceRequest;
 using measure::evaluate::TestedForm;
-using measure::repair::Mended;
-using measure::repair::MendRequest;
-using output::repair::MendResult;
+using measure::repair::RepairRequest;
+using measure::repair::RepairResult;
 using output::repair::Proposal;
+using output::repair::RepairSummary;
 
 namespace {
 
@@ -40,41 +40,42 @@ struct LoadedRepairs {
         Format format;
     };
     std::vector<Loaded> loaded;
-    std::vector<output::choice::MendedCandidate> candidates;  ///< in the same order
+    std::vector<output::choice::RepairedCandidate> candidates;  ///< in the same order
 };
 
 /// Repairs forms one after another. Deques keep requests and results at fixed addresses.
 class FormRepairer {
 public:
-    FormRepairer(const ChoiceRequest& asked, std::string command) : asked_(asked), command_(std::move(command)) {}
+    FormRepairer(const ChoiceRequest& request, std::string command) : request_(request), command_(std::move(command)) {}
 
-    void mend_all() {
-        ChoiceRequest quiet = asked_;
+    void repair_all() {
+        ChoiceRequest quiet = request_;
         quiet.progress = [](std::uint64_t) {};
         const auto quality = quality_of(quiet);
-        for (std::size_t r = 0; r < asked_.rows.size(); ++r)
-            if (!quality[r].meets(asked_.requirement) && !asked_.rows[r].form->is_placed) mend_one(asked_.rows[r]);
+        for (std::size_t r = 0; r < request_.rows.size(); ++r)
+            if (!quality[r].meets(request_.requirement) && !request_.rows[r].form->is_placed)
+                repair_one(request_.rows[r]);
     }
 
     std::vector<measure::repair::RepairedSource> written = {};
-    std::vector<output::choice::MendedCandidate> candidates = {};
+    std::vector<output::choice::RepairedCandidate> candidates = {};
 
 private:
-    void mend_one(const TestedForm& row) {
+    void repair_one(const TestedForm& row) {
         requests_.push_back(
-            {.scene = asked_.scene, .row = row, .requirement = asked_.requirement, .limit = asked_.limit});
+            {.scene = request_.scene, .row = row, .requirement = request_.requirement, .limit = request_.limit});
         try {
             // 0: do not prove that the sets are minimal, that is, try no smaller sets after the search.
-            mended_.push_back(measure::repair::mend(requests_.back(), 0));
+            repairs_.push_back(measure::repair::repair_form(requests_.back(), 0));
         } catch (const InputError&) {
             return;  // its operations are not known, or not the same for every ray
         }
-        const MendResult result{
-            .request = requests_.back(), .mended = mended_.back(), .catalogue = {}, .catalogue_quality = {}};
+        const RepairSummary result{
+            .request = requests_.back(), .repair = repairs_.back(), .catalogue = {}, .catalogue_quality = {}};
         proposals_.push_back(proposals_of(result));
         int count = 0;
         for (const Proposal& one : proposals_.back())
-            if (one.quality->meets(asked_.requirement) && is_new(one, row)) add(result, one, ++count);
+            if (one.quality->meets(request_.requirement) && is_new(one, row)) add(result, one, ++count);
     }
 
     bool is_new(const Proposal& proposal, const TestedForm& row) {
@@ -84,7 +85,7 @@ private:
             .second;
     }
 
-    void add(const MendResult& result, const Proposal& proposal, int count) {
+    void add(const RepairSummary& result, const Proposal& proposal, int count) {
         const TestedForm& row = result.request.row;
         std::string name(row.form->info->name);
         std::ranges::replace(name, '.', '_');
@@ -92,35 +93,36 @@ private:
         written.push_back(output::repair::written(result, proposal, name, command_));
         std::string how = fmt::format("{}, {}", row.form->info->name, method_text(result, proposal));
         if (proposal.wider) how += ": " + names_of(result, *proposal.wider);
-        candidates.push_back({"mended." + name, std::move(how), *proposal.apart, name + ".hpp"});
+        candidates.push_back({"mended." + name, std::move(how), *proposal.held_out, name + ".hpp"});
     }
 
-    const ChoiceRequest& asked_;
+    const ChoiceRequest& request_;
     std::string command_;
-    std::deque<MendRequest> requests_;
-    std::deque<Mended> mended_;
+    std::deque<RepairRequest> requests_;
+    std::deque<RepairResult> repairs_;
     std::deque<std::vector<Proposal>> proposals_;
     std::set<std::string> seen_;
 };
 
 /// Repairs every row of the request that does not meet its requirement and whose operations are known. Compiles every
-/// result of `measure::repair::mend` that meets it, and writes it as a file into `folder`. Equal results of two forms
-/// count once. Throws EnvironmentError if nothing can be compiled. `command` is the command that asks for it.
-LoadedRepairs mended(const ChoiceRequest& request, const measure::repair::CompilerSetup& setup,
-                     const std::filesystem::path& folder, const std::string& command) {
-    FormRepairer bench(request, command);
-    bench.mend_all();
+/// result of `measure::repair::repair_form` that meets it, and writes it as a file into `folder`. Equal results of two
+/// forms count once. Throws EnvironmentError if nothing can be compiled. `command` is the command that asks for it.
+LoadedRepairs load_repairs(const ChoiceRequest& request, const measure::repair::CompilerSetup& setup,
+                           const std::filesystem::path& folder, const std::string& command) {
+    FormRepairer repairer(request, command);
+    repairer.repair_all();
     LoadedRepairs all;
-    if (bench.written.empty()) return all;
-    auto formulas = compile_and_load({.scene = request.scene, .row = {}, .limit = request.limit}, bench.written, setup);
+    if (repairer.written.empty()) return all;
+    auto formulas =
+        compile_and_load({.scene = request.scene, .row = {}, .limit = request.limit}, repairer.written, setup);
     for (std::size_t k = 0; k < formulas.size(); ++k) {
-        auto& candidate = bench.candidates[k];
+        auto& candidate = repairer.candidates[k];
         const auto file = folder / candidate.file;
-        output::file::write_file(file, bench.written[k].header);
+        output::file::write_file(file, repairer.written[k].header);
         candidate.file = file.string();
-        all.loaded.push_back({std::move(formulas[k]), bench.written[k].from.format});
+        all.loaded.push_back({std::move(formulas[k]), repairer.written[k].from.format});
     }
-    all.candidates = std::move(bench.candidates);
+    all.candidates = std::move(repairer.candidates);
     return all;
 }
 
@@ -168,12 +170,12 @@ ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken s
     return request;
 }
 
-using Owner = std::unique_ptr<output::file::ResultFolder>;
+using OwnedFolder = std::unique_ptr<output::file::ResultFolder>;
 
 /// The part that scenes and files of rays share. For files, the accuracy on their rays is known already.
-Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const Owner& owner,
+Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const OwnedFolder& owner,
             output::file::Progress& progress, const Common& common,
-            std::optional<std::vector<output::choice::MendedCandidate>> mended = {}) {
+            std::optional<std::vector<output::choice::RepairedCandidate>> repaired = {}) {
     measure::choice::TimedRays timed;
     std::optional<measure::choice::MetPixelsByForm> meetings;
     if (request.scene) request.show = meetings.emplace(request, request.rows).show();
@@ -181,7 +183,7 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const Ow
     auto requirement_map = meetings ? std::optional(requirement_map_of(request, all, *meetings)) : std::nullopt;
     auto chosen = output::choice::choose_among(request, all, timed);
     chosen.requirement_map = std::move(requirement_map);
-    chosen.mended = std::move(mended);
+    chosen.repaired = std::move(repaired);
     if (chosen.meets && request.scene)
         chosen.offsets = measure::choice::safe_offsets(*request.scene, all[*chosen.meets].row, request.limit);
     files.finish(chosen);
@@ -213,8 +215,8 @@ Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
     if (!common.quiet) selection::note_idle_settings(o.set, scene.id, request.rows);
     if (!o.mend) return choose(request, files, owner, progress, common);
     LoadedRepairs repairs =
-        mended(request, {o.compiler, selection::form_flags_folder()}, folder,
-               common.typed.of(selection::name_of_scene(scene, selection::data_folder(common.data))));
+        load_repairs(request, {o.compiler, selection::form_flags_folder()}, folder,
+                     common.typed.of(selection::name_of_scene(scene, selection::data_folder(common.data))));
     for (const auto& repair : repairs.loaded)
         request.rows.push_back({.form = &repair.formula.row, .format = repair.format});
     return choose(request, files, owner, progress, common, std::move(repairs.candidates));

@@ -123,36 +123,36 @@ std::set<std::string> names_of(const std::vector<Result>& results) {
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
 /// Compares every file of every kind, one after another, as for two commits that should change no result.
-Exit run_strictly(const DiffOptions& w, const CompareOptions& options, const Common& common) {
+Exit run_strictly(const DiffOptions& o, const CompareOptions& options, const Common& common) {
     // Reads all files before it prints anything, so that bad input does not leave half an answer.
-    const auto results = diff::compare_all(w.a, w.b, options);
+    const auto results = diff::compare_all(o.a, o.b, options);
     diff::refuse_unknown_columns(options, names_of(results));
     const bool same = std::ranges::all_of(results, &Result::same);
-    const bool files = fs::is_regular_file(w.a) && fs::is_regular_file(w.b);
-    if (files) print_option_differences(option_differences(folder_of(w.a), folder_of(w.b)));
+    const bool files = fs::is_regular_file(o.a) && fs::is_regular_file(o.b);
+    if (files) print_option_differences(option_differences(folder_of(o.a), folder_of(o.b)));
     for (const Result& r : results) {
         if (!r.same() || common.verbose) diff::print(r, common.verbose);
     }
     if (same && !common.quiet) fmt::print("same\n");
-    if (!same && files && !w.strict && diff::kind_of(w.a) == diff::FileKind::csv &&
-        diff::kind_of(w.b) == diff::FileKind::csv) {
-        const auto a = output::file::read_csv(w.a), b = output::file::read_csv(w.b);
+    if (!same && files && !o.strict && diff::kind_of(o.a) == diff::FileKind::csv &&
+        diff::kind_of(o.b) == diff::FileKind::csv) {
+        const auto a = output::file::read_csv(o.a), b = output::file::read_csv(o.b);
         if (output::diff::has_row_keys(a) && output::diff::has_row_keys(b))
-            diff::print_verdict(output::diff::compare_rows(a, b, "", options).verdict, w.b);
+            diff::print_verdict(output::diff::compare_rows(a, b, "", options).verdict, o.b);
     }
     return same ? Exit::done : Exit::answer_is_no;
 }
 
-Exit run_on_maps(const DiffOptions& w, const MapSides& sides, const CompareOptions& options, const Common& common) {
-    const diff::MapDifference found = diff::compare_maps(sides, options, w.pictures);
+Exit run_on_maps(const DiffOptions& o, const MapSides& sides, const CompareOptions& options, const Common& common) {
+    const diff::MapDifference found = diff::compare_maps(sides, options, o.pictures);
     auto names = names_of(found.others);
     names.insert(found.rows.names.begin(), found.rows.names.end());
     diff::refuse_unknown_columns(options, names);
     std::unique_ptr<output::file::ResultFolder> owner;
-    if (!w.draw.empty()) owner = own_folder(w.draw, common, w.a + (w.b.empty() ? "" : " " + w.b));
-    const auto pictures = w.draw.empty() ? std::vector<fs::path>{} : diff::draw_maps(sides, w.draw, common.stop);
+    if (!o.draw.empty()) owner = own_folder(o.draw, common, o.a + (o.b.empty() ? "" : " " + o.b));
+    const auto pictures = o.draw.empty() ? std::vector<fs::path>{} : diff::draw_maps(sides, o.draw, common.stop);
     complete(owner);
-    if (!sides.are_forms()) print_option_differences(option_differences_below(w.a, w.b));
+    if (!sides.are_forms()) print_option_differences(option_differences_below(o.a, o.b));
     if (!found.same() || common.verbose) diff::print(found, sides, common.verbose);
     if (found.same() && !common.quiet) fmt::print("same\n");
     for (const auto& picture : pictures) {
@@ -165,9 +165,9 @@ Exit run_on_maps(const DiffOptions& w, const MapSides& sides, const CompareOptio
 }
 
 /// Prints on stderr which of the compared folders have incomplete results.
-void print_incomplete(const DiffOptions& w) {
+void print_incomplete(const DiffOptions& o) {
     std::set<fs::path> folders;
-    for (const fs::path side : {w.a, w.b}) {
+    for (const fs::path side : {o.a, o.b}) {
         if (side.empty()) continue;
         std::error_code ignored;
         const bool is_folder = fs::is_directory(side, ignored);
@@ -183,37 +183,37 @@ void print_incomplete(const DiffOptions& w) {
     }
 }
 
-MapSides sides_of(const DiffOptions& w) {
-    if (w.forms.empty()) return {w.a, w.b, {}, {}, w.formats};
-    if (w.forms.size() != 2)
+MapSides sides_of(const DiffOptions& o) {
+    if (o.forms.empty()) return {o.a, o.b, {}, {}, o.formats};
+    if (o.forms.size() != 2)
         throw InputError(fmt::format("-i names {}; name two, as in -i sphere.press -i sphere.unified",
-                                     scene::toml::counted(w.forms.size(), "form")));
-    if (!w.b.empty())
-        throw InputError("-i compares two forms within one folder; leave out " + w.b +
+                                     scene::toml::counted(o.forms.size(), "form")));
+    if (!o.b.empty())
+        throw InputError("-i compares two forms within one folder; leave out " + o.b +
                          ", or -i to compare two folders");
-    if (w.strict) throw InputError("--strict: compares files, but two forms are rows of the same file; leave it out");
-    return {w.a, w.a, w.forms[0], w.forms[1], w.formats};
+    if (o.strict) throw InputError("--strict: compares files, but two forms are rows of the same file; leave it out");
+    return {o.a, o.a, o.forms[0], o.forms[1], o.formats};
 }
 
-Exit run(const DiffOptions& w, const Common& common) {
+Exit run(const DiffOptions& o, const Common& common) {
     CompareOptions options;
     options.stop = common.stop;
-    for (const std::string& text : w.tolerances) options.tolerances.push_back(output::diff::parse_tolerance(text));
-    options.ignored = w.ignored;
+    for (const std::string& text : o.tolerances) options.tolerances.push_back(output::diff::parse_tolerance(text));
+    options.ignored = o.ignored;
     if (common.verbose) options.most = UINT64_MAX;
-    const MapSides sides = sides_of(w);
-    if (w.b.empty() && !sides.are_forms())
-        throw InputError("diff: B is missing, the file or folder to compare with; or compare two forms of " + w.a +
+    const MapSides sides = sides_of(o);
+    if (o.b.empty() && !sides.are_forms())
+        throw InputError("diff: B is missing, the file or folder to compare with; or compare two forms of " + o.a +
                          ": -i FORM -i FORM");
-    const bool folders = diff::are_folders(w.a, w.b.empty() ? w.a : w.b);
+    const bool folders = diff::are_folders(o.a, o.b.empty() ? o.a : o.b);
     if (!folders && sides.are_forms())
-        throw InputError(w.a + ": is a file; to compare two forms, name the folder of a map");
-    if (!w.draw.empty() && (!folders || w.strict))
+        throw InputError(o.a + ": is a file; to compare two forms, name the folder of a map");
+    if (!o.draw.empty() && (!folders || o.strict))
         throw InputError("--draw needs two folders of maps, or two forms of one, without --strict; leave it out");
-    if (!w.formats.empty() && w.draw.empty())
+    if (!o.formats.empty() && o.draw.empty())
         throw InputError("-f selects the formats that --draw draws; add --draw FOLDER, or leave out -f");
-    print_incomplete(w);
-    return folders && !w.strict ? run_on_maps(w, sides, options, common) : run_strictly(w, options, common);
+    print_incomplete(o);
+    return folders && !o.strict ? run_on_maps(o, sides, options, common) : run_strictly(o, options, common);
 }
 
 }  // namespace

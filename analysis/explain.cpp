@@ -129,8 +129,8 @@ Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& words,
     refuse_ray(ray);
     RangesRequest request{.format = row.format, .boxes = static_cast<std::size_t>(words.boxes)};
     for (const std::string& text : words.ranges) {
-        const GivenRange& asked = request.asked.emplace_back(range_named(text));
-        if (std::ranges::count(request.asked, asked.name, &GivenRange::name) > 1)
+        const GivenRange& asked = request.given_ranges.emplace_back(range_named(text));
+        if (std::ranges::count(request.given_ranges, asked.name, &GivenRange::name) > 1)
             throw InputError("--input-range " + text + ": " + asked.name + " has two ranges; leave one out");
     }
     const auto data = selection::data_folder(common.data);
@@ -185,12 +185,12 @@ Exit run(const ExplainOptions& o, const Common& common) {
     const measure::answer::OneRay& ray = asked.ray;
     if (asked.scene && !common.quiet) selection::note_lost_numbers(*asked.scene, {{&form, format}});
     const auto beside = selection::select_forms(o.beside, "--beside");
-    std::optional<measure::attribution::PixelOf> pixel;
+    std::optional<measure::attribution::ScenePixel> pixel;
     if (asked.scene && asked.pixel)
         pixel = {asked.scene.get(), asked.pixel->first, asked.pixel->second, {.stop = common.stop}};
     const measure::attribution::Explanation x = measure::attribution::explain(*asked.form, format, ray, beside, pixel);
     const auto march = output::attribution::end_of_march(form, format, ray);
-    for (const std::string& why : x.silent) fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(why));
+    for (const std::string& why : x.failures) fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(why));
     if (o.json) fmt::print("{}", output::attribution::explain_json(x, march));
     else if (o.fpcore) fmt::print("{}", output::attribution::explain_fpcore(x));
     else if (o.c) fmt::print("{}", output::attribution::explain_c(x));

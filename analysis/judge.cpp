@@ -257,7 +257,7 @@ Exit run(const JudgeOptions& o, const Common& common) {
                                      .title = "rays of " + std::filesystem::path(o.file).filename().string(),
                                      .command = common.typed.text(),
                                      .drawn = request.picture ? drawn : std::vector<const Metric*>{},
-                                     .singles = o.pictures == "all",
+                                     .single_pictures = o.pictures == "all",
                                      .rows = o.rows,
                                      .worst = o.worst,
                                      .keep = shard::keep_in(division, "judge")});

@@ -164,7 +164,7 @@ struct MapContext {
     output::file::Progress& progress;
     RunDivision& divided;
     const SceneFolders::Complete& complete;
-    std::string explained_by;  ///< see `MapFilesOptions`
+    std::string explaining_sheet;  ///< see `MapFilesOptions`
 };
 
 /// Maps one scene. Returns the number of its rays without a proved truth; 0 in a shard, since the whole run counts
@@ -178,30 +178,31 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
     const std::string job = "map " + scene.id, needed_job = "needed " + scene.id;
     const auto folder = std::filesystem::path(o.out) / scene.id;
     const bool pixels = o.pixels == "csv";
-    std::optional<output::map::MapExr> exr;
+    std::optional<output::map::MapExr> exr_file;
     if (o.exr)
-        exr.emplace(context.divided.written(folder / (scene.id + ".exr")),
-                    output::map::MapExrRequest{.map = work.map,
-                                               .layers = exr_layers(work, o, drawn),
-                                               .command = canonical_command(scene, o),
-                                               .needed = work.needed ? &*work.needed : nullptr});
-    output::map::MapExr* const book = exr ? &*exr : nullptr;
+        exr_file.emplace(context.divided.written(folder / (scene.id + ".exr")),
+                         output::map::MapExrRequest{.map = work.map,
+                                                    .layers = exr_layers(work, o, drawn),
+                                                    .command = canonical_command(scene, o),
+                                                    .needed = work.needed ? &*work.needed : nullptr});
+    output::map::MapExr* const exr = exr_file ? &*exr_file : nullptr;
     std::optional<output::map::NeededFiles> needed_files;
     if (work.needed)
         needed_files.emplace(
-            *work.needed, output::map::NeededFilesOptions{folder, pixels, book, shard::keep_in(division, needed_job)});
+            *work.needed, output::map::NeededFilesOptions{folder, pixels, exr, shard::keep_in(division, needed_job)});
     output::map::MapFiles files(
-        work.map, {.folder = folder,
-                   .drawn = drawn,
-                   .singles = o.pictures == "all",
-                   .pixels_csv = pixels,
-                   .named = selection::name_of_scene(scene, selection::data_folder(common.data)) + input_of(o),
-                   .explained_by = context.explained_by,
-                   .envelope = o.envelope,
-                   .exr = book,
-                   .also = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
-                   .range = selection::parse_range(o.range, drawn),
-                   .keep = shard::keep_in(division, job)});
+        work.map,
+        {.folder = folder,
+         .drawn = drawn,
+         .single_pictures = o.pictures == "all",
+         .pixels_csv = pixels,
+         .scene_arguments = selection::name_of_scene(scene, selection::data_folder(common.data)) + input_of(o),
+         .explaining_sheet = context.explaining_sheet,
+         .envelope = o.envelope,
+         .exr = exr,
+         .other_tables = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
+         .range = selection::parse_range(o.range, drawn),
+         .keep = shard::keep_in(division, job)});
 
     SceneSummaries summaries;
     auto mapped = shard::run_divided(work.map, files, division, job);

@@ -1,4 +1,4 @@
-#include "measure/repair/mend.hpp"
+#include "measure/repair/repair.hpp"
 
 #include <fmt/format.h>
 
@@ -15,12 +15,12 @@
 #include "commands.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
-#include "output/repair/mend_files.hpp"
+#include "output/repair/repair_files.hpp"
 
 namespace lostbits::analysis {
 
-using measure::repair::MendRequest;
-using output::repair::MendResult;
+using measure::repair::RepairRequest;
+using output::repair::RepairSummary;
 
 namespace {
 
@@ -56,8 +56,8 @@ measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id
 }
 
 /// Times the form, its repairs and the catalogue in one run. If nothing can be compiled, records the reason.
-void add_prices(MendResult& result, const MendOptions& o, const std::string& command) {
-    const MendRequest& request = result.request;
+void add_prices(RepairSummary& result, const MendOptions& o, const std::string& command) {
+    const RepairRequest& request = result.request;
     std::vector<measure::repair::RepairedSource> written;
     const auto proposals = proposals_of(result);
     for (const auto& proposal : proposals) {
@@ -93,7 +93,7 @@ std::string command_of(const MendOptions& o) {
     return words;
 }
 
-void write_page(const std::filesystem::path& path, const MendResult& result, const std::string& command) {
+void write_page(const std::filesystem::path& path, const RepairSummary& result, const std::string& command) {
     output::page::Report report{
         .command = command, .maps = {}, .sweeps = {}, .trades = {}, .claims = {}, .results = {}};
     report.program = "lostbits " LOSTBITS_VERSION;
@@ -131,7 +131,7 @@ public:
     [[nodiscard]] Shapes shapes() const { return opened_.shapes; }
 
     /// Makes these files the subject of the request.
-    void set_subject_of(MendRequest& request) {
+    void set_subject_of(RepairRequest& request) {
         rays_ = judged(request, measure::repair::catalogue_beside(request.row));
         if (!common_.quiet) selection::note_rounded(rays_.name, rays_.rounded, rays_.format);
         request.rays = &rays_;
@@ -151,7 +151,7 @@ private:
     [[nodiscard]] selection::OpenedRays open() const {
         return selection::open_rays(o_.rays, o_.subjects, selection::data_folder(common_.data));
     }
-    measure::choice::FileRays judged(const MendRequest& request,
+    measure::choice::FileRays judged(const RepairRequest& request,
                                      const std::vector<measure::evaluate::TestedForm>& rows) {
         measure::choice::ChoiceRequest asked{.rows = rows, .requirement = request.requirement};
         asked.limit = request.limit;
@@ -186,9 +186,9 @@ Exit run(const MendOptions& o, const Common& common) {
     if (selection::are_files(o.rays, o.subjects)) rays.emplace(o, common);
     else scene = scene_of(o, data);
     const auto meets = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == rays->shapes(); };
-    MendRequest request{.scene = scene ? &*scene : nullptr,
-                        .row = row_of(o, scene ? scene->id : rays->id(), meets),
-                        .two_words = o.wider == "two-words"};
+    RepairRequest request{.scene = scene ? &*scene : nullptr,
+                          .row = row_of(o, scene ? scene->id : rays->id(), meets),
+                          .two_words = o.wider == "two-words"};
     if (o.emit.ends_with(".glsl") && request.row.format.engine == Format::Engine::native64)
         throw InputError("--emit " + o.emit +
                          ": shaders compute in f32; write -f f32, or a file name that ends in "
@@ -204,7 +204,7 @@ Exit run(const MendOptions& o, const Common& common) {
     if (rays) rays->set_subject_of(request);
     const std::string subject = scene ? selection::name_of_scene(*scene, data) : rays->words();
     std::unique_ptr<output::file::ResultFolder> owner;
-    std::optional<output::repair::MendFiles> files;
+    std::optional<output::repair::RepairFiles> files;
     if (!o.out.empty()) {
         const auto folder = std::filesystem::path(o.out) / request.id();
         owner = own_folder(folder, common, subject);
@@ -212,8 +212,8 @@ Exit run(const MendOptions& o, const Common& common) {
     }
     std::optional<output::file::AtomicFile> header;
     if (!o.emit.empty()) header.emplace(o.emit);
-    const measure::repair::Mended mended = mend(request);
-    MendResult result = output::repair::result_of(request, mended);
+    const measure::repair::RepairResult repair = repair_form(request);
+    RepairSummary result = output::repair::result_of(request, repair);
     const std::string command = scene ? command_of(o) : common.typed.of(subject);
     if (o.price) add_prices(result, o, command);
     if (header) {
@@ -228,7 +228,7 @@ Exit run(const MendOptions& o, const Common& common) {
     fmt::print("{}", output::repair::in_words(result));
     if (files && !common.quiet)
         for (const char* name : {"mend.csv", "index.html"}) fmt::print("{}\n", (files->folder() / name).string());
-    const bool met = mended.set || best_of(proposals_of(result), result);
+    const bool met = repair.set || best_of(proposals_of(result), result);
     return met ? Exit::done : Exit::answer_is_no;
 }
 

@@ -66,7 +66,7 @@ bool show_trial(const ForeignForm& form, const std::optional<ForeignForm>& first
     if (!c.source.empty() && !quiet) fmt::print("  from {}\n", c.source);
     for (const Observation& f : findings) {
         if (!quiet || f.verdict == Observation::Verdict::broken)
-            fmt::print("  {:<6} {:<12} {}\n", word_of(f.verdict), f.subject, f.words);
+            fmt::print("  {:<6} {:<12} {}\n", word_of(f.verdict), f.subject, f.text);
     }
     std::fflush(stdout);  // before the next form, which may crash
     return broken == 0;

@@ -60,8 +60,8 @@ Exit serve_shader(const std::string& named, const std::string& kind) {
         warn_of_loops(shader, arithmetic);
         if (shader.f32 && shader.f64 && !device->limits().doubles)
             fmt::print(stderr, "lostbits: {}: {} has no doubles in shaders; its form exists in f32 only\n", shader.path,
-                       device->words().renderer);
-        forms = forms_of(shader, device, !kind.empty(), line_of(device->words(), arithmetic));
+                       device->description().renderer);
+        forms = forms_of(shader, device, !kind.empty(), line_of(device->description(), arithmetic));
     } catch (const Error& error) {
         const std::string words = intersect::external::refusal_of(error);
         return write(answers, words.data(), words.size()) < 0 ? Exit::environment : error.code();
@@ -79,7 +79,7 @@ Exit tell_device(const std::string& kind) {
     try {
         const auto device = device_named(kind);
         const Arithmetic arithmetic = probe(*device);
-        const DeviceDescription& words = device->words();
+        const DeviceDescription& words = device->description();
         text = fmt::format("device={}\nrenderer={}\nvendor={}\nversion={}\ndriver={}\ndigest={:016x}\n", words.kind,
                            words.renderer, words.vendor, words.version, words.driver, arithmetic.digest);
         for (const Fact& fact : arithmetic.facts) text += fmt::format("{}={}\n", fact.key, fact.value);

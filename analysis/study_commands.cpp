@@ -16,8 +16,8 @@
 
 namespace lostbits::analysis {
 
-using measure::offset::Along;
 using measure::offset::OffsetStudy;
+using measure::offset::SceneAxis;
 using scene::file::Scene;
 
 namespace {
@@ -49,21 +49,21 @@ struct MoreFiles {
 
 /// The values at which a scene is measured along an axis.
 struct Steps {
-    Along axis;
+    SceneAxis axis;
     std::vector<double> values;
 };
 std::vector<Steps> steps_of(const study::StudyValues& values) {
     std::vector<Steps> all;
     const auto& asked = values.at("along");
-    for (std::size_t k = 0; k < measure::offset::along_names.size(); ++k) {
-        const auto axis = static_cast<Along>(k);
+    for (std::size_t k = 0; k < measure::offset::scene_axis_names.size(); ++k) {
+        const auto axis = static_cast<SceneAxis>(k);
         if (std::ranges::find(asked, name_of(axis)) != asked.end())
-            all.push_back({axis, measure::offset::steps_along(axis)});
+            all.push_back({axis, measure::offset::factors_along(axis)});
     }
     return all;
 }
 
-std::string job_of(const OffsetStudy& study, Along axis, double value) {
+std::string job_of(const OffsetStudy& study, SceneAxis axis, double value) {
     return fmt::format("offsets {} along {} {}", study.scene.id, name_of(axis), value);
 }
 
@@ -89,7 +89,7 @@ public:
             "--along", o.values["along"],
             "Also measure the scene as it changes along an axis: distance (of the eye), radius (every length), world "
             "(everything moved); pictures of 48 columns",
-            shell::one_of({measure::offset::along_names.begin(), measure::offset::along_names.end()}));
+            shell::one_of({measure::offset::scene_axis_names.begin(), measure::offset::scene_axis_names.end()}));
     }
     static std::uint64_t pixels(const OffsetStudy& study, const study::StudyValues& values) {
         std::uint64_t pixels = 0;
@@ -152,8 +152,8 @@ std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun&
                                                             {.folder = folder,
                                                              .pixels_csv = o.pixels == "csv",
                                                              .command = run.common.typed.of(named),
-                                                             .singles = o.pictures == "all",
-                                                             .also = more.resources()},
+                                                             .single_pictures = o.pictures == "all",
+                                                             .other_tables = more.resources()},
                                                             shard::keep_in(run.divided.division, job));
     // Opening the files of many forms takes seconds, so the estimate starts after it.
     output::file::Estimate estimate(run.progress, study.scene.id,

@@ -16,7 +16,7 @@
 
 #include "intersect/simd/packed.hpp"
 #include "intersect/table/table.hpp"
-#include "measure/answer/self.hpp"
+#include "measure/answer/without_rounding.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/real.hpp"
 #include "ratios.hpp"

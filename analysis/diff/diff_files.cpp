@@ -170,7 +170,7 @@ void print(const Result& r, bool verbose) {
     for (const auto& column : c.columns) {
         if (column.count == 0 && !(verbose && !column.absolute.at.empty())) continue;
         fmt::print("  {}: {} differ", terminal_line(column.name), column.count);
-        if (column.kinds > 0) fmt::print(", {} of them in kind (NaN, infinite, empty or text)", column.kinds);
+        if (column.not_finite > 0) fmt::print(", {} of them in kind (NaN, infinite, empty or text)", column.not_finite);
         print_largest("abs", column.absolute);
         print_largest("rel", column.relative);
         fmt::print("\n");

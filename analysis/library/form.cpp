@@ -15,7 +15,7 @@ ForeignForm foreign_of(const lb_form& given) {
     const auto run = given.run;
     void* const own = given.own;
     foreign.answer = [run, own, name = foreign.contract.name](const lb_batch& asked) {
-        const intersect::process::KeepsFloatingPoint keeps;
+        const intersect::process::FloatingPointGuard guard;
         lb_batch batch = asked;
         batch.own = own;
         if (const char* const refused = run(&batch)) throw EnvironmentError("form " + name + ": " + refused);

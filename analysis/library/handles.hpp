@@ -166,7 +166,7 @@ inline constexpr std::string_view no_memory =
 /// and a text.
 template <class Act>
 int guarded(lostbits_error* error, const Act& act) {
-    const intersect::process::KeepsFloatingPoint keeps;
+    const intersect::process::FloatingPointGuard guard;
     intersect::process::FloatingPoint::standard().set();
     try {
         return put_error(error, act(), "");

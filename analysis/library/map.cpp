@@ -31,7 +31,7 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& 
             std::string(row.form->info->name) + "." + std::string(row.format.name), RayTable::columns(request.metrics));
         rays.emplace_back(of_row, row, request.metrics);
     }
-    const auto show = rays.empty() ? measure::evaluate::ShowRows() : measure::evaluate::shown_to_each(rays);
+    const auto show = rays.empty() ? measure::evaluate::ShowRows() : measure::evaluate::show_to_each(rays);
     const auto summaries = measure::evaluate::run_map(request, show);
     auto csv = table.writer();
     const auto name_of = [&](const measure::evaluate::WorstRay& ray) {

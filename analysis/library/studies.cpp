@@ -7,11 +7,11 @@
 #include "analysis/study/studies.hpp"
 #include "measure/attribution/culprits.hpp"
 #include "measure/choice/candidates.hpp"
-#include "measure/repair/mend.hpp"
+#include "measure/repair/repair.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "output/attribution/explain_text.hpp"
 #include "output/choice/choice_files.hpp"
-#include "output/repair/mend_files.hpp"
+#include "output/repair/repair_files.hpp"
 #include "output/speed/trade_files.hpp"
 #include "output/sweep/sweep_files.hpp"
 #include "scene/rays/composed_forms.hpp"
@@ -64,8 +64,8 @@ std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene,
     const auto* const generator = scene::rays::generator_of(*row.form);
     const scene::file::Scene generated = generator ? with_rays(scene, *generator) : scene;
     const measure::answer::OneRay ray(generated, x, y);
-    const auto found =
-        measure::attribution::explain(*row.form, row.format, ray, {}, measure::attribution::PixelOf{&generated, x, y});
+    const auto found = measure::attribution::explain(*row.form, row.format, ray, {},
+                                                     measure::attribution::ScenePixel{&generated, x, y});
     const auto march = output::attribution::end_of_march(*row.form, row.format, ray);
     auto result = std::make_unique<lostbits_result>();
     result->texts = {output::attribution::explain_text(found, false, march),
@@ -138,19 +138,19 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     if (selection::is_emulated(row.format)) throw InputError("mend works in f32 and f64 only; name one of them");
     selection::refuse_generators({row.form}, "mend");
     selection::refuse_generated_rays({scene}, "mend");
-    measure::repair::MendRequest request{
+    measure::repair::RepairRequest request{
         .scene = &scene, .row = row, .requirement = requirement, .two_words = two_words};
     request.limit.stop = running.stop();
     request.progress = running.advancing(0);
-    const auto mended = measure::repair::mend(request);
-    const output::repair::MendResult found = output::repair::result_of(request, mended);
+    const auto repair = measure::repair::repair_form(request);
+    const output::repair::RepairSummary found = output::repair::result_of(request, repair);
     result.add_table("mend", output::repair::form_table(), output::repair::rows_of(found));
     result.add_table("minimal", output::repair::minimal_table(), output::repair::minimal_rows(found));
     result.add_table("probes", output::repair::probe_table(), output::repair::probe_rows(found));
     result.texts.push_back(output::repair::in_words(found));
     const bool is_better = output::repair::best_of(output::repair::proposals_of(found), found) != nullptr;
     if (is_better) result.texts.push_back(output::repair::emitted(found, "mended.hpp", "lostbits_mend"));
-    return mended.set || is_better;
+    return repair.set || is_better;
 }
 
 /// Fills the result. True if anything meets the requirement.

@@ -163,7 +163,7 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
         page::picture(fmt::format("{}: lost bits of every form and format", scene.title), [&](const auto& file) {
             output::map::MapFiles sheet(request, {.folder = {},
                                                   .drawn = {measure::metric::find_metric("lost_bits")},
-                                                  .named = work.named,
+                                                  .scene_arguments = work.named,
                                                   .sheet_alone = file});
             summaries = measure::evaluate::run_map(
                 request, [drawn = sheet.show(), kept = data.show()](std::size_t row, const auto& band) {

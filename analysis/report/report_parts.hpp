@@ -64,7 +64,7 @@ struct MendWork {
 MendWork mend_of(const std::string& word, const std::string& size, const std::filesystem::path& data, StopToken stop);
 /// Repairs the form without measuring times, as `lostbits mend` does without --price.
 output::page::MendPart mend_part(const MendWork& work, StopToken stop);
-output::page::MendPart mend_part(const output::repair::MendResult& result);
+output::page::MendPart mend_part(const output::repair::RepairSummary& result);
 
 /// A study and a scene that it takes.
 struct StudyWork {

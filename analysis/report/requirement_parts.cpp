@@ -10,7 +10,7 @@
 #include "output/choice/choice_files.hpp"
 #include "output/image/figure.hpp"
 #include "output/page/page.hpp"
-#include "output/repair/mend_files.hpp"
+#include "output/repair/repair_files.hpp"
 
 namespace lostbits::analysis::report {
 
@@ -112,13 +112,13 @@ page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
 }
 
 page::MendPart mend_part(const MendWork& work, StopToken stop) {
-    measure::repair::MendRequest request{.scene = &work.scene, .row = work.row, .requirement = work.requirement};
+    measure::repair::RepairRequest request{.scene = &work.scene, .row = work.row, .requirement = work.requirement};
     request.limit.stop = stop;
-    const auto mended = measure::repair::mend(request);
-    return mend_part(output::repair::result_of(request, mended));
+    const auto repair = measure::repair::repair_form(request);
+    return mend_part(output::repair::result_of(request, repair));
 }
 
-page::MendPart mend_part(const output::repair::MendResult& result) {
+page::MendPart mend_part(const output::repair::RepairSummary& result) {
     const auto& row = result.request.row;
     page::MendPart part{.form = fmt::format("{} in {}", row.form->info->name, row.format.name),
                         .scene = result.request.id(),

@@ -20,7 +20,7 @@ using measure::metric::Metric;
 
 namespace {
 
-bool is_of_pairs(const Metric* m) { return m->over == measure::metric::MetricDomain::pairs; }
+bool is_of_pairs(const Metric* m) { return m->domain == measure::metric::MetricDomain::pairs; }
 
 /// Names that other programs have for the formats.
 constexpr std::pair<std::string_view, const char*> formats_elsewhere[] = {
@@ -149,7 +149,7 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> asked, 
     };
     using namespace measure::metric;
     keep_where(
-        [](const TestedForm& row) { return row.form->way != nullptr; },
+        [](const TestedForm& row) { return row.form->filter_arithmetic != nullptr; },
         [](const Metric* m) { return (m->needs & needs_filter_arithmetic) != 0; },
         fmt::format(
             "none of the selected forms in {} filters, that is, uses a wider format if it must; add -i '*.filtered'",
@@ -161,7 +161,7 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> asked, 
                [](const Metric* m) { return m->name == "lost_to" || m->name == "end_margin"; },
                fmt::format("none of the selected forms in {} is behind a box; select FORM^BOX", what));
     keep_where([](const TestedForm& row) { return !is_primitive(row.form->shape); },
-               [](const Metric* m) { return m->over == MetricDomain::marches; },
+               [](const Metric* m) { return m->domain == MetricDomain::marches; },
                fmt::format("none of the selected forms marches in {}; add -i 'sdf.*', or a [march] table", what));
     return asked;
 }
@@ -215,7 +215,7 @@ void note_without_formula(const std::vector<const Metric*>& asked, const std::ve
     if (forms.empty()) return;
     const bool all = std::ranges::none_of(rows, [](const TestedForm& row) { return row.form->is_template(); });
     for (const Metric* m : asked) {
-        if (!(m->needs & (measure::metric::needs_self | measure::metric::needs_attribution))) continue;
+        if (!(m->needs & (measure::metric::needs_unrounded | measure::metric::needs_attribution))) continue;
         const std::string why =
             fmt::format("--metric {}: leaves out {}, whose operations are not known", m->name, forms);
         if (all) throw InputError(why + "; a form over any number shows its operations (docs/your-own-form.md)");
@@ -229,7 +229,8 @@ std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, con
     for (const Metric& m : measure::metric::metrics()) {
         const bool named = std::ranges::find(asked, &m) != asked.end();
         if (is_of_pairs(&m) && !any_against(rows)) continue;
-        if ((m.by_default || named) && (marches || m.over != measure::metric::MetricDomain::marches)) all.push_back(&m);
+        if ((m.by_default || named) && (marches || m.domain != measure::metric::MetricDomain::marches))
+            all.push_back(&m);
     }
     std::ranges::copy_if(asked, std::back_inserter(all), [](const Metric* m) { return !m->label.empty(); });
     return all;

@@ -48,7 +48,7 @@ const KindRow& row_of(Kind kind) { return *std::ranges::find(kind_rows, kind, &K
 /// The kinds that an argument takes.
 struct ArgumentKinds {
     const char *command, *argument;
-    const char* with;  ///< only with this option; empty: in any other case
+    const char* option;  ///< only with this option; empty: in any other case
     std::initializer_list<Kind> kinds;
 };
 /// The argument of every command that is not in the table.
@@ -157,8 +157,8 @@ std::vector<std::string> options_taking(const ArgumentKinds& refused, Kind kind)
     std::vector<std::string> options;
     for (const ArgumentKinds& row : taken_rows) {
         if (std::string_view(row.command) == refused.command && std::string_view(row.argument) == refused.argument &&
-            row.with[0] != '\0' && std::ranges::find(row.kinds, kind) != row.kinds.end())
-            options.emplace_back(row.with);
+            row.option[0] != '\0' && std::ranges::find(row.kinds, kind) != row.kinds.end())
+            options.emplace_back(row.option);
     }
     return options;
 }
@@ -202,18 +202,18 @@ std::optional<SubjectKind> kind_of_file(const fs::path& path) {
     return ending == ".toml" ? kind_of_toml(begin, path) : std::nullopt;
 }
 
-void refuse_other_kinds(const shell::Command& program, const fs::path& data) {
-    const std::vector<shell::Command> given = program.given();
-    const shell::Command& command = given.back();
+void refuse_other_kinds(const shell::Command& command, const fs::path& data) {
+    const std::vector<shell::Command> given = command.given();
+    const shell::Command& last = given.back();
     std::vector<std::string> done;  // arguments whose row was found
     for (const ArgumentKinds& row : taken_rows) {
         if (given.size() < 2 || given[1].name() != row.command || std::ranges::find(done, row.argument) != done.end())
             continue;
-        if (row.with[0] != '\0' && command.option(row.with).words().empty()) continue;
+        if (row.option[0] != '\0' && last.option(row.option).words().empty()) continue;
         done.emplace_back(row.argument);
-        const shell::Option argument = command.option(row.argument);
+        const shell::Option argument = last.option(row.argument);
         if (!argument) continue;
-        for (const std::string& word : argument.words()) refuse_other_kind(word, row, program.command_path(), data);
+        for (const std::string& word : argument.words()) refuse_other_kind(word, row, command.command_path(), data);
     }
     if (std::ranges::find(done, usual_row.argument) != done.end()) return;
     if (const shell::Option argument = command.option(usual_row.argument))

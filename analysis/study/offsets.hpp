@@ -50,7 +50,7 @@ struct OffsetsAdapter {
         return {usual.begin(), usual.end()};
     }
 
-    static bool takes(const intersect::table::Intersector& form) { return measure::offset::can_be_asked(form); }
+    static bool takes(const intersect::table::Intersector& form) { return measure::offset::can_measure_offsets(form); }
 
     static void require(const scene::file::Scene& scene) { measure::offset::require_few_primitives(scene); }
 

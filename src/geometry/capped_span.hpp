@@ -72,7 +72,7 @@ struct CappedSpan {
     [[nodiscard]] mask_t<T> leaves_by_cap() const { return crossed && at_exit.value <= T(0); }
 
 private:
-    [[nodiscard]] mask_t<T> is_least_between() const { return at_entry.slope < T(0) && at_exit.slope > T(0); }
+    [[nodiscard]] mask_t<T> is_least_between() const { return at_entry.half_slope < T(0) && at_exit.half_slope > T(0); }
 };
 
 /// Builds the span for the planes v·(p − base) = 0 and = v². `low` is v·(o − base), and

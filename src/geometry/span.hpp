@@ -87,26 +87,27 @@ Mask in_time(const Order<Mask>& to_end, const RangeOfSpan<T>& range) {
     return range.open.tmax ? to_end.less : to_end.at_most;
 }
 
-/// P(t) = a t² + 2 h t + c and half of its slope, a t + h, at t = n/m: `value` is m² P(t), and `slope` is m (a t + h).
+/// P(t) = a t² + 2 h t + c and half of its slope, a t + h, at t = n/m: `value` is m² P(t), and `half_slope` is m (a t +
+/// h).
 template <class T>
 struct QuadraticAt {
-    T value, slope;
+    T value, half_slope;
 
     /// Compares the roots with t, if there are any. The near root comes before t if P(t) < 0 or the slope is positive;
     /// the far root if both P(t) and the slope are positive. The same holds with equality included.
     [[nodiscard]] Order<mask_t<T>> near_root() const {
         const T zero(0);
-        return {value < zero || slope > zero, value <= zero || slope >= zero};
+        return {value < zero || half_slope > zero, value <= zero || half_slope >= zero};
     }
     [[nodiscard]] Order<mask_t<T>> far_root() const {
         const T zero(0);
-        return {value > zero && slope > zero, value >= zero && slope >= zero};
+        return {value > zero && half_slope > zero, value >= zero && half_slope >= zero};
     }
 };
 template <class T>
 QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, const T& t) {
-    const T slope = s.a * t + s.h;
-    return {(slope + s.h) * t + s.c, slope};
+    const T half_slope = s.a * t + s.h;
+    return {(half_slope + s.h) * t + s.c, half_slope};
 }
 template <class T>
 QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, Start) {
@@ -114,8 +115,8 @@ QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, Start) {
 }
 template <class T>
 QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, const Fraction<T>& t) {
-    const T h = s.h * t.m, slope = s.a * t.n + h;
-    return {(slope + h) * t.n + s.c * square(t.m), slope};
+    const T h = s.h * t.m, half_slope = s.a * t.n + h;
+    return {(half_slope + h) * t.n + s.c * square(t.m), half_slope};
 }
 
 /// `closed`: true if some t of a range lies in the closed primitive; `open`: the same for the open primitive. Let a be

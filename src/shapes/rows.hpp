@@ -83,7 +83,7 @@ struct ShapeRow {
     bool surface = false;              ///< it has no inside: a line crosses it at single points
     bool edges = false;                ///< its keys are corners, and rays can be aimed at the edges between them
     bool shaded = false;               ///< it has a normal for shading, so pictures can be made of it
-    ShapeTexts words = {};
+    ShapeTexts texts = {};
 };
 
 namespace detail {
@@ -111,7 +111,7 @@ inline constexpr std::array<ShapeRow, Primitives::size> shape_rows = [] {
              .surface = SurfaceSpan<decltype(std::declval<One>().span(Ray<float>{})), float>,
              .edges = One::edges,
              .shaded = Shaded<One>,
-             .words = One::words};
+             .texts = One::texts};
         for (const Key& key : r.keys) r.numbers += key.count();
     });
     return rows;

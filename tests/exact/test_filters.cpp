@@ -34,7 +34,8 @@ template <class Visit>
 void for_each_filter(const Visit& visit) {
     std::size_t filters = 0;
     for (const Intersector& form : intersect::table::catalogue())
-        if (form.way) visit(form, *std::ranges::find(shapes, name_of(form.shape), &Shaped::name)), ++filters;
+        if (form.filter_arithmetic)
+            visit(form, *std::ranges::find(shapes, name_of(form.shape), &Shaped::name)), ++filters;
     CHECK(filters == shapes.size());
 }
 
@@ -120,7 +121,8 @@ void add_ways(const Intersector& form, std::span<const Problem> problems, Tally&
     const Format format = *find_format(sizeof(F) == 4 ? "f32" : "f64");
     for (const Problem& p : problems) {
         const Ray<double> ray{{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}};
-        ++tally.ways[static_cast<std::size_t>(form.way(format, ray, primitive_of<double>(form, p), p.tmax))];
+        ++tally.ways[static_cast<std::size_t>(
+            form.filter_arithmetic(format, ray, primitive_of<double>(form, p), p.tmax))];
     }
     tally.first_batch = problems.size();
 }

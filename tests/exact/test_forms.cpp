@@ -228,7 +228,7 @@ struct Enclosures {
         const std::string_view form = row.info->name.substr(row.info->name.find('.') + 1);
         for (const char* const pads : {"pbrt_interval", "pbrt_padded", "embree_robust", "embree_padded", "bvh_robust"})
             if (form == pads) return;
-        if (!row.native64 || (row.way && row.shape != Shape::box)) return;
+        if (!row.native64 || (row.filter_arithmetic && row.shape != Shape::box)) return;
         Hit<double> want{};
         std::uint8_t hit;
         const auto column = [&p](std::size_t k) { return std::span<const double>(&p.ray[k], 1); };

@@ -81,7 +81,7 @@ ForeignForm renamed(const intersect::table::Intersector& row, int bits, bool fir
 std::map<std::string, std::string> broken_of(const ForeignForm& form, const ForeignForm* first = nullptr) {
     std::map<std::string, std::string> broken;
     for (const Observation& f : try_contract(form, first))
-        if (f.verdict == Observation::Verdict::broken) broken[f.subject] = f.words;
+        if (f.verdict == Observation::Verdict::broken) broken[f.subject] = f.text;
     return broken;
 }
 
@@ -326,13 +326,13 @@ TEST_CASE("contract: hits lost where the parts of a surface meet are found and l
     };
     const Observation rim = edges_of(losing(Shape::cylinder, at_rim));
     CHECK(rim.verdict == broken);
-    CHECK(rim.words.find("aimed at its rim") != std::string::npos);
+    CHECK(rim.text.find("aimed at its rim") != std::string::npos);
 
     const auto at_apex = [](const Vec<double>& p, const Primitive<double>& primitive) {
         const Cone<double> c = primitive.cone();
         return c.top_radius == 0 && length(p - c.top) < 1e-3 * c.base_radius;
     };
-    CHECK(edges_of(losing(Shape::cone, at_apex)).words.find("aimed at its apex") != std::string::npos);
+    CHECK(edges_of(losing(Shape::cone, at_apex)).text.find("aimed at its apex") != std::string::npos);
 
     const auto at_corner = [](const Vec<double>& p, const Primitive<double>& primitive) {
         const Box<double> b = primitive.box();
@@ -342,7 +342,7 @@ TEST_CASE("contract: hits lost where the parts of a surface meet are found and l
     };
     const Observation corner = edges_of(losing(Shape::box, at_corner));
     CHECK(corner.verdict == broken);
-    CHECK(corner.words.find("aimed at its corner") != std::string::npos);
+    CHECK(corner.text.find("aimed at its corner") != std::string::npos);
 
     const auto at_vertex = [](const Vec<double>& p, const Primitive<double>& primitive) {
         const Triangle<double> t = primitive.triangle();
@@ -350,7 +350,7 @@ TEST_CASE("contract: hits lost where the parts of a surface meet are found and l
     };
     const Observation vertex = edges_of(losing(Shape::triangle, at_vertex));
     CHECK(vertex.verdict == noted);
-    CHECK(vertex.words.find("at a vertex of triangles") != std::string::npos);
+    CHECK(vertex.text.find("at a vertex of triangles") != std::string::npos);
 }
 
 TEST_CASE("contract: the first scale that fails is named", "[external]") {
@@ -361,9 +361,9 @@ TEST_CASE("contract: the first scale that fails is named", "[external]") {
             return t && *t < 0x1p-40 ? Found() : t;
         };
         const Observation found = edges_of(solved_by(shape, with_epsilon));
-        INFO(row_of(shape).name << ": " << found.words);
+        INFO(row_of(shape).name << ": " << found.text);
         CHECK(found.verdict == noted);
-        CHECK(found.words.find("the first of nine scales that fails is 2^-45") != std::string::npos);
+        CHECK(found.text.find("the first of nine scales that fails is 2^-45") != std::string::npos);
     }
     CHECK(edges_of(solved_by(Shape::capsule, right)).verdict == kept);
 }
@@ -371,13 +371,13 @@ TEST_CASE("contract: the first scale that fails is named", "[external]") {
 TEST_CASE("contract: contraction makes a watertight test leak", "[external]") {
     using enum Observation::Verdict;
     const Observation filtered = edges_of(renamed(row_named("triangle.filtered"), 32));
-    INFO(filtered.words);
-    CHECK(filtered.words.starts_with("no ray passes"));
+    INFO(filtered.text);
+    CHECK(filtered.text.starts_with("no ray passes"));
     const auto passing = [](const intersect::table::Intersector& row) {
         const Observation found = edges_of(renamed(row, 32));
-        INFO(found.words);
+        INFO(found.text);
         CHECK(found.verdict == noted);
-        return found.words.starts_with("no ray") ? 0 : std::stoi(found.words);
+        return found.text.starts_with("no ray") ? 0 : std::stoi(found.text);
     };
     const auto& woop = row_named("triangle.woop");
     CHECK(passing(woop) <= 1);  // 3e5 edges away, where a vertex is rounded by a hundredth of an edge

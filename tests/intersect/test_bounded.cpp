@@ -11,7 +11,7 @@
 #include "counts.hpp"
 #include "intersect/hostile_rays.hpp"
 #include "intersect/table/table.hpp"
-#include "measure/answer/self.hpp"
+#include "measure/answer/without_rounding.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "number/bounded.hpp"
 

@@ -73,7 +73,7 @@ void check_ray(const Intersector& form, const Format& format, const HostileRay& 
     ++tally.asked;
     tally.other_bits += (tape[hit].value != 0) != want.hit || !same_number(tape[t].value, want.t) ||
                         !same_number(tape[near].value, want.near) || !same_number(tape[far].value, want.far);
-    const FilterArithmetic way = form.way(format, s.ray, s.target(form), s.tmax);
+    const FilterArithmetic way = form.filter_arithmetic(format, s.ray, s.target(form), s.tmax);
     const bool exact = way == FilterArithmetic::exact || (way != FilterArithmetic::own && !asks_steps(form));
     tally.exact += exact;
     tally.other_way += exact == tape.calls.empty();
@@ -119,7 +119,7 @@ void check_form(const Intersector& form, const Format& format, std::uint64_t ray
 TEST_CASE("the tape of a filtered form records what ran, with its exact step as one operation", "[attribution]") {
     std::size_t forms = 0;
     for (const Intersector& form : intersect::table::catalogue()) {
-        if (!form.way) continue;
+        if (!form.filter_arithmetic) continue;
         ++forms;
         for (const bool any_scale : {false, true}) {
             // Rays that a span leaves open need intervals of many bits, which for a torus take a hundred times as long.

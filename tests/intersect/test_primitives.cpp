@@ -199,13 +199,13 @@ TEST_CASE("the words and flags of the shape table are right for each shape") {
     for (const ShapeRow& row : shape_rows) {
         CAPTURE(row.name);
         for (const std::string_view words :
-             {row.words.plainest, row.words.touching, row.words.point, row.words.places, row.plural})
+             {row.texts.plainest, row.texts.touching, row.texts.point, row.texts.places, row.plural})
             CHECK_FALSE(words.empty());
         // The plainest primitive is hit at 3 by a ray that comes from 5 away, as the table says.
         const Primitive<double> plainest = primitive_around<double>(row.shape, {0, 0, 0}, 2);
         const Ray<double> ray{{0, 0, -5}, {0, 0, 1}};
         CHECK(visit(plainest, [&](const auto& shape) { return ends_of(shape.span(ray))->near; }) == 3);
-        CHECK(row.words.plainest.find(row.name) != std::string_view::npos);
+        CHECK(row.texts.plainest.find(row.name) != std::string_view::npos);
         const auto [centre, radius] = ball_around(plainest);
         if (row.round) {
             CHECK(radius == 2);

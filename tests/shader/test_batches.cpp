@@ -22,7 +22,7 @@ namespace {
 class Echo : public Device {
 public:
     explicit Echo(DeviceLimits limits) : limits_(limits) {}
-    [[nodiscard]] const DeviceDescription& words() const override { return words_; }
+    [[nodiscard]] const DeviceDescription& description() const override { return description_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
     [[nodiscard]] std::unique_ptr<device::Program> compile_here(const std::string&, device::Language) override {
         return std::make_unique<device::Program>();
@@ -49,7 +49,7 @@ public:
     bool loses = false;  ///< the last ray of each run
 
 private:
-    DeviceDescription words_{"echo", "Echo", "-", "1", "-"};
+    DeviceDescription description_{"echo", "Echo", "-", "1", "-"};
     DeviceLimits limits_;
 };
 

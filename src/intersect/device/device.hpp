@@ -60,17 +60,17 @@ public:
     Device& operator=(const Device&) = delete;
     virtual ~Device() = default;
 
-    [[nodiscard]] virtual const DeviceDescription& words() const = 0;
+    [[nodiscard]] virtual const DeviceDescription& description() const = 0;
     [[nodiscard]] virtual const DeviceLimits& limits() const = 0;
     /// A compute program. CompileError if the compiler rejects it; EnvironmentError if the compiler itself fails or
     /// does not know the language.
     [[nodiscard]] std::unique_ptr<Program> compile(const std::string& text, Language language) {
-        const process::KeepsFloatingPoint same;
+        const process::FloatingPointGuard guard;
         return compile_here(text, language);
     }
     /// Runs this many work groups; buffer k has binding k, and no buffer is empty. EnvironmentError for a lost device.
     void run(Program& program, std::span<const Buffer> buffers, std::size_t groups) {
-        const process::KeepsFloatingPoint same;
+        const process::FloatingPointGuard guard;
         run_here(program, buffers, groups);
     }
 

@@ -39,7 +39,7 @@ std::unique_ptr<Device> open_device(std::string_view kind) {
             std::string(kind) + ": cannot load " + path.string() + ": " + (why != nullptr ? why : "unknown") +
             "; install its libraries (Debian: " + (kind == "opengl" ? "libegl1 libopengl0" : "libvulkan1") + ")");
     };
-    const process::KeepsFloatingPoint same;
+    const process::FloatingPointGuard guard;
     // The module is never closed: drivers start threads and register exit handlers.
     void* const handle = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) throw fail(::dlerror());

@@ -100,7 +100,7 @@ public:
             lacking(
                 "no driver with OpenGL 4.3 works without a window; install one (Debian: libegl-mesa0 "
                 "libgl1-mesa-dri, which compute on the processor)");
-        words_ = {"opengl", text_of(GL_RENDERER), text_of(GL_VENDOR), "OpenGL " + text_of(GL_VERSION), "EGL"};
+        description_ = {"opengl", text_of(GL_RENDERER), text_of(GL_VENDOR), "OpenGL " + text_of(GL_VERSION), "EGL"};
         GLint bytes = 0, groups = 0;
         glGetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
         glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &groups);
@@ -110,7 +110,7 @@ public:
                    .glsl = 430};
     }
 
-    [[nodiscard]] const DeviceDescription& words() const override { return words_; }
+    [[nodiscard]] const DeviceDescription& description() const override { return description_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
 
     [[nodiscard]] std::unique_ptr<Program> compile_here(const std::string& glsl, Language language) override {
@@ -170,7 +170,7 @@ private:
         return log;
     }
 
-    DeviceDescription words_;
+    DeviceDescription description_;
     DeviceLimits limits_;
     std::vector<GLuint> names_;
 };

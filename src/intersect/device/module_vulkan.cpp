@@ -159,10 +159,10 @@ public:
         more.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
         more.pNext = &driver;
         vkGetPhysicalDeviceProperties2(found_.device, &more);
-        words_ = {"vulkan", p.deviceName, "vendor " + std::to_string(p.vendorID),
-                  "Vulkan " + std::to_string(VK_API_VERSION_MAJOR(p.apiVersion)) + "." +
-                      std::to_string(VK_API_VERSION_MINOR(p.apiVersion)) + " (" + driver.driverInfo + ")",
-                  std::string(driver.driverName) + " " + driver.driverInfo};
+        description_ = {"vulkan", p.deviceName, "vendor " + std::to_string(p.vendorID),
+                        "Vulkan " + std::to_string(VK_API_VERSION_MAJOR(p.apiVersion)) + "." +
+                            std::to_string(VK_API_VERSION_MINOR(p.apiVersion)) + " (" + driver.driverInfo + ")",
+                        std::string(driver.driverName) + " " + driver.driverInfo};
         limits_ = {.buffer_bytes = p.limits.maxStorageBufferRange,
                    .groups = p.limits.maxComputeWorkGroupCount[0],
                    .doubles = has.shaderFloat64 == VK_TRUE,
@@ -172,7 +172,7 @@ public:
         make_commands();
     }
 
-    [[nodiscard]] const DeviceDescription& words() const override { return words_; }
+    [[nodiscard]] const DeviceDescription& description() const override { return description_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
 
     [[nodiscard]] std::unique_ptr<Program> compile_here(const std::string& text, Language language) override {
@@ -316,7 +316,7 @@ private:
     VkInstance instance_;
     Found found_;
     VkPhysicalDeviceMemoryProperties memory_kinds_{};
-    DeviceDescription words_;
+    DeviceDescription description_;
     DeviceLimits limits_;
     VkDevice device_ = VK_NULL_HANDLE;
     VkQueue queue_ = VK_NULL_HANDLE;

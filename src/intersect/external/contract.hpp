@@ -22,7 +22,7 @@ struct Contract {
     Inside inside = Inside::usual;
     Facing facing = Facing::both;
     unsigned flags = 0;  ///< LB_LINE, LB_NO_END, LB_ONE_THREAD, LB_CLIPPED, LB_RANGE
-    /// State of the processor that loading the library left, in which the form computes (`FloatingPoint::words`);
+    /// State of the processor that loading the library left, in which the form computes (`FloatingPoint::differences`);
     /// empty: as IEEE 754 asks.
     std::string state = {};
 

@@ -42,7 +42,7 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     const auto ask = entry_of<AskForFormulas>(loaded, "lostbits_formulas");
     if (ask == nullptr) return {};
     // Formulas also run in arithmetics that prove and record, which need the standard state.
-    if (const std::string words = loaded.computes.words(); !words.empty())
+    if (const std::string words = loaded.fp_state.differences(); !words.empty())
         note_change(who, "changes how the processor computes (" + words +
                              ") when it is loaded; its formulas are still evaluated as IEEE 754 requires");
     const FormulaList* const list = call_of(who, [&] {

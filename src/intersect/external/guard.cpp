@@ -169,12 +169,12 @@ void put_back_limits_at_times(const char* who) {
 
 }  // namespace
 
-InForeignCode::InForeignCode(const char* who, const process::FloatingPoint& computes)
-    : who_(who), outer_(inside.load()), before_(process::FloatingPoint::current()), computes_(computes) {
+InForeignCode::InForeignCode(const char* who, const process::FloatingPoint& fp_state)
+    : who_(who), outer_(inside.load()), before_(process::FloatingPoint::current()), fp_state_(fp_state) {
     have_signal_stack();
     process::give_thread_own_folder();
     inside = who;
-    computes.set();
+    fp_state.set();
     const auto now = Clock::now().time_since_epoch().count();
     for (std::size_t i = 0; i < slots.size(); ++i) {
         const char* nobody = nullptr;
@@ -193,9 +193,9 @@ InForeignCode::~InForeignCode() {
     put_back_limits_at_times(who_);
     const auto left = process::FloatingPoint::current();
     before_.set();
-    if (left != computes_)
+    if (left != fp_state_)
         note_change(who_, "changes how the processor computes during a call (" +
-                              (left.words().empty() ? "back to the standard state" : left.words()) +
+                              (left.differences().empty() ? "back to the standard state" : left.differences()) +
                               "); lostbits undoes that after each call; let the code call fegetenv first and fesetenv "
                               "last");
     inside = outer_;
@@ -209,7 +209,7 @@ ProbeScope::~ProbeScope() {
 }
 
 LoadsForeignCode::~LoadsForeignCode() {
-    computes_.set();
+    fp_state_.set();
     process::put_back_after_loading();
     put_back_limits(foreign_code_here());
     uselocale(LC_GLOBAL_LOCALE);

@@ -16,7 +16,7 @@ namespace lostbits::intersect::external {
 class InForeignCode {
 public:
     explicit InForeignCode(const char* who,
-                           const process::FloatingPoint& computes = process::FloatingPoint::standard());
+                           const process::FloatingPoint& fp_state = process::FloatingPoint::standard());
     ~InForeignCode();
     InForeignCode(const InForeignCode&) = delete;
     InForeignCode& operator=(const InForeignCode&) = delete;
@@ -24,7 +24,7 @@ public:
 private:
     int slot_ = -1;
     const char *who_, *outer_;
-    process::FloatingPoint before_, computes_;
+    process::FloatingPoint before_, fp_state_;
 };
 
 /// While one lives, this thread loads foreign code or asks for its list. It restores what that code sets for the
@@ -32,10 +32,10 @@ private:
 /// table), and how the processor computes, which `left` returns until the end.
 class LoadsForeignCode {
 public:
-    /// `computes`: the state that loading the library left, if loading is over.
+    /// `fp_state`: the state that loading the library left, if loading is over.
     explicit LoadsForeignCode(const char* who,
-                              const process::FloatingPoint& computes = process::FloatingPoint::standard())
-        : inside_(who, computes), computes_(computes) {}
+                              const process::FloatingPoint& fp_state = process::FloatingPoint::standard())
+        : inside_(who, fp_state), fp_state_(fp_state) {}
     ~LoadsForeignCode();
     LoadsForeignCode(const LoadsForeignCode&) = delete;
     LoadsForeignCode& operator=(const LoadsForeignCode&) = delete;
@@ -45,7 +45,7 @@ public:
 
 private:
     InForeignCode inside_;
-    process::FloatingPoint computes_;
+    process::FloatingPoint fp_state_;
 };
 
 /// While one lives, a message about foreign code that ends the program names this probe. The name outlives it.

@@ -52,15 +52,15 @@ std::string loader_words(const fs::path& library) {
 
 }  // namespace
 
-ForeignForm foreign(const lb_form& form, const std::string& from, const process::FloatingPoint& computes) {
+ForeignForm foreign(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state) {
     ForeignForm made{contract_of(form, from), from, {}};
-    made.contract.state = computes.words();
+    made.contract.state = fp_state.differences();
     const char* const who = lasting_text(name_in_messages(made));
-    made.answer = [&form, who, computes](const lb_batch& asked) {
+    made.answer = [&form, who, fp_state](const lb_batch& asked) {
         lb_batch batch = asked;
         batch.own = form.own;
         const char* const refused = call_of(who, [&] {
-            const InForeignCode here(who, computes);
+            const InForeignCode here(who, fp_state);
             return form.run(&batch);
         });
         if (refused != nullptr) throw EnvironmentError(std::string(who) + ": " + shown_text(refused, 400));
@@ -164,8 +164,8 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
     std::size_t count = 0;
     // The call that returns the list belongs to loading: the processor state that it leaves is the one in which the
     // library's users compute.
-    const auto [forms, computes] = call_of(who, [&] {
-        const LoadsForeignCode here(who, loaded.computes);
+    const auto [forms, fp_state] = call_of(who, [&] {
+        const LoadsForeignCode here(who, loaded.fp_state);
         const lb_form* const list = ask(LOSTBITS_PLUGIN_ABI, &count);
         return std::pair(list, here.left());
     });
@@ -177,7 +177,7 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
     if (count == 0 || count > 4096)
         throw InputError(from + ": states " + std::to_string(count) + " forms; the number must be from 1 to 4096");
     std::vector<ForeignForm> all;
-    for (std::size_t i = 0; i < count; ++i) all.push_back(foreign(forms[i], from, computes));
+    for (std::size_t i = 0; i < count; ++i) all.push_back(foreign(forms[i], from, fp_state));
     return all;
 }
 

@@ -30,7 +30,7 @@ struct Library {
     void* handle;  ///< what `dlsym` takes
     /// Floating-point environment that the library's initialisation leaves behind. A program that uses the library
     /// computes in this environment, so its forms are called in it too.
-    process::FloatingPoint computes;
+    process::FloatingPoint fp_state;
 };
 
 /// Loads a library. InputError if the file is not a library.
@@ -45,9 +45,9 @@ Ask entry_of(const Library& library, const char* name) {
 /// A copy of a text that is kept beyond the end of main(): exit handlers may ask for it.
 const char* lasting_text(const std::string& text);
 
-/// A form as a library states it; it lives as long as the library is loaded. `computes`: the
+/// A form as a library states it; it lives as long as the library is loaded. `fp_state`: the
 /// floating-point environment of its library. InputError, which begins with `from`, for an invalid contract.
-ForeignForm foreign(const lb_form& form, const std::string& from, const process::FloatingPoint& computes);
+ForeignForm foreign(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state);
 
 /// Loads a library, which stays loaded, and asks it for its forms. InputError if the file is not a library, exports no
 /// `lostbits_forms`, is of another version, or states invalid contracts.

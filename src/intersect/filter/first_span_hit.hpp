@@ -35,9 +35,9 @@ mask_t<E> word_is_positive(const E& x) {
     else return x > E(0);
 }
 
-/// True if E proves that a number is 0.
+/// True if numbers of E have an exact sign, so that a comparison proves x = 0.
 template <class E>
-inline constexpr bool knows_zero = !requires(const E& x) {
+inline constexpr bool has_exact_sign = !requires(const E& x) {
     x.word_is_positive();
 };
 
@@ -48,7 +48,7 @@ Fraction<E> root_of(const QuadraticSpan<E>& s, const mask_t<E>& far) {
     const auto past = word_is_positive(s.h), by_a = (far && !past) || (!far && past);
     const E size = sqrt(s.q) + select(past, s.h, -s.h), n = select(by_a, size, s.c);
     const Fraction<E> root{select(past, -n, n), select(by_a, s.a, size)};
-    if constexpr (knows_zero<E>) return select(size <= E(0), Fraction<E>{E(0), E(1)}, root);
+    if constexpr (has_exact_sign<E>) return select(size <= E(0), Fraction<E>{E(0), E(1)}, root);
     else return root;
 }
 
@@ -83,7 +83,7 @@ template <class E, template <class> class Span>
 requires ComparableSpan<Span<E>, E> FirstSpanHit<E> first_span_hit(const Span<E>& s) {
     const auto far = s.enters_to(Start{}).less;
     FirstSpanHit<E> met = hit_at(s.is_hit() && !s.leaves_to(Start{}).less, end_of(s, far));
-    if constexpr (knows_zero<E>) met.t = select(far && !s.is_open(), E(0), met.t);
+    if constexpr (has_exact_sign<E>) met.t = select(far && !s.is_open(), E(0), met.t);
     return met;
 }
 

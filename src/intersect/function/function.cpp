@@ -388,7 +388,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
         const auto entry = external::entry_of<void (*)(const S*, S*, int*)>(library, "lostbits_entry");
         if (entry == nullptr) throw InputError(who + ": the compiled function has no entry");
         form.answer = [entry, name, numbers, sentinel = signature.sentinel,
-                       computes = library.computes](const lb_batch& batch) {
+                       computes = library.fp_state](const lb_batch& batch) {
             external::call_of(name, [&] {
                 const external::InForeignCode here(name, computes);
                 answer_batch<S>(entry, sentinel, numbers, batch);

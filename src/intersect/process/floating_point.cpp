@@ -104,7 +104,7 @@ void FloatingPoint::set() const noexcept {
     if (now.x87_ != x87_) set_x87(x87_);
 }
 
-std::string FloatingPoint::words() const {
+std::string FloatingPoint::differences() const {
     std::string all;
     FloatingPoint told = standard();
     for (const Deviation& way : deviations) {
@@ -138,7 +138,8 @@ bool FloatingPoint::read(const std::string& words, FloatingPoint& into) {
 void require_standard(const char* what) {
     const FloatingPoint now = FloatingPoint::current();
     if (now == FloatingPoint::standard()) return;
-    throw Error(Exit::internal, std::string(what) + ": this thread does not compute as IEEE 754 asks (" + now.words() +
+    throw Error(Exit::internal, std::string(what) + ": this thread does not compute as IEEE 754 asks (" +
+                                    now.differences() +
                                     "), so nothing can be proved; some code changed that and did not restore it. To "
                                     "find that code, leave out --plugin and LD_PRELOAD");
 }

@@ -22,8 +22,8 @@ public:
     void set() const noexcept;
     /// `flush_to_zero,denormals_are_zero`: the differences from the standard, as the property of a contract; empty if
     /// there are none.
-    [[nodiscard]] std::string words() const;
-    /// The inverse of `words`. False for an unknown word.
+    [[nodiscard]] std::string differences() const;
+    /// The inverse of `differences`. False for an unknown word.
     static bool read(const std::string& words, FloatingPoint& into);
 
     friend bool operator==(const FloatingPoint&, const FloatingPoint&) = default;
@@ -35,12 +35,12 @@ private:
 
 /// Restores the thread's initial state when it is destroyed: for calls of foreign code without a contract, such as
 /// image libraries and drivers.
-class KeepsFloatingPoint {
+class FloatingPointGuard {
 public:
-    KeepsFloatingPoint() noexcept : before_(FloatingPoint::current()) {}
-    ~KeepsFloatingPoint() { before_.set(); }
-    KeepsFloatingPoint(const KeepsFloatingPoint&) = delete;
-    KeepsFloatingPoint& operator=(const KeepsFloatingPoint&) = delete;
+    FloatingPointGuard() noexcept : before_(FloatingPoint::current()) {}
+    ~FloatingPointGuard() { before_.set(); }
+    FloatingPointGuard(const FloatingPointGuard&) = delete;
+    FloatingPointGuard& operator=(const FloatingPointGuard&) = delete;
 
 private:
     FloatingPoint before_;

@@ -70,7 +70,7 @@ private:
         // A driver may lose its device without an error. Every ray of a run writes here, so an unwritten entry shows
         // it.
         if (std::ranges::find(hits_, not_written) != hits_.end())
-            throw EnvironmentError(device_->words().kind +
+            throw EnvironmentError(device_->description().kind +
                                    ": the device is lost: it wrote no answer; does the shader run too long?");
         const bool tells_hit = answers_ != Signature::Answers::t && answers_ != Signature::Answers::near_far;
         for (std::size_t i = 0; i < n; ++i)
@@ -110,7 +110,7 @@ std::size_t max_rays_per_run(const DeviceLimits& limits, int bits) {
 
 std::vector<external::ForeignForm> forms_of(const ShaderSource& shader, const std::shared_ptr<Device>& on,
                                             bool name_device, const std::string& arithmetic) {
-    const DeviceDescription& words = on->words();
+    const DeviceDescription& words = on->description();
     if (shader.f64 && !on->limits().doubles && !shader.f32)
         throw EnvironmentError(shader.path + ": " + words.renderer +
                                " has no doubles in shaders; write format=f32, or try another --device");

@@ -16,47 +16,47 @@ void blank(std::string& text, const Token& token) {
 }
 
 /// A name that only other shader stages or shader sites define, and its value here.
-struct StageConstant {
+struct PredefinedName {
     std::string_view name, value;
 };
-constexpr std::array<StageConstant, 10> site_names{{{"iResolution", "vec3(640.0, 360.0, 1.0)"},
-                                                    {"iTime", "0.0"},
-                                                    {"iGlobalTime", "0.0"},
-                                                    {"iTimeDelta", "0.0"},
-                                                    {"iFrameRate", "60.0"},
-                                                    {"iFrame", "0"},
-                                                    {"iMouse", "vec4(0.0)"},
-                                                    {"iDate", "vec4(0.0)"},
-                                                    {"iSampleRate", "44100.0"},
-                                                    {"lb_FragCoord", "vec4(0.5, 0.5, 0.0, 1.0)"}}};
+constexpr std::array<PredefinedName, 10> predefined_names{{{"iResolution", "vec3(640.0, 360.0, 1.0)"},
+                                                           {"iTime", "0.0"},
+                                                           {"iGlobalTime", "0.0"},
+                                                           {"iTimeDelta", "0.0"},
+                                                           {"iFrameRate", "60.0"},
+                                                           {"iFrame", "0"},
+                                                           {"iMouse", "vec4(0.0)"},
+                                                           {"iDate", "vec4(0.0)"},
+                                                           {"iSampleRate", "44100.0"},
+                                                           {"lb_FragCoord", "vec4(0.5, 0.5, 0.0, 1.0)"}}};
 
 /// An offset in a text, and what is inserted before that byte.
 using Insertion = std::pair<std::size_t, std::string>;
 
-/// Turns `uniform vec2 size;`, whose first token is `at`, into a variable, which holds 0 if it `has_value`:
+/// Turns `uniform vec2 size;`, whose first token is `at`, into a variable, which holds 0 if `initialized`:
 /// Vulkan has uniforms only in blocks. Blocks and samplers stay.
-void set_to_zero(std::string& text, std::vector<Insertion>& insertions, const std::vector<Token>& tokens,
-                 std::size_t at, bool has_value) {
-    static const std::set<std::string_view> zeros{"float", "int", "uint", "bool", "vec2", "vec3", "vec4", "double"};
-    if (at + 3 >= tokens.size() || !zeros.contains(tokens[at + 1].text) || tokens[at + 3].text != ";") return;
+void add_zero_initializer(std::string& text, std::vector<Insertion>& insertions, const std::vector<Token>& tokens,
+                          std::size_t at, bool initialized) {
+    static const std::set<std::string_view> types{"float", "int", "uint", "bool", "vec2", "vec3", "vec4", "double"};
+    if (at + 3 >= tokens.size() || !types.contains(tokens[at + 1].text) || tokens[at + 3].text != ";") return;
     blank(text, tokens[at]);
-    if (has_value) insertions.emplace_back(tokens[at + 3].offset, " = " + std::string(tokens[at + 1].text) + "(0)");
+    if (initialized) insertions.emplace_back(tokens[at + 3].offset, " = " + std::string(tokens[at + 1].text) + "(0)");
 }
 
 /// Makes all insertions in one pass, so that the text is copied once.
-std::string with(const std::string& text, const std::vector<Insertion>& insertions) {
+std::string with_insertions(const std::string& text, const std::vector<Insertion>& insertions) {
     std::string result;
     std::size_t copied = 0;
-    for (const auto& [at, words] : insertions) {
-        result += text.substr(copied, at - copied) + words;
+    for (const auto& [at, inserted] : insertions) {
+        result += text.substr(copied, at - copied) + inserted;
         copied = at;
     }
     return result + text.substr(copied);
 }
 
 /// Rewrites the user's text so that a compute program can contain it. Every line and column stays where it was. Without
-/// `zeros`, uniforms get no value.
-std::string fitted(const std::string& original, bool zeros = true) {
+/// `initialize_uniforms`, uniforms get no value.
+std::string as_compute_code(const std::string& original, bool initialize_uniforms = true) {
     std::string text = original;
     const std::vector<Token> tokens = tokens_of(original);
     int depth = 0;
@@ -78,10 +78,11 @@ std::string fitted(const std::string& original, bool zeros = true) {
         if (t.text == "}" || t.text == ")") --depth;
         if (t.text.starts_with("gl_Frag")) text.replace(t.offset, 2, "lb");
         if (t.text == "main") text.replace(t.offset, 4, "lb_m");
-        if (depth == 0 && t.text == "uniform") set_to_zero(text, insertions, tokens, i, zeros);
+        if (depth == 0 && t.text == "uniform") add_zero_initializer(text, insertions, tokens, i, initialize_uniforms);
         // `layout(location = 0) out vec4 color;` of the file becomes a variable.
-        static const std::set<std::string_view> stages{"in", "out", "varying", "attribute", "flat", "smooth", "layout"};
-        if (depth == 0 && !t.in_directive && stages.contains(t.text)) {
+        static const std::set<std::string_view> qualifiers{"in",   "out",    "varying", "attribute",
+                                                           "flat", "smooth", "layout"};
+        if (depth == 0 && !t.in_directive && qualifiers.contains(t.text)) {
             blank(text, t);
             interface = t.text == "layout";
         } else if (interface && !t.in_directive) {
@@ -89,7 +90,7 @@ std::string fitted(const std::string& original, bool zeros = true) {
             interface = !(t.text == ")" && depth == 0);
         }
     }
-    return with(text, insertions);
+    return with_insertions(text, insertions);
 }
 
 /// Declares the names of shader sites and of other stages that the text uses and does not declare. Constants are
@@ -102,19 +103,19 @@ std::string site_declarations(const std::string& text) {
         used.insert(code[i].text);
         if (i + 1 < code.size() && site_types.contains(code[i].text)) declared.insert(code[i + 1].text);
     }
-    std::string words;
-    for (const StageConstant& s : site_names) {
+    std::string declarations;
+    for (const PredefinedName& s : predefined_names) {
         if (used.contains(s.name) && !declared.contains(s.name))
-            words += "#define " + std::string(s.name) + " " + std::string(s.value) + "\n";
+            declarations += "#define " + std::string(s.name) + " " + std::string(s.value) + "\n";
     }
-    if (used.contains("lb_FragColor")) words += "vec4 lb_FragColor;\n";
-    if (used.contains("lb_FragDepth")) words += "float lb_FragDepth;\n";
+    if (used.contains("lb_FragColor")) declarations += "vec4 lb_FragColor;\n";
+    if (used.contains("lb_FragDepth")) declarations += "float lb_FragDepth;\n";
     for (const std::string channel : {"iChannel0", "iChannel1", "iChannel2", "iChannel3"}) {
         if (used.contains(channel) && !declared.contains(channel))
-            words += "layout(binding = " + std::to_string(8 + channel.back() - '0') + ") uniform sampler2D " + channel +
-                     ";\n";
+            declarations += "layout(binding = " + std::to_string(8 + channel.back() - '0') + ") uniform sampler2D " +
+                            channel + ";\n";
     }
-    return words;
+    return declarations;
 }
 
 /// The usual loop. Its constants are written as decimals that are read back without a change.
@@ -137,20 +138,20 @@ std::string march_code(const Signature& s, const ShaderMarch& march, const std::
 /// The call of the function, and the statements that store its answer.
 std::string call_code(const Signature& s, const ShaderMarch& march) {
     using Answers = Signature::Answers;
-    std::string words, list;
+    std::string code, list;
     for (std::size_t k = 0; k < s.arguments.size(); ++k) {
         const Parameter& p = s.function.parameters[k];
         if (p.qualifier != Parameter::Qualifier::in)
-            words += "    " + p.type + " " + s.arguments[k] + " = " + p.type + "(0);\n";
+            code += "    " + p.type + " " + s.arguments[k] + " = " + p.type + "(0);\n";
         if (p.qualifier == Parameter::Qualifier::inout && (p.type == "float" || p.type == "double"))
-            words += "    " + s.arguments[k] + " = lb_tmax;\n";
+            code += "    " + s.arguments[k] + " = lb_tmax;\n";
         list += (k == 0 ? "" : ", ") + s.arguments[k];
     }
     const std::string call = s.function.name + "(" + list + ")";
-    words += s.kind == Signature::Kind::field ? march_code(s, march, call)
-                                              : "    " + s.function.type + " lb_says = " + call + ";\n";
-    const auto store = [&words](const std::string& near, const std::string& far) {
-        words += "    lb_answers[2u * lb_i] = " + near + ";\n    lb_answers[2u * lb_i + 1u] = " + far + ";\n";
+    code += s.kind == Signature::Kind::field ? march_code(s, march, call)
+                                             : "    " + s.function.type + " lb_says = " + call + ";\n";
+    const auto store = [&code](const std::string& near, const std::string& far) {
+        code += "    lb_answers[2u * lb_i] = " + near + ";\n    lb_answers[2u * lb_i + 1u] = " + far + ";\n";
     };
     switch (s.answers) {
         case Answers::t: store("lb_says", "lb_says"); break;
@@ -160,12 +161,12 @@ std::string call_code(const Signature& s, const ShaderMarch& march) {
         case Answers::hit_and_near_far: store(s.outputs[0], s.outputs[1]); break;
     }
     const bool tells_hit = s.function.type == "bool";
-    return words + "    lb_hits[lb_i] = " + (tells_hit ? "lb_says ? 1u : 0u" : "1u") + ";\n";
+    return code + "    lb_hits[lb_i] = " + (tells_hit ? "lb_says ? 1u : 0u" : "1u") + ";\n";
 }
 
 /// The members of the buffer `head`, in the order of `KernelHead`, and the buffers of columns.
-constexpr std::array<std::string_view, 4> head_words{"lb_count", "lb_stride", "lb_has_ends", "lb_has_starts"};
-static_assert(sizeof(KernelHead) == head_words.size() * sizeof(std::uint32_t));
+constexpr std::array<std::string_view, 4> head_members{"lb_count", "lb_stride", "lb_has_ends", "lb_has_starts"};
+static_assert(sizeof(KernelHead) == head_members.size() * sizeof(std::uint32_t));
 struct ColumnBuffer {
     BufferBinding at;
     std::string_view name;
@@ -180,59 +181,59 @@ constexpr std::array<ColumnBuffer, BufferBinding::binding_count - 1> column_buff
      {BufferBinding::starts, "lb_starts"}}};
 
 /// Declares the buffers and begins the main function, in GLSL.
-std::string opening(const std::string& real) {
-    std::string words = "layout(local_size_x = " + std::to_string(device::group_size) + ") in;\n", head;
-    const auto buffer = [&words](BufferBinding at, bool written, const std::string& members) {
-        words += "layout(std430, binding = " + std::to_string(at) + ") " + (written ? "writeonly" : "readonly") +
-                 " buffer LbBuffer" + std::to_string(at) + " {" + members + " };\n";
+std::string glsl_prologue(const std::string& real) {
+    std::string code = "layout(local_size_x = " + std::to_string(device::group_size) + ") in;\n", head;
+    const auto buffer = [&code](BufferBinding at, bool written, const std::string& members) {
+        code += "layout(std430, binding = " + std::to_string(at) + ") " + (written ? "writeonly" : "readonly") +
+                " buffer LbBuffer" + std::to_string(at) + " {" + members + " };\n";
     };
-    for (const std::string_view word : head_words) head += " uint " + std::string(word) + ";";
+    for (const std::string_view member : head_members) head += " uint " + std::string(member) + ";";
     buffer(BufferBinding::head, false, head);
     for (const ColumnBuffer& c : column_buffers)
         buffer(c.at, c.written, " " + (c.whole ? "uint" : real) + " " + std::string(c.name) + "[];");
-    return words + "void main() {\n";
+    return code + "void main() {\n";
 }
 
 /// The same in HLSL. Its macros let the rest of the program be written as in GLSL.
-std::string opening_of_hlsl() {
-    std::string words =
+std::string hlsl_prologue() {
+    std::string code =
         "#define vec2 float2\n#define vec3 float3\n#define vec4 float4\n#define uintBitsToFloat asfloat\n";
-    for (std::size_t k = 0; k < head_words.size(); ++k)
-        words += "#define " + std::string(head_words[k]) + " lb_head[" + std::to_string(k) + "]\n";
-    const auto buffer = [&words](const ColumnBuffer& c) {
-        words += "[[vk::binding(" + std::to_string(c.at) + ")]] " + (c.written ? "RW" : "") + "StructuredBuffer<" +
-                 (c.whole ? "uint" : "float") + "> " + std::string(c.name) + ";\n";
+    for (std::size_t k = 0; k < head_members.size(); ++k)
+        code += "#define " + std::string(head_members[k]) + " lb_head[" + std::to_string(k) + "]\n";
+    const auto buffer = [&code](const ColumnBuffer& c) {
+        code += "[[vk::binding(" + std::to_string(c.at) + ")]] " + (c.written ? "RW" : "") + "StructuredBuffer<" +
+                (c.whole ? "uint" : "float") + "> " + std::string(c.name) + ";\n";
     };
     buffer({BufferBinding::head, "lb_head", false, true});
     for (const ColumnBuffer& c : column_buffers) buffer(c);
-    return words + "[numthreads(" + std::to_string(device::group_size) + ", 1, 1)] void " +
+    return code + "[numthreads(" + std::to_string(device::group_size) + ", 1, 1)] void " +
            device::entry_of(device::Language::hlsl) + "(uint3 gl_GlobalInvocationID : SV_DispatchThreadID) {\n";
 }
 
 std::string main_code(const Signature& s, const ShaderMarch& march, bool hlsl) {
     const std::string real = s.doubles ? "double" : "float", v = s.doubles ? "dvec" : "vec";
     const std::string count = std::to_string(row_of(s.shape).numbers);
-    std::string words = hlsl ? opening_of_hlsl() : opening(real);
+    std::string code = hlsl ? hlsl_prologue() : glsl_prologue(real);
     const auto vec = [&](const std::string& name, const char* from, std::size_t first) {
-        words += "    " + v + "3 " + name + " = " + v + "3(";
+        code += "    " + v + "3 " + name + " = " + v + "3(";
         for (std::size_t k = 0; k < 3; ++k)
-            words += std::string(k == 0 ? "" : ", ") + from + "[" + std::to_string(first + k) + "]";
-        words += ");\n";
+            code += std::string(k == 0 ? "" : ", ") + from + "[" + std::to_string(first + k) + "]";
+        code += ");\n";
     };
-    words += "    uint lb_i = gl_GlobalInvocationID.x;\n    if (lb_i >= lb_count) return;\n";
-    words += "    " + real + " lb_ray[6], lb_primitive[" + count + "];\n";
-    words += "    for (uint k = 0u; k < 6u; ++k) lb_ray[k] = lb_rays[6u * lb_i + k];\n";
-    words += "    for (uint k = 0u; k < " + count + "u; ++k) lb_primitive[k] = lb_primitives[lb_stride * lb_i + k];\n";
+    code += "    uint lb_i = gl_GlobalInvocationID.x;\n    if (lb_i >= lb_count) return;\n";
+    code += "    " + real + " lb_ray[6], lb_primitive[" + count + "];\n";
+    code += "    for (uint k = 0u; k < 6u; ++k) lb_ray[k] = lb_rays[6u * lb_i + k];\n";
+    code += "    for (uint k = 0u; k < " + count + "u; ++k) lb_primitive[k] = lb_primitives[lb_stride * lb_i + k];\n";
     vec("lb_origin", "lb_ray", 0);
     vec("lb_direction", "lb_ray", 3);
     for_each_key(s.shape, [&](const Key& key, std::size_t k) {
         if (key.count() == 3) vec("lb_" + std::string(key.name), "lb_primitive", k);
     });
     // Infinity is written by its bits, since drivers differ in what a division by zero gives.
-    words +=
+    code +=
         "    " + real + " lb_tmax = lb_has_ends != 0u ? lb_ends[lb_i] : " + real + "(uintBitsToFloat(0x7f800000u));\n";
-    words += "    " + real + " lb_tmin = lb_has_starts != 0u ? lb_starts[lb_i] : " + real + "(0);\n";
-    return words + call_code(s, march) + "}\n";
+    code += "    " + real + " lb_tmin = lb_has_starts != 0u ? lb_starts[lb_i] : " + real + "(0);\n";
+    return code + call_code(s, march) + "}\n";
 }
 
 const std::map<std::string_view, std::string_view>& types_of_doubles() {
@@ -255,7 +256,7 @@ std::string number_of(std::string_view number, bool to_doubles) {
 
 }  // namespace
 
-std::string rewritten(const std::string& text, bool to_doubles) {
+std::string to_precision(const std::string& text, bool to_doubles) {
     std::string result;
     std::size_t copied = 0;
     bool in_precision = false;
@@ -277,23 +278,23 @@ std::string rewritten(const std::string& text, bool to_doubles) {
 }
 
 std::pair<std::string, std::string> without_kernel(const std::string& text) {
-    const std::string own = fitted(text, false);
-    return {"#version 450\n" + site_declarations(own), own};
+    const std::string code = as_compute_code(text, false);
+    return {"#version 450\n" + site_declarations(code), code};
 }
 
 std::string program_text(const ShaderSource& shader, int bits, int version) {
     const auto line = [](int number) { return "\n#line " + std::to_string(number) + "\n"; };
     Signature signature = shader.signature;
     if (shader.hlsl) return line(1) + shader.text + line(our_first_line) + main_code(signature, shader.march, true);
-    std::string text = fitted(shader.text);
+    std::string text = as_compute_code(shader.text);
     std::string site = site_declarations(text);
     if (signature.doubles != (bits == 64)) {
         const bool to_doubles = bits == 64;
-        text = rewritten(text, to_doubles);
-        site = rewritten(site, to_doubles);
-        for (std::string& argument : signature.arguments) argument = rewritten(argument, to_doubles);
-        for (Parameter& p : signature.function.parameters) p.type = rewritten(p.type, to_doubles);
-        signature.function.type = rewritten(signature.function.type, to_doubles);
+        text = to_precision(text, to_doubles);
+        site = to_precision(site, to_doubles);
+        for (std::string& argument : signature.arguments) argument = to_precision(argument, to_doubles);
+        for (Parameter& p : signature.function.parameters) p.type = to_precision(p.type, to_doubles);
+        signature.function.type = to_precision(signature.function.type, to_doubles);
         signature.doubles = to_doubles;
     }
     return "#version " + std::to_string(version) + "\n" + site + line(1) + text + line(our_first_line) +

@@ -44,7 +44,7 @@ void fill_by_ray(std::span<Intersector> rows) {
             row.interval = enclosed<Form, Interval>;
         }
         row.count = count_of<Form>;  // as it runs: `a || b` on one ray does not compare b where a is true
-        if constexpr (filters<Form>) row.way = filter_arithmetic_of<Form>;
+        if constexpr (filters<Form>) row.filter_arithmetic = filter_arithmetic_of<Form>;
         if constexpr (marches<Form>) row.log = log_of<Form>;
     });
 }

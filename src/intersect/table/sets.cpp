@@ -47,7 +47,7 @@ void pass_on(Made& set, Function<R(A...)> Intersector::*) {
 FilterArithmetic filter_arithmetic_of_part(void* own, const Format& format, const Ray<double>& ray,
                                            const Target<double>& target, double tmax) {
     const Intersector& form = static_cast<Intersector*>(own)->of(shape_of_target(target));
-    return form.way ? form.way(format, ray, target, tmax) : FilterArithmetic::own;
+    return form.filter_arithmetic ? form.filter_arithmetic(format, ray, target, tmax) : FilterArithmetic::own;
 }
 
 void forward_all(Made& set) {
@@ -60,8 +60,9 @@ void forward_all(Made& set) {
     pass_on<&Intersector::record_all>(set, &Intersector::record_all);
     pass_on<&Intersector::count>(set, &Intersector::count);
     pass_on<&Intersector::bounded>(set, &Intersector::bounded);
-    if (std::ranges::any_of(set.parts, [](const Intersector* part) { return static_cast<bool>(part->way); }))
-        set.row.way = {filter_arithmetic_of_part, &set.row};
+    if (std::ranges::any_of(set.parts,
+                            [](const Intersector* part) { return static_cast<bool>(part->filter_arithmetic); }))
+        set.row.filter_arithmetic = {filter_arithmetic_of_part, &set.row};
 }
 
 /// The value of `member` if all forms of the set agree on it, else `otherwise`.

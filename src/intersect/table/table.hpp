@@ -112,7 +112,8 @@ struct Intersector {
     Function<std::optional<BoundedAnswer>(const Format&, const Ray<double>&, const Target<double>&, double tmax)>
         bounded = nullptr;
     /// The widest arithmetic that one evaluation needs; null for the forms that do not filter.
-    Function<FilterArithmetic(const Format&, const Ray<double>&, const Target<double>&, double tmax)> way = nullptr;
+    Function<FilterArithmetic(const Format&, const Ray<double>&, const Target<double>&, double tmax)>
+        filter_arithmetic = nullptr;
     /// The forms of a set, in the order of their shapes.
     std::span<const Intersector* const> parts = {};
     bool is_placed =

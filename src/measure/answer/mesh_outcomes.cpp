@@ -18,21 +18,23 @@ namespace {
 /// Primitives of one ray, by their triangles of the mesh.
 class RayAtMesh {
 public:
-    RayAtMesh(const BandAnswers& of, std::size_t ray)
-        : of_(of),
+    RayAtMesh(const BandAnswers& band_answers, std::size_t ray)
+        : band_answers_(band_answers),
           ray_(ray),
-          first_(of.inputs.primitives.first_of_mesh()),
-          mesh_(of.inputs.primitives.mesh()->mesh()) {}
+          first_(band_answers.inputs.primitives.first_of_mesh()),
+          mesh_(band_answers.inputs.primitives.mesh()->mesh()) {}
 
-    [[nodiscard]] Outcome outcome_of(std::int32_t truly, Outcome before) const {
-        const std::int32_t met = of_.answers.object[ray_];
-        if (of_.answers.claimed.empty())
-            return before == Outcome::wrong_primitive && are_neighbours(truly, met) ? Outcome::wrong_neighbour : before;
+    [[nodiscard]] Outcome outcome_of(std::int32_t true_primitive, Outcome before) const {
+        const std::int32_t met = band_answers_.answers.object[ray_];
+        if (band_answers_.answers.claimed.empty())
+            return before == Outcome::wrong_primitive && are_neighbours(true_primitive, met) ? Outcome::wrong_neighbour
+                                                                                             : before;
         Outcome outcome = before;
-        if (before == Outcome::false_miss && in_mesh(truly) && lets_light_through(truly)) outcome = Outcome::crack;
-        if (before == Outcome::wrong_primitive && in_mesh(truly)) {
-            if (are_neighbours(truly, met)) outcome = Outcome::wrong_neighbour;
-            else if (lets_light_through(truly)) outcome = Outcome::crack;
+        if (before == Outcome::false_miss && in_mesh(true_primitive) && lets_light_through(true_primitive))
+            outcome = Outcome::crack;
+        if (before == Outcome::wrong_primitive && in_mesh(true_primitive)) {
+            if (are_neighbours(true_primitive, met)) outcome = Outcome::wrong_neighbour;
+            else if (lets_light_through(true_primitive)) outcome = Outcome::crack;
             else if (passes_a_nearer(met)) outcome = Outcome::out_of_order;
         }
         const bool met_right = outcome == Outcome::agree_hit || outcome == Outcome::wrong_neighbour;
@@ -59,39 +61,42 @@ private:
     /// True if the form claims a candidate for which `wanted(primitive)` holds.
     template <class Wanted>
     [[nodiscard]] bool claims(const Wanted& wanted) const {
-        const culling::CandidateLists& candidates = *of_.inputs.candidates;
+        const culling::CandidateLists& candidates = *band_answers_.inputs.candidates;
         for (std::size_t pair = candidates.first(ray_); pair < candidates.first(ray_ + 1); ++pair)
-            if (of_.answers.claimed[pair] != 0 && wanted(static_cast<std::int32_t>(candidates.primitive(pair))))
+            if (band_answers_.answers.claimed[pair] != 0 &&
+                wanted(static_cast<std::int32_t>(candidates.primitive(pair))))
                 return true;
         return false;
     }
-    [[nodiscard]] bool lets_light_through(std::int32_t truly) const {
-        return !claims([&](std::int32_t s) { return s == truly || are_neighbours(s, truly); }) && counts_otherwise() &&
-               !passes_border(truly);
+    [[nodiscard]] bool lets_light_through(std::int32_t true_primitive) const {
+        return !claims([&](std::int32_t s) { return s == true_primitive || are_neighbours(s, true_primitive); }) &&
+               counts_otherwise() && !passes_border(true_primitive);
     }
     /// True if the line passes nearest to a border edge in one of the triangles that the ray truly meets first.
-    [[nodiscard]] bool passes_border(std::int32_t truly) const {
-        const culling::CandidateLists& candidates = *of_.inputs.candidates;
-        const Truth first = truth_at(truly);
+    [[nodiscard]] bool passes_border(std::int32_t true_primitive) const {
+        const culling::CandidateLists& candidates = *band_answers_.inputs.candidates;
+        const Truth first = truth_at(true_primitive);
         return std::ranges::any_of(candidates.of(ray_), [&](std::uint32_t k) {
             const auto primitive = static_cast<std::int32_t>(k);
             if (!in_mesh(primitive) || !mesh_.has_border(face(primitive))) return false;
             const Truth there = truth_at(primitive);
             return there.is_hit() && compare(there.t, first.t) == 0 &&
-                   crossing::is_beside_border(of_.inputs.rays[ray_], triangle(primitive), mesh_, face(primitive));
+                   crossing::is_beside_border(band_answers_.inputs.rays[ray_], triangle(primitive), mesh_,
+                                              face(primitive));
         });
     }
     [[nodiscard]] Truth truth_at(std::int32_t primitive) const {
-        return of_.band.truth_of_primitive(ray_, static_cast<std::size_t>(primitive), of_.convention);
+        return band_answers_.band.truth_of_primitive(ray_, static_cast<std::size_t>(primitive),
+                                                     band_answers_.convention);
     }
     [[nodiscard]] Primitive<double> triangle(std::int32_t primitive) const {
-        return of_.inputs.primitives[static_cast<std::size_t>(primitive)];
+        return band_answers_.inputs.primitives[static_cast<std::size_t>(primitive)];
     }
     [[nodiscard]] Crossed crossed(std::int32_t primitive) const {
         return {primitive, truth_at(primitive), facing(primitive)};
     }
     [[nodiscard]] int facing(std::int32_t primitive) const {
-        return crossing::facing_of(of_.inputs.rays[ray_], triangle(primitive)).value_or(0);
+        return crossing::facing_of(band_answers_.inputs.rays[ray_], triangle(primitive)).value_or(0);
     }
     /// True if two triangles are one crossing of the surface: they face to one side, or one is seen edge-on; and the
     /// ray meets both at the same t, or it does not meet both and they share a vertex.
@@ -148,39 +153,42 @@ private:
     /// Compares two counts: the crossings of the surface at the triangles that the form claims, and the true ones. True
     /// if one count is odd and the other even: light ends on the other side of the surface.
     [[nodiscard]] bool counts_otherwise() const {
-        const culling::CandidateLists& candidates = *of_.inputs.candidates;
+        const culling::CandidateLists& candidates = *band_answers_.inputs.candidates;
         std::vector<Crossed> claimed, met;
         for (std::size_t pair = candidates.first(ray_); pair < candidates.first(ray_ + 1); ++pair) {
             const auto primitive = static_cast<std::int32_t>(candidates.primitive(pair));
             if (!in_mesh(primitive)) continue;
             const Truth truth = truth_at(primitive);
-            if (of_.answers.claimed[pair] == 0 && !truth.is_hit()) continue;
+            if (band_answers_.answers.claimed[pair] == 0 && !truth.is_hit()) continue;
             const Crossed one{primitive, truth, facing(primitive)};
-            if (of_.answers.claimed[pair] != 0) claimed.push_back(one);
+            if (band_answers_.answers.claimed[pair] != 0) claimed.push_back(one);
             if (truth.is_hit()) met.push_back(one);
         }
         return !leave_crossings_open(claimed) && crossings(std::move(claimed)) % 2 != crossings(std::move(met)) % 2;
     }
 
-    const BandAnswers& of_;
+    const BandAnswers& band_answers_;
     std::size_t ray_, first_;
     const scene::triangle::Mesh& mesh_;
 };
 
 }  // namespace
 
-Outcome outcome_in_mesh(const BandAnswers& of, std::size_t ray, std::int32_t truly, Outcome before) {
-    return of.inputs.primitives.mesh() != nullptr ? RayAtMesh(of, ray).outcome_of(truly, before) : before;
+Outcome outcome_in_mesh(const BandAnswers& band_answers, std::size_t ray, std::int32_t true_primitive, Outcome before) {
+    return band_answers.inputs.primitives.mesh() != nullptr
+               ? RayAtMesh(band_answers, ray).outcome_of(true_primitive, before)
+               : before;
 }
 
-void take_apart(const BandAnswers& of, const columns::TrueLengths& truth, std::span<Outcome> outcomes) {
-    const bool at_mesh = of.inputs.primitives.mesh() != nullptr;
+void refine_outcomes(const BandAnswers& band_answers, const columns::TrueLengths& truth, std::span<Outcome> outcomes) {
+    const bool at_mesh = band_answers.inputs.primitives.mesh() != nullptr;
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
         const bool elsewhere = outcomes[i] == Outcome::wrong_primitive;
-        if (at_mesh || elsewhere) of.inputs.stop.check();
-        if (elsewhere && meets_first(of.band, i, of.answers.object[i], of.convention)) outcomes[i] = Outcome::agree_hit;
+        if (at_mesh || elsewhere) band_answers.inputs.stop.check();
+        if (elsewhere && meets_first(band_answers.band, i, band_answers.answers.object[i], band_answers.convention))
+            outcomes[i] = Outcome::agree_hit;
         if (at_mesh && truth.decision[i] == Truth::Decision::hit)
-            outcomes[i] = RayAtMesh(of, i).outcome_of(truth.object[i], outcomes[i]);
+            outcomes[i] = RayAtMesh(band_answers, i).outcome_of(truth.object[i], outcomes[i]);
     }
 }
 

@@ -46,9 +46,9 @@ struct BandAnswers {
 /// - `out_of_order`: the form answers a triangle that the ray truly meets, and claims another one, no neighbour of it,
 ///   that the ray truly meets before. Both decisions are right, but the computed t of the nearer one is not the
 ///   smaller.
-void take_apart(const BandAnswers& of, const columns::TrueLengths& truth, std::span<Outcome> outcomes);
-/// Outcome at a mesh of one ray that truly hits primitive `truly` first. `before` is its outcome if primitives had no
-/// edges in common.
-Outcome outcome_in_mesh(const BandAnswers& of, std::size_t ray, std::int32_t truly, Outcome before);
+void refine_outcomes(const BandAnswers& band_answers, const columns::TrueLengths& truth, std::span<Outcome> outcomes);
+/// Outcome at a mesh of one ray that truly hits primitive `true_primitive` first. `before` is its outcome if primitives
+/// had no edges in common.
+Outcome outcome_in_mesh(const BandAnswers& band_answers, std::size_t ray, std::int32_t true_primitive, Outcome before);
 
 }  // namespace lostbits::measure::answer

@@ -38,9 +38,9 @@ OneRay::OneRay(const Scene& scene, const Ray<Real>& ray, truth::TruthLimit limit
     else evaluate_among(scene, scene::rays::round_rays(one, binary64), limit);
 }
 
-void OneRay::evaluate_among(const Scene& scene, scene::rays::RayBlock one, truth::TruthLimit limit) {
-    culler_ = std::make_unique<culling::Culler>(scene, one[0]);
-    band_ = std::make_unique<Band>(scene, std::move(one), *culler_, limit);
+void OneRay::evaluate_among(const Scene& scene, scene::rays::RayBlock ray, truth::TruthLimit limit) {
+    culler_ = std::make_unique<culling::Culler>(scene, ray[0]);
+    band_ = std::make_unique<Band>(scene, std::move(ray), *culler_, limit);
 }
 
 OneRay::OneRay(scene::rays::RayGroup group) : band_(std::make_unique<Band>(std::move(group))) {}

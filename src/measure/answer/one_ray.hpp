@@ -83,7 +83,7 @@ private:
     }
 
     /// Builds the band of a scene with shared inputs.
-    void evaluate_among(const scene::file::Scene& scene, scene::rays::RayBlock one, truth::TruthLimit limit);
+    void evaluate_among(const scene::file::Scene& scene, scene::rays::RayBlock ray, truth::TruthLimit limit);
 
     std::unique_ptr<culling::Culler> culler_;
     std::shared_ptr<truth::Band> band_;  ///< pixels of the same row share one

@@ -31,7 +31,7 @@ double nearest(mpfr_srcptr x, const FloatFormat& f) {
 
 /// ⌊log2⌋ of the largest magnitude.
 long exponent_of(const Interval& x) {
-    const double most = most_of(x);
+    const double most = largest_magnitude(x);
     return most > 0 ? std::ilogb(most) : -100000;
 }
 
@@ -45,7 +45,8 @@ Interval half_a_place(const Interval& x, const FloatFormat& f) {
 /// True if x is 1, 2, 4, 8, …: multiplying a number of the format by it is exact.
 bool is_scale(const Interval& x) {
     int exponent = 0;
-    return x.is_exact() && std::frexp(least_of(x), &exponent) == 0.5 && exponent > 0 && least_of(x) == most_of(x);
+    return x.is_exact() && std::frexp(least_magnitude(x), &exponent) == 0.5 && exponent > 0 &&
+           least_magnitude(x) == largest_magnitude(x);
 }
 
 /// True if the sum is exact. The difference of two numbers of a format that are within a factor 2 of each other is a
@@ -69,7 +70,7 @@ void put_rounded(EnclosedNode& r, const Interval& raw, const FloatFormat& format
     r.known = std::fabs(low) <= largest_of(format) && std::fabs(high) <= largest_of(format);
     if (!r.known) return;
     r.computed = Interval::between(low, high);
-    r.own = is_exact ? Interval(0) : low == high ? r.computed - raw : half_a_place(raw, format);
+    r.rounding = is_exact ? Interval(0) : low == high ? r.computed - raw : half_a_place(raw, format);
 }
 
 bool holds(const FloatFormat& wide, const FloatFormat& narrow) {
@@ -86,8 +87,8 @@ EnclosedNode sum(const EnclosedNode& a, const EnclosedNode& b, int sign, const F
     return r;
 }
 
-EnclosedNode product(const EnclosedNode& a, const EnclosedNode& b, const EnclosedNode* c, const NodeContext& of) {
-    const bool is_square = of.node.operands[0] == of.node.operands[1];
+EnclosedNode product(const EnclosedNode& a, const EnclosedNode& b, const EnclosedNode* c, const NodeContext& context) {
+    const bool is_square = context.node.operands[0] == context.node.operands[1];
     EnclosedNode r;
     r.exact = is_square ? square(a.exact) : a.exact * b.exact;
     Interval raw = is_square ? square(a.computed) : a.computed * b.computed;
@@ -97,7 +98,7 @@ EnclosedNode product(const EnclosedNode& a, const EnclosedNode& b, const Enclose
         raw = raw + c->computed;
         r.quotients[2] = Interval(1);
     }
-    put_rounded(r, raw, of.format, !c && (is_scale(a.computed) || is_scale(b.computed)));
+    put_rounded(r, raw, context.format, !c && (is_scale(a.computed) || is_scale(b.computed)));
     return r;
 }
 
@@ -124,7 +125,7 @@ EnclosedNode root(const EnclosedNode& a, const FloatFormat& format) {
 }
 
 EnclosedNode size(const EnclosedNode& a) {
-    EnclosedNode r{.known = true, .exact = abs(a.exact), .computed = abs(a.computed), .own = Interval(0)};
+    EnclosedNode r{.known = true, .exact = abs(a.exact), .computed = abs(a.computed), .rounding = Interval(0)};
     const int sign = sign_of(a.exact);
     r.quotients[0] = sign != 0 && sign == sign_of(a.computed) ? Interval(sign) : Interval::between(-1, 1);
     return r;
@@ -145,7 +146,7 @@ EnclosedNode signed_as(const EnclosedNode& a, const EnclosedNode& b) {
     const Interval both = Interval::between(-1, 1), apart = r.exact + r.computed;
     r.exact = both * r.exact;
     r.computed = both * r.computed;
-    r.own = both * apart;
+    r.rounding = both * apart;
     r.jumps = true;
     r.quotients[0] = Interval(0);
     return r;
@@ -155,24 +156,26 @@ EnclosedNode signed_as(const EnclosedNode& a, const EnclosedNode& b) {
 EnclosedNode neighbour(const EnclosedNode& a, int sign, const FloatFormat& format) {
     EnclosedNode r{.known = true, .exact = a.exact};
     const double gap = std::ldexp(1.0, static_cast<int>(ulp_exponent(format, exponent_of(a.computed))));
-    r.own = Interval(sign) * Interval::between(0, gap);
-    r.computed = a.computed + r.own;
+    r.rounding = Interval(sign) * Interval::between(0, gap);
+    r.computed = a.computed + r.rounding;
     r.quotients[0] = Interval(1);
-    r.known = most_of(r.computed) <= largest_of(format);
+    r.known = largest_magnitude(r.computed) <= largest_of(format);
     return r;
 }
 
-EnclosedNode converted(const EnclosedNode& a, const NodeContext& of) {
-    EnclosedNode r{.known = true, .exact = a.exact, .computed = a.computed, .own = Interval(0)};
+EnclosedNode converted(const EnclosedNode& a, const NodeContext& context) {
+    EnclosedNode r{.known = true, .exact = a.exact, .computed = a.computed, .rounding = Interval(0)};
     r.quotients[0] = Interval(1);
-    if (!holds(of.format, of.from)) put_rounded(r, a.computed, of.format);
+    if (!holds(context.format, context.from)) put_rounded(r, a.computed, context.format);
     return r;
 }
 
 /// min(a^, b^) − min(a, b) = q (a^ − a) + (1 − q)(b^ − b) with q from 0 to 1.
 EnclosedNode smaller_of(const EnclosedNode& a, const EnclosedNode& b) {
-    EnclosedNode r{
-        .known = true, .exact = least(a.exact, b.exact), .computed = least(a.computed, b.computed), .own = Interval(0)};
+    EnclosedNode r{.known = true,
+                   .exact = least(a.exact, b.exact),
+                   .computed = least(a.computed, b.computed),
+                   .rounding = Interval(0)};
     const Tri exact = a.exact < b.exact, computed = a.computed < b.computed;
     const Interval part =
         exact == computed && !exact.is_unknown() ? Interval(exact.is_yes() ? 1 : 0) : Interval::between(0, 1);
@@ -184,7 +187,7 @@ EnclosedNode negative(const EnclosedNode& a) {
     EnclosedNode r = a;
     r.exact = -a.exact;
     r.computed = -a.computed;
-    r.own = -a.own;
+    r.rounding = -a.rounding;
     return r;
 }
 
@@ -212,7 +215,7 @@ EnclosedNode chosen(const EnclosedNode& mask, const EnclosedNode& a, const Enclo
     r.exact = select(exact, a.exact, b.exact);
     r.computed = select(computed, a.computed, b.computed);
     const Interval apart = a.exact - b.exact;
-    r.own = hull(from_zero(apart), -apart);
+    r.rounding = hull(from_zero(apart), -apart);
     r.jumps = true;
     r.quotients = {Interval(0), Interval::between(0, 1), Interval::between(0, 1)};
     return r;
@@ -221,7 +224,7 @@ EnclosedNode chosen(const EnclosedNode& mask, const EnclosedNode& a, const Enclo
 EnclosedNode constant(const TapeNode& node) {
     EnclosedNode r = enclose_input(node.value, node.value);
     r.exact = Interval(static_cast<int>(node.operands[0]));
-    r.own = r.computed - r.exact;
+    r.rounding = r.computed - r.exact;
     return r;
 }
 
@@ -252,11 +255,11 @@ EnclosedNode opposite(const EnclosedNode& a) {
 
 bool is_zero(const Interval& x) { return x.is_exact() && mpfr_zero_p(x.lower()) != 0; }
 
-double most_of(const Interval& x) {
+double largest_magnitude(const Interval& x) {
     return std::max(std::fabs(mpfr_get_d(x.lower(), MPFR_RNDD)), std::fabs(mpfr_get_d(x.upper(), MPFR_RNDU)));
 }
 
-double least_of(const Interval& x) {
+double least_magnitude(const Interval& x) {
     const int sign = sign_of(x);
     return sign > 0 ? mpfr_get_d(x.lower(), MPFR_RNDD) : sign < 0 ? -mpfr_get_d(x.upper(), MPFR_RNDU) : 0;
 }
@@ -268,26 +271,27 @@ EnclosedNode enclose_input(double low, double high) {
         for (int k = 0; k < 3; ++k) beyond = beyond * beyond;
         return x > 0 ? beyond : -beyond;
     };
-    EnclosedNode r{.known = true, .exact = between(lifted(low), lifted(high)), .own = Interval(0)};
+    EnclosedNode r{.known = true, .exact = between(lifted(low), lifted(high)), .rounding = Interval(0)};
     r.computed = r.exact;
     return r;
 }
 
-EnclosedNode enclose(const NodeContext& of) {
-    const TapeOp op = of.node.op;
-    if (op == TapeOp::constant) return constant(of.node);
-    const EnclosedNode &a = *of.operands[0], &b = of.operands[1] ? *of.operands[1] : a;
-    if (op == TapeOp::select) return chosen(a, b, *of.operands[2]);
-    if (is_operation(op) && !std::ranges::all_of(of.operands, [](const auto* x) { return !x || x->known; })) return {};
+EnclosedNode enclose(const NodeContext& context) {
+    const TapeOp op = context.node.op;
+    if (op == TapeOp::constant) return constant(context.node);
+    const EnclosedNode &a = *context.operands[0], &b = context.operands[1] ? *context.operands[1] : a;
+    if (op == TapeOp::select) return chosen(a, b, *context.operands[2]);
+    if (is_operation(op) && !std::ranges::all_of(context.operands, [](const auto* x) { return !x || x->known; }))
+        return {};
     switch (op) {
-        case TapeOp::add: return sum(a, b, 1, of.format);
-        case TapeOp::sub: return sum(a, b, -1, of.format);
-        case TapeOp::mul: return product(a, b, nullptr, of);
-        case TapeOp::fma: return product(a, b, of.operands[2], of);
-        case TapeOp::div: return quotient(a, b, of.format);
-        case TapeOp::sqrt: return root(a, of.format);
+        case TapeOp::add: return sum(a, b, 1, context.format);
+        case TapeOp::sub: return sum(a, b, -1, context.format);
+        case TapeOp::mul: return product(a, b, nullptr, context);
+        case TapeOp::fma: return product(a, b, context.operands[2], context);
+        case TapeOp::div: return quotient(a, b, context.format);
+        case TapeOp::sqrt: return root(a, context.format);
         case TapeOp::neg: {
-            EnclosedNode r{.known = true, .exact = -a.exact, .computed = -a.computed, .own = Interval(0)};
+            EnclosedNode r{.known = true, .exact = -a.exact, .computed = -a.computed, .rounding = Interval(0)};
             r.quotients[0] = Interval(-1);
             return r;
         }
@@ -295,9 +299,9 @@ EnclosedNode enclose(const NodeContext& of) {
         case TapeOp::copysign: return signed_as(a, b);
         case TapeOp::min: return smaller_of(a, b);
         case TapeOp::max: return larger_of(a, b);
-        case TapeOp::next_up: return neighbour(a, 1, of.format);
-        case TapeOp::next_down: return neighbour(a, -1, of.format);
-        case TapeOp::convert: return converted(a, of);
+        case TapeOp::next_up: return neighbour(a, 1, context.format);
+        case TapeOp::next_down: return neighbour(a, -1, context.format);
+        case TapeOp::convert: return converted(a, context);
         case TapeOp::less: return compared(a, b, true);
         case TapeOp::less_equal: return compared(a, b, false);
         case TapeOp::greater: return compared(b, a, true);

@@ -13,12 +13,12 @@ namespace lostbits::measure::apriori {
 /// Enclosures of a number, or the outcome of a decision, over every input of a box: `exact` without rounding,
 /// `computed` as the format rounds it. For a number and each input
 ///
-///   computed − exact = Σ quotients[k] (computed − exact of operand k) + own.
+///   computed − exact = Σ quotients[k] (computed − exact of operand k) + rounding.
 struct EnclosedNode {
     bool known = false;  ///< for a number; false where an operation may be undefined or overflow
-    Interval exact = {}, computed = {}, own = {};
+    Interval exact = {}, computed = {}, rounding = {};
     std::array<Interval, 3> quotients = {};
-    bool jumps = false;  ///< `own` includes a side or a sign that may differ with and without rounding
+    bool jumps = false;  ///< `rounding` includes a side or a sign that may differ with and without rounding
     Tri exact_decision = Tri::unknown, computed_decision = Tri::unknown;
 };
 
@@ -30,7 +30,7 @@ struct NodeContext {
 };
 
 /// Encloses a node that is not an input.
-EnclosedNode enclose(const NodeContext& of);
+EnclosedNode enclose(const NodeContext& context);
 
 /// Encloses an input. An end at infinity becomes a number beyond every number of a format.
 EnclosedNode enclose_input(double low, double high);
@@ -39,7 +39,7 @@ EnclosedNode enclose_input(double low, double high);
 bool is_zero(const Interval& x);
 
 /// Largest and least magnitude in an enclosure, rounded outward to a double.
-double most_of(const Interval& x);
-double least_of(const Interval& x);
+double largest_magnitude(const Interval& x);
+double least_magnitude(const Interval& x);
 
 }  // namespace lostbits::measure::apriori

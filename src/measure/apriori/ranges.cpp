@@ -9,7 +9,7 @@
 
 #include "intersect/process/parallel.hpp"
 #include "intersect/table/recording.hpp"
-#include "measure/answer/self.hpp"
+#include "measure/answer/without_rounding.hpp"
 #include "measure/tape/tape_form.hpp"
 #include "measure/truth/band.hpp"
 #include "number/rounded.hpp"
@@ -91,7 +91,7 @@ InputBox input_box_of(const std::vector<std::vector<double>>& rays) {
 }
 
 void put_asked(InputBox& box, const RangesRequest& request, const std::vector<std::string>& names) {
-    for (const GivenRange& asked : request.asked) {
+    for (const GivenRange& asked : request.given_ranges) {
         const auto found = std::ranges::find(names, asked.name);
         if (found == names.end())
             throw InputError(fmt::format("--input-range {}: {} has no input of that name; {}", asked.name,
@@ -166,19 +166,19 @@ void ObservedErrors::append(const ObservedErrors& after) {
     wider += after.wider;
 }
 
-ObservedErrors observe(const BoundQuery& asking, const std::vector<std::vector<double>>& rays) {
+ObservedErrors observe(const BoundQuery& query, const std::vector<std::vector<double>>& rays) {
     std::vector<ObservedErrors> each(rays.size());
     intersect::process::in_parallel(std::size_t{0}, rays.size(), [&](std::size_t i) {
-        asking.stop.check();
-        each[i] = observe_one(asking, rays[i]);
+        query.stop.check();
+        each[i] = observe_one(query, rays[i]);
     });
     ObservedErrors all;
     for (const ObservedErrors& one : each) all.append(one);
     return all;
 }
 
-std::vector<std::vector<double>> drawn(const BoundQuery& asking, std::size_t boxes, int each) {
-    auto leaves = asking.parts.leaves();
+std::vector<std::vector<double>> draw_inputs(const BoundQuery& query, std::size_t boxes, int each) {
+    auto leaves = query.parts.leaves();
     std::erase_if(leaves, [](const BoundedPart* p) { return p->bound.misses || !(p->bound.error < HUGE_VAL); });
     std::ranges::stable_sort(
         leaves, [](const BoundedPart* p, const BoundedPart* q) { return p->bound.error > q->bound.error; });
@@ -191,7 +191,7 @@ std::vector<std::vector<double>> drawn(const BoundQuery& asking, std::size_t box
             for (const auto& [low, high] : part->box) {
                 // Rounding may lead out of the box, but not out of the ranges: their ends are numbers of the format.
                 const double x = low == high ? low : random.between(low, high);
-                inputs.push_back(rounding::to_format(x, 0, asking.format.parameters));
+                inputs.push_back(rounding::to_format(x, 0, query.format.parameters));
             }
             all.push_back(std::move(inputs));
         }
@@ -225,9 +225,9 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
         for (const BoundedPart* const part : divided.back().leaves())
             leaves.emplace_back(part, part->share / static_cast<double>(primitives));
         std::erase_if(rays, [&](const std::vector<double>& ray) { return !holds(r.ranges.back(), ray); });
-        const BoundQuery asking{*request.form, request.format, divided.back(), primitive, request.limit.stop};
-        r.given.append(observe(asking, rays));
-        r.drawn.append(observe(asking, drawn(asking, drawn_boxes, drawn_rays)));
+        const BoundQuery query{*request.form, request.format, divided.back(), primitive, request.limit.stop};
+        r.given.append(observe(query, rays));
+        r.drawn.append(observe(query, draw_inputs(query, drawn_boxes, drawn_rays)));
     }
     sum_up(r, leaves, bound, request.format.parameters);
     return r;

@@ -37,10 +37,10 @@ struct BoundQuery {
 };
 
 /// Errors of these inputs, all of which lie in the ranges.
-ObservedErrors observe(const BoundQuery& asking, const std::vector<std::vector<double>>& rays);
+ObservedErrors observe(const BoundQuery& query, const std::vector<std::vector<double>>& rays);
 
 /// Draws inputs in the `boxes` boxes with the largest bounds, `each` in each. Each number is one of the format.
-std::vector<std::vector<double>> drawn(const BoundQuery& asking, std::size_t boxes, int each);
+std::vector<std::vector<double>> draw_inputs(const BoundQuery& query, std::size_t boxes, int each);
 
 /// Range that replaces the scene's for the input of this name (`intersect::table::input_names`).
 struct GivenRange {
@@ -59,13 +59,13 @@ struct RangesRequest {
     std::variant<scene::file::Scene, StepRays> rays = {};  ///< of a scene, or of a step
     const intersect::table::Intersector* form = nullptr;
     Format format = {};
-    std::vector<GivenRange> asked = {};
+    std::vector<GivenRange> given_ranges = {};
     std::size_t boxes = 4096;  ///< total for all primitives
     truth::TruthLimit limit = {};
 
     [[nodiscard]] bool is_of_step() const { return std::holds_alternative<StepRays>(rays); }
     [[nodiscard]] const std::string& id() const {
-        return std::visit([](const auto& of) -> const std::string& { return of.id; }, rays);
+        return std::visit([](const auto& subject) -> const std::string& { return subject.id; }, rays);
     }
 };
 

@@ -47,11 +47,11 @@ private:
     static std::size_t place(NodeId i) { return static_cast<std::size_t>(i); }
 
     [[nodiscard]] EnclosedNode made(NodeId i, const std::vector<EnclosedNode>& from) const {
-        NodeContext of{tape_[i], {}, tape_.format_of(i), tape_.format_of(i)};
+        NodeContext context{tape_[i], {}, tape_.format_of(i), tape_.format_of(i)};
         const auto operands = tape_.operands_of(i);
-        for (std::size_t k = 0; k < operands.size(); ++k) of.operands[k] = &from[place(operands[k])];
-        if (tape_[i].op == TapeOp::convert) of.from = tape_.format_of(operands[0]);
-        return enclose(of);
+        for (std::size_t k = 0; k < operands.size(); ++k) context.operands[k] = &from[place(operands[k])];
+        if (tape_[i].op == TapeOp::convert) context.from = tape_.format_of(operands[0]);
+        return enclose(context);
     }
 
     void put(NodeId i) {
@@ -83,11 +83,11 @@ private:
     void narrow(NodeId i, EnclosedNode& node) {
         if (is_given(tape_[i].op)) {
             slopes_[place(i)].assign(free_.size(), Interval(0));
-            error_[place(i)] = node.own;
+            error_[place(i)] = node.rounding;
             return;
         }
         const auto operands = tape_.operands_of(i);
-        Interval off = node.own;
+        Interval off = node.rounding;
         for (std::size_t k = 0; k < operands.size(); ++k)
             if (!is_decision(tape_[operands[k]].op)) off = off + node.quotients[k] * error_[place(operands[k])];
         error_[place(i)] = off;
@@ -189,13 +189,13 @@ BoxBound TapeBound::over(const InputBox& box) const {
     bound.decides = !hit.exact_decision.is_unknown() && hit.exact_decision == hit.computed_decision;
     const EnclosedNode& t = all[static_cast<std::size_t>(tape_.outputs.t)];
     if (bound.misses || !t.known) return bound;
-    bound.least = least_of(t.exact);
+    bound.least = least_magnitude(t.exact);
     const auto slope = slopes(tape_, all);
     if (!slope) return bound;
     Interval error(0);
     for (std::size_t i = 0; i < all.size(); ++i)
-        if (!is_zero((*slope)[i])) error = error + (*slope)[i] * all[i].own;
-    if (error.is_bounded()) bound.error = std::fmin(most_of(error), most_of(t.computed - t.exact));
+        if (!is_zero((*slope)[i])) error = error + (*slope)[i] * all[i].rounding;
+    if (error.is_bounded()) bound.error = std::fmin(largest_magnitude(error), largest_magnitude(t.computed - t.exact));
     return bound;
 }
 
@@ -205,7 +205,7 @@ std::vector<double> TapeBound::shares(const InputBox& box) const {
     const auto& all = enclosed.nodes();
     std::vector<double> made(all.size());
     const auto slope = slopes(tape_, all);
-    for (std::size_t i = 0; slope && i < all.size(); ++i) made[i] = most_of((*slope)[i] * all[i].own);
+    for (std::size_t i = 0; slope && i < all.size(); ++i) made[i] = largest_magnitude((*slope)[i] * all[i].rounding);
     return made;
 }
 

@@ -109,7 +109,7 @@ private:
 
     /// Takes the exact value of a call. If exact arguments leave its decision open, takes the computed result.
     void call(NodeId i) {
-        const auto value = called<Exact>(tape_, i, [this](NodeId k) { return exact(k); });
+        const auto value = result_of_call<Exact>(tape_, i, [this](NodeId k) { return exact(k); });
         failed_ |= !value;
         exact(i) = value ? *value : Exact::lift(computed(i));
     }

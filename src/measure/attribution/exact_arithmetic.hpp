@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "measure/answer/self.hpp"
+#include "measure/answer/without_rounding.hpp"
 #include "number/ball.hpp"
 #include "number/real.hpp"
 #include "number/rounded.hpp"
@@ -71,7 +71,7 @@ private:
 
 /// Result of a call on a tape without rounding; `value(operand)` are its arguments.
 template <class Exact, class Value>
-std::optional<typename Exact::Number> called(const Tape& tape, NodeId call, const Value& value) {
+std::optional<typename Exact::Number> result_of_call(const Tape& tape, NodeId call, const Value& value) {
     std::vector<typename Exact::Number> arguments;
     for (const NodeId operand : tape.operands_of(call)) arguments.push_back(value(operand));
     return answer::without_rounding(tape.call_at(call).of, std::span<const typename Exact::Number>(arguments));

@@ -132,17 +132,17 @@ FormResult result_of_other_form(const Explanation& x, const OneRay& ray, const I
     // A form that answers no t loses no bits of it, but is not better than one that is right.
     const bool tells_less = std::isnan(s.lost) && !std::isnan(x.result.lost);
     if (s.is_right() && !lost_all && !tells_less && !s.other_question)
-        s.around = lost_around(form, x.format, around, x.tells_t());
+        s.lost_nearby = lost_around(form, x.format, around, x.tells_t());
     return s;
 }
 
 void add_if_better(Explanation& x, const FormResult& s) {
-    if (s.around < x.result.around) x.better.push_back(s);
+    if (s.lost_nearby < x.result.lost_nearby) x.better.push_back(s);
 }
 
 void find_better(Explanation& x, const OneRay& ray, const Surroundings& around,
                  std::span<const Intersector* const> beside) {
-    x.result.around = lost_around(*x.form, x.format, around, x.tells_t());
+    x.result.lost_nearby = lost_around(*x.form, x.format, around, x.tells_t());
     std::vector<const Intersector*> all;
     for (const Intersector& other : intersect::table::intersectors()) all.push_back(&other);
     if (const auto parts = intersect::transform::transformed_parts_of(*x.form); parts.method != nullptr)
@@ -158,21 +158,21 @@ void find_better(Explanation& x, const OneRay& ray, const Surroundings& around,
         const Intersector* const held = with_generator_of(*x.form, with_form(*x.form, x.shape, *other));
         if (held == x.form) continue;
         if (held == nullptr || !held->exists_in(x.format)) {
-            if (named) x.unasked.push_back(other);
+            if (named) x.not_comparable.push_back(other);
             continue;
         }
         if (!intersect::external::is_safe_to_run(innermost(*other)) && !named) continue;
         try {
             const FormResult s = result_of_other_form(x, ray, *held, ray, around);
             add_if_better(x, s);
-            if (named) x.beside.push_back(s);
+            if (named) x.compared.push_back(s);
         } catch (const EnvironmentError& error) {
-            x.silent.emplace_back(error.what());
+            x.failures.emplace_back(error.what());
         }
     }
 }
 
-std::vector<OneRay> pixels_around(const PixelOf& at, const scene::file::Scene& scene,
+std::vector<OneRay> pixels_around(const ScenePixel& at, const scene::file::Scene& scene,
                                   std::optional<intersect::Touching> judged) {
     std::vector<OneRay> all = OneRay::pixels_around(scene, at.x, at.y, at.limit);
     for (OneRay& ray : all) ray.judge_by(judged);
@@ -186,7 +186,7 @@ Surroundings around_pixel(const Explanation& x, std::span<const OneRay> pixels) 
 
 /// Compares the form with itself on the same pixel, with every other ray generator. Skips a generator that cannot make
 /// the ray.
-void find_better_generators(Explanation& x, const OneRay& ray, const PixelOf& pixel) {
+void find_better_generators(Explanation& x, const OneRay& ray, const ScenePixel& pixel) {
     const Intersector& form = scene::rays::strip_generator(*x.form);
     if (form.is_set() || form.is_placed) return;
     for (const scene::camera::RayGenerator& generator : scene::camera::ray_generators()) {
@@ -384,7 +384,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
 }
 
 Explanation explain(const Intersector& form, const Format& format, const OneRay& ray,
-                    std::span<const Intersector* const> beside, const std::optional<PixelOf>& pixel) {
+                    std::span<const Intersector* const> beside, const std::optional<ScenePixel>& pixel) {
     Explanation x = explain_alone(form, format, ray);
     if (!x.is_generated_ray || !pixel) {
         const OneRay::Inputs in = ray.inputs(form, format);

@@ -22,7 +22,7 @@ struct FormResult {
     double lost = truth::missing;  ///< bits; NaN unless both hit
     /// Mean lost bits over the ray's `neighbours`, or over the pixels around it if a camera makes the ray. A wrong
     /// decision counts as all bits. NaN if not computed, or if no truth is proved.
-    double around = truth::missing;
+    double lost_nearby = truth::missing;
     bool other_question = false;  ///< its contract gives another truth on this ray than that of the explained form
     bool is_right() const { return outcome == answer::Outcome::agree_hit || outcome == answer::Outcome::agree_miss; }
     /// Compares on this ray alone, which may be luck: a right decision beats a wrong one, then fewer lost bits win.
@@ -72,12 +72,12 @@ struct Explanation {
     std::optional<answer::Outcome> in_mesh = {};
     /// Forms of the same shape in the same format that are right on the ray and lose fewer bits around it, best first.
     std::vector<FormResult> better = {};
-    std::vector<FormResult> beside = {};  ///< results of the forms that were named for comparison
-    std::vector<const intersect::table::Intersector*> unasked =
+    std::vector<FormResult> compared = {};  ///< results of the forms that were named for comparison
+    std::vector<const intersect::table::Intersector*> not_comparable =
         {};                 ///< named forms of another shape, or not available in the format
     int pixels_around = 0;  ///< number of rays in the means; 0: the ray's `neighbours` are used
     /// Errors of external intersectors that were tried in the comparison and did not answer.
-    std::vector<std::string> silent = {};
+    std::vector<std::string> failures = {};
 
     /// Lost bits beyond the envelope.
     [[nodiscard]] double excess() const { return beyond; }
@@ -95,11 +95,12 @@ struct Explanation {
     [[nodiscard]] std::vector<NodeId> turned() const;
 };
 
-/// Explains the form on the ray without comparing it with others: `better`, `beside` and `around` keep their defaults.
+/// Explains the form on the ray without comparing it with others: `better`, `compared` and `lost_nearby` keep their
+/// defaults.
 Explanation explain_alone(const intersect::table::Intersector& form, const Format& format, const answer::OneRay& ray);
 
 /// The pixel of a ray, in a scene whose camera names a ray generator (`scene::file::with_rays`).
-struct PixelOf {
+struct ScenePixel {
     const scene::file::Scene* scene;
     int x, y;
     truth::TruthLimit limit = {};
@@ -108,10 +109,11 @@ struct PixelOf {
 /// Explains the form on the ray and finds forms that do better. Compares all forms whose faults cannot end this process
 /// (`external::is_safe_to_run`), and those in `beside` whatever they are: an external intersector may crash or hang,
 /// and the answer would be lost with it. If a camera makes the ray, compares the other ray generators too. Rays near
-/// the one that was made do not show the error of making it, so `around` is then the mean over the pixels around it.
+/// the one that was made do not show the error of making it, so `lost_nearby` is then the mean over the pixels around
+/// it.
 Explanation explain(const intersect::table::Intersector& form, const Format& format, const answer::OneRay& ray,
                     std::span<const intersect::table::Intersector* const> beside = {},
-                    const std::optional<PixelOf>& pixel = {});
+                    const std::optional<ScenePixel>& pixel = {});
 
 inline constexpr int neighbours = 64;
 

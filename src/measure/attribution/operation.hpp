@@ -4,7 +4,7 @@
 //   given       exact(node) and rounding(node)
 //   rounded     exact(a, …) without rounding; computed(a, …, format); residual(a, …, value): value − exact where
 //               doubles can hold it; addends(a, …): what cancels; quotients(a, …)
-//   called      nothing: its value without rounding is in answer/self.hpp
+//   called      nothing: its value without rounding is in answer/without_rounding.hpp
 //   exact       exact(a), computed(a, format), quotients(a)
 //   moved       computed(a, format)
 //   sign        computed(a, b, format), quotients(a, b)

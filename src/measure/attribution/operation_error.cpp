@@ -66,7 +66,7 @@ bool can_err(TapeOp op) {
 double rounding_of(const Tape& tape, NodeId i) {
     const TapeNode& n = tape[i];
     if (is_given(n.op)) {
-        return with<OperationKind::given>(n.op, [&]<TapeOp op>() { return Operation<op>::rounding(n); });
+        return visit_operation<OperationKind::given>(n.op, [&]<TapeOp op>() { return Operation<op>::rounding(n); });
     }
     if (std::isnan(n.value)) return 0;
     std::array<double, 3> x{};
@@ -76,11 +76,12 @@ double rounding_of(const Tape& tape, NodeId i) {
     }
     switch (kind_of(n.op)) {
         case OperationKind::rounded:
-            return with<OperationKind::rounded>(n.op, [&]<TapeOp op>() { return rounding_from<op>(x, n.value); });
+            return visit_operation<OperationKind::rounded>(n.op,
+                                                           [&]<TapeOp op>() { return rounding_from<op>(x, n.value); });
         case OperationKind::moved: return n.value - x[0];
         case OperationKind::called: {
-            const auto exact =
-                called<DeepExact>(tape, i, [&](NodeId operand) { return DeepExact::lift(tape[operand].value); });
+            const auto exact = result_of_call<DeepExact>(
+                tape, i, [&](NodeId operand) { return DeepExact::lift(tape[operand].value); });
             return exact ? DeepExact::difference(n.value, *exact) : 0;
         }
         case OperationKind::given:
@@ -96,7 +97,7 @@ double rounding_of(const Tape& tape, NodeId i) {
 int cancellation(const Tape& tape, NodeId i) {
     const TapeNode& n = tape[i];
     if (kind_of(n.op) != OperationKind::rounded) return 0;
-    const Addends addends = with<OperationKind::rounded>(n.op, [&]<TapeOp op>() {
+    const Addends addends = visit_operation<OperationKind::rounded>(n.op, [&]<TapeOp op>() {
         return with_operands<op>([](auto... x) { return Operation<op>::addends(x...); },
                                  [&](std::size_t k) { return tape[n.operands[k]].value; });
     });
@@ -115,7 +116,7 @@ double ulp_at(double x, const FloatFormat& format) {
 
 double result_of(TapeOp op, const std::array<double, 3>& x, const FloatFormat& format) {
     using enum OperationKind;
-    return with<rounded, exact, moved, sign>(op, [&]<TapeOp known>() {
+    return visit_operation<rounded, exact, moved, sign>(op, [&]<TapeOp known>() {
         return with_operands<known>([&](auto... of) { return Operation<known>::computed(of..., format); },
                                     [&](std::size_t k) { return x[k]; });
     });
@@ -130,7 +131,7 @@ Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId t
         case OperationKind::rounded:
         case OperationKind::exact:
         case OperationKind::sign:
-            return with<OperationKind::rounded, OperationKind::exact, OperationKind::sign>(n.op, own);
+            return visit_operation<OperationKind::rounded, OperationKind::exact, OperationKind::sign>(n.op, own);
         case OperationKind::moved: return {1};
         case OperationKind::comparison: return {1, -1};  // stands for the difference of its sides
         case OperationKind::choice: {

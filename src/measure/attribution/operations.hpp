@@ -14,7 +14,7 @@ namespace lostbits::measure::attribution {
 
 /// Calls f<op>() for an operation of one of these kinds.
 template <OperationKind... kinds, class F>
-decltype(auto) with(TapeOp op, const F& f) {
+decltype(auto) visit_operation(TapeOp op, const F& f) {
     switch (op) {
 #define LOSTBITS_CASE(name, kind_of_name, operands)                                                                  \
     case TapeOp::name:                                                                                               \
@@ -43,7 +43,7 @@ typename Exact::Number without_rounding(const TapeNode& n, const Operand& operan
             return with_operands<op>([](const auto&... x) -> Number { return Operation<op>::exact(Exact(), x...); },
                                      operand);
     };
-    return with<OperationKind::given, OperationKind::rounded, OperationKind::exact>(n.op, made);
+    return visit_operation<OperationKind::given, OperationKind::rounded, OperationKind::exact>(n.op, made);
 }
 
 constexpr const OperationText& text_of(TapeOp op) {
@@ -68,14 +68,14 @@ static_assert(std::ranges::all_of(tape_operations,
 /// True if the decision holds.
 template <class Judge>
 bool holds(TapeOp op, const Judge& judge) {
-    return with<OperationKind::comparison, OperationKind::logic>(
+    return visit_operation<OperationKind::comparison, OperationKind::logic>(
         op, [&]<TapeOp decision>() { return Operation<decision>::holds(judge); });
 }
 
 /// The operand that a choice takes.
 template <class Judge>
 NodeId side_taken(const TapeNode& n, const Judge& judge) {
-    return with<OperationKind::choice>(n.op, [&]<TapeOp choice>() {
+    return visit_operation<OperationKind::choice>(n.op, [&]<TapeOp choice>() {
         const auto [first, second] = Operation<choice>::sides;
         return n.operands[Operation<choice>::takes_first(judge) ? first : second];
     });

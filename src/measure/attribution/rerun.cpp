@@ -78,7 +78,7 @@ private:
         const bool same =
             std::ranges::all_of(tape_.operands_of(i), [&](NodeId k) { return value(k) == Number(tape_[k].value); });
         if (same && as.rounds_(i)) return Number(tape_[i].value);
-        const auto exact = attribution::called<DeepExact>(tape_, i, [&](NodeId k) { return value(k); });
+        const auto exact = attribution::result_of_call<DeepExact>(tape_, i, [&](NodeId k) { return value(k); });
         if (!exact) return Number(tape_[i].value);
         return as.rounds_(i) ? Number(DeepExact::round_to(*exact, tape_.format_of(i))) : *exact;
     }

@@ -26,8 +26,8 @@ struct Counterfactual {
 };
 
 struct Counterfactuals {
-    Counterfactual mended;  ///< only this operation is exact; a choice: only it chooses by exact values
-    Counterfactual alone;   ///< only this operation is rounded; a choice: only it chooses as the format did
+    Counterfactual only_exact;   ///< only this operation is exact; a choice: only it chooses by exact values
+    Counterfactual only_rounded;  ///< only this operation is rounded; a choice: only it chooses as the format did
 };
 
 Counterfactuals counterfactuals(const Tape& tape, NodeId operation);

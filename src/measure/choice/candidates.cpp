@@ -47,13 +47,14 @@ std::vector<RowQuality> quality_of(const ChoiceRequest& request) {
 const std::string& ChoiceRequest::id() const { return scene ? scene->id : rays->id; }
 
 RowQuality quality_of(const evaluate::FormSummary& s, const TestedForm& row, const Requirement& requirement) {
-    return {.rays = s.rays - s.count(answer::Outcome::unresolved),
-            .wrong = s.wrong_count(),
-            .first = s.wrong(),
-            .of_first = s.wrong() ? s.count(*s.wrong()) : 0,
-            .kept_bits = row.format.parameters.precision - s.metrics[0].quantile(requirement.quantile),
-            .hits = s.true_hits,
-            .off = requirement.has_tolerance() ? s.metrics[1].quantile(requirement.quantile) : truth::missing};
+    return {
+        .rays = s.rays - s.count(answer::Outcome::unresolved),
+        .wrong = s.wrong_count(),
+        .main_fault = s.wrong(),
+        .main_fault_count = s.wrong() ? s.count(*s.wrong()) : 0,
+        .kept_bits = row.format.parameters.precision - s.metrics[0].quantile(requirement.quantile),
+        .hits = s.true_hits,
+        .distance_error = requirement.has_tolerance() ? s.metrics[1].quantile(requirement.quantile) : truth::missing};
 }
 
 RowQuality quality_on(const truth::Band& band, const TestedForm& row, const Requirement& requirement) {
@@ -130,7 +131,8 @@ bool is_more_accurate(const Candidate& a, const Candidate& b) {
 /// distance error.
 std::pair<double, double> nearness(const Candidate& c, const Requirement& requirement) {
     if (!requirement.has_tolerance()) return {bits_of(c), 0};
-    return {std::min(bits_of(c), requirement.bits), std::isnan(c.quality.off) ? -HUGE_VAL : -c.quality.off};
+    return {std::min(bits_of(c), requirement.bits),
+            std::isnan(c.quality.distance_error) ? -HUGE_VAL : -c.quality.distance_error};
 }
 
 }  // namespace

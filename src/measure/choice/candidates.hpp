@@ -33,13 +33,13 @@ double quantile_named(const std::string& text);
 
 /// Measurements of a row, as far as a requirement needs them.
 struct RowQuality {
-    std::uint64_t rays = 0;                  ///< rays whose truth is known
-    std::uint64_t wrong = 0;                 ///< those of them that are decided wrongly
-    std::optional<answer::Outcome> first{};  ///< most frequent wrong outcome
-    std::uint64_t of_first = 0;              ///< number of rays with that outcome
-    double kept_bits = 0;         ///< p − lost bits, at the requirement's quantile of agreed hits; NaN without any
-    std::uint64_t hits = 0;       ///< rays that truly hit
-    double off = truth::missing;  ///< `distance_error` at the same quantile; NaN without a tolerance
+    std::uint64_t rays = 0;                       ///< rays whose truth is known
+    std::uint64_t wrong = 0;                      ///< those of them that are decided wrongly
+    std::optional<answer::Outcome> main_fault{};  ///< most frequent wrong outcome
+    std::uint64_t main_fault_count = 0;           ///< number of rays with that outcome
+    double kept_bits = 0;    ///< p − lost bits, at the requirement's quantile of agreed hits; NaN without any
+    std::uint64_t hits = 0;  ///< rays that truly hit
+    double distance_error = truth::missing;  ///< `distance_error` at the same quantile; NaN without a tolerance
 
     [[nodiscard]] double wrong_fraction() const {
         return rays == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(rays);
@@ -47,7 +47,7 @@ struct RowQuality {
     [[nodiscard]] bool decides(const Requirement& requirement) const { return wrong_fraction() <= requirement.wrong; }
     [[nodiscard]] bool meets(const Requirement& requirement) const {
         return decides(requirement) && kept_bits >= requirement.bits &&
-               (!requirement.has_tolerance() || off <= requirement.tolerance);
+               (!requirement.has_tolerance() || distance_error <= requirement.tolerance);
     }
 };
 

@@ -107,7 +107,7 @@ public:
         double next = 1;
         while (next <= most && try_at(next)) next *= step;
         if (!known_) return std::nullopt;
-        if (margin_.end == End::none || margin_.holds == 0) return margin_;
+        if (margin_.end == MarginEnd::none || margin_.holds == 0) return margin_;
         while (margin_.beyond / margin_.holds > close) try_at(std::sqrt(margin_.holds * margin_.beyond));
         return margin_;
     }
@@ -120,18 +120,18 @@ private:
         known_ = true;
         const RowQuality& quality = there->quality;
         const bool meets = quality.meets(requirement_) || (quality.hits == 0 && quality.decides(requirement_));
-        const End end = !there->as_meant    ? End::other_scene
-                        : !meets            ? End::fails
-                        : quality.hits == 0 ? End::nothing_hit
-                                            : End::none;
-        if (end == End::none) {
+        const MarginEnd end = !there->as_meant    ? MarginEnd::other_scene
+                              : !meets            ? MarginEnd::fails
+                              : quality.hits == 0 ? MarginEnd::nothing_hit
+                                                  : MarginEnd::none;
+        if (end == MarginEnd::none) {
             margin_.holds = factor;
             margin_.value = there->value;
             return true;
         }
         margin_.end = end;
         margin_.beyond = factor;
-        margin_.broken = end == End::fails ? quality : RowQuality{};
+        margin_.broken = end == MarginEnd::fails ? quality : RowQuality{};
         return false;
     }
 
@@ -197,7 +197,7 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
     constexpr std::size_t most_asked = 1 << 16;
     constexpr std::size_t most_near = 64;  // triangles of a mesh near a point: no more are asked
     const std::size_t faces = scene.mesh ? scene.mesh->faces.size() : 0, beside = scene.primitive_count() - faces;
-    if (beside + faces == 0 || beside > offset::most_primitives || !offset::can_be_asked(*row.form))
+    if (beside + faces == 0 || beside > offset::most_primitives || !offset::can_measure_offsets(*row.form))
         return std::nullopt;
     const std::size_t asked = beside + std::min(faces, most_near);
     const auto affordable = static_cast<int>(std::clamp<std::size_t>(most_asked / asked, 64, 65536));
@@ -207,7 +207,7 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
     const offset::OffsetSummary summary = std::move(study::run_study(request).front());
     SafeOffsets safe;
     safe.points = summary.points;
-    for (const offset::Side side : offset::both_sides) safe.rays += summary.on(side).rays;
+    for (const offset::Side side : offset::both_sides) safe.rays += summary.side_summary(side).rays;
     safe.outside =
         offset::safe_strategies(summary, request.strategies, row.form->shape, std::array{offset::Side::outside});
     safe.both = offset::safe_strategies(summary, request.strategies, row.form->shape);

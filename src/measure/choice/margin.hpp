@@ -29,7 +29,7 @@ struct StretchedScene {
 std::optional<StretchedScene> stretched(const scene::file::Scene& scene, Growth growth, double factor);
 
 /// End of the search along one kind of growth.
-enum class End {
+enum class MarginEnd {
     fails,        ///< the requirement is not met
     nothing_hit,  ///< no ray hits anything there
     other_scene,  ///< the storage format (binary32 if a scene shares its inputs, the file's format for a file)
@@ -37,14 +37,14 @@ enum class End {
                   ///< off by more than a tenth
     none          ///< no end up to the largest factor or the widest view
 };
-inline constexpr std::array<std::string_view, 4> end_names{"fails", "nothing_hit", "other_scene", "none"};
+inline constexpr std::array<std::string_view, 4> margin_end_names{"fails", "nothing_hit", "other_scene", "none"};
 
 struct GrowthMargin {
     Growth growth = Growth::distance;
     double holds = 0, value = 0;  ///< largest factor at which the requirement was seen to hold, below the end, and the
                                   ///< value there; 0: it fails without any growth
     double beyond = 0;            ///< first factor seen at the end; 0 if there is none
-    End end = End::none;
+    MarginEnd end = MarginEnd::none;
     RowQuality broken{};  ///< measurements at `beyond`, if the requirement fails there
 };
 

@@ -43,7 +43,7 @@ RowQuality exact_quality(const Band& meant, const Band& stored, const TestedForm
         }
     }
     quality.kept_bits = binary64.precision - lost.quantile(requirement.quantile);
-    if (requirement.has_tolerance()) quality.off = off.quantile(requirement.quantile);
+    if (requirement.has_tolerance()) quality.distance_error = off.quantile(requirement.quantile);
     return quality;
 }
 
@@ -149,7 +149,7 @@ Obstacle::Cause cause_of(const Obstacle& found, const TestedForm& row, const Req
     if (!found.exact.meets(requirement)) return Cause::inputs;
     // Within the envelope the problem is hard; beyond it the formula is bad.
     const bool hard = (found.inherent_kept < requirement.bits && !(reached.kept_bits < found.inherent_kept)) ||
-                      (found.inherent_off > requirement.tolerance && !(reached.off > found.inherent_off));
+                      (found.inherent_off > requirement.tolerance && !(reached.distance_error > found.inherent_off));
     return reached.decides(requirement) && hard ? Cause::inherent : Cause::formula;
 }
 
@@ -178,7 +178,7 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& row, int 
     }
     const InherentLimit own = inherent(*given, row, row.format, request.requirement);
     found.inherent_kept = own.kept;
-    found.inherent_off = own.off;
+    found.inherent_off = own.distance_error;
     found.inherent_kept_f64 = inherent(*given, row, *find_format("f64"), request.requirement).kept;
     const RowQuality reached = quality_on(*given, row, request.requirement);
     found.base = found.rounded_before ? binary32 : row.format.parameters;

@@ -34,7 +34,7 @@ private:
 struct MetPixelsByForm {
     std::vector<MetPixels> rows;
     explicit MetPixelsByForm(const ChoiceRequest& request, const std::vector<evaluate::TestedForm>& of);
-    [[nodiscard]] evaluate::ShowRows show() { return evaluate::shown_to_each(rows); }
+    [[nodiscard]] evaluate::ShowRows show() { return evaluate::show_to_each(rows); }
 };
 
 struct RequirementMap {

@@ -5,11 +5,11 @@
 #include <tuple>
 
 #include "measure/claim/claim_subjects.hpp"
-#include "measure/repair/mend.hpp"
+#include "measure/repair/repair.hpp"
 
 namespace lostbits::measure::claim {
 
-using repair::MendRequest;
+using repair::RepairRequest;
 using scene::claim::Claim;
 using scene::claim::MendSubject;
 using scene::file::Scene;
@@ -49,7 +49,7 @@ public:
 
 private:
     Scene scene_;
-    MendRequest request_{};
+    RepairRequest request_{};
     std::optional<repair::Judge> judge_;
     Tape tape_;
     repair::RowQuality own_{};

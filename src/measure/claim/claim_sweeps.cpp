@@ -199,11 +199,12 @@ const CensusMetric& census_metric(const Claim& claim) {
 
 /// Number of rays of the census that the metric counts.
 std::uint64_t count_of(const edges::EdgeFinding& found, const CensusMetric& metric) {
-    const auto outcome =
-        static_cast<std::size_t>(std::ranges::find(edges::sought, metric.outcome) - edges::sought.begin());
+    const auto outcome = static_cast<std::size_t>(std::ranges::find(edges::searched_outcomes, metric.outcome) -
+                                                  edges::searched_outcomes.begin());
     std::uint64_t sum = 0;
     for (std::size_t k = 0; k < found.census.size(); ++k)
-        if (!metric.target || static_cast<std::size_t>(*metric.target) == k) sum += found.census.at(k).with.at(outcome);
+        if (!metric.target || static_cast<std::size_t>(*metric.target) == k)
+            sum += found.census.at(k).outcomes.at(outcome);
     return sum;
 }
 

@@ -28,11 +28,11 @@ CheckResult compare_answers(const intersect::Info& info, const AllAnswers& a, co
 
 }  // namespace
 
-AllAnswers answers_of(const FormKernels& asked, const RayBlock& rays, std::span<const Primitive<double>> primitives,
+AllAnswers answers_of(const FormKernels& kernels, const RayBlock& rays, std::span<const Primitive<double>> primitives,
                       Calls calls) {
     AllAnswers answers;
     const std::size_t n = rays.size();
-    intersect::simd::with_kernel(asked.form, asked.native, asked.format, [&]<class S>(const auto& kernel) {
+    intersect::simd::with_kernel(kernels.form, kernels.native, kernels.format, [&]<class S>(const auto& kernel) {
         std::vector<Primitive<S>> stored;
         for (const Primitive<double>& primitive : primitives) stored.push_back(lift_primitive<S>(primitive));
         const std::span<const Primitive<S>> all = stored;
@@ -46,7 +46,7 @@ AllAnswers answers_of(const FormKernels& asked, const RayBlock& rays, std::span<
             return static_cast<std::size_t>(std::ranges::find_if(all.subspan(begin), other) - all.begin());
         };
         for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
-            asked.stop.check();
+            kernels.stop.check();
             end = end_of(begin);
             const auto own = all.size() == 1 ? all : all.subspan(begin, end - begin);
             kernel(buffers.rays(begin, end), intersect::Target<S>(own), buffers.hits(begin, end));
@@ -59,12 +59,12 @@ AllAnswers answers_of(const FormKernels& asked, const RayBlock& rays, std::span<
 
 bool tells_t(const intersect::Info& info) { return info.roots != intersect::Roots::none; }
 
-std::vector<std::uint8_t> meets_before_end(const FormKernels& asked, const RayBlock& rays,
+std::vector<std::uint8_t> meets_before_end(const FormKernels& kernels, const RayBlock& rays,
                                            const Primitive<double>& primitive) {
     std::vector<std::uint8_t> meets;
     const bool told = takes_tmax(primitive.shape);
-    const bool both = asked.form.of(primitive.shape).info->roots == intersect::Roots::both;
-    const AllAnswers a = answers_of(asked, rays, std::span(&primitive, 1));
+    const bool both = kernels.form.of(primitive.shape).info->roots == intersect::Roots::both;
+    const AllAnswers a = answers_of(kernels, rays, std::span(&primitive, 1));
     for (std::size_t i = 0; i < a.size(); ++i) {
         const auto ahead = [end = rays.tmax[i]](double t) { return t > 0 && t < end; };
         const bool any = told || ahead(a.t[i]) || (both && ahead(a.far[i]));
@@ -73,38 +73,39 @@ std::vector<std::uint8_t> meets_before_end(const FormKernels& asked, const RayBl
     return meets;
 }
 
-std::vector<std::uint8_t> meets_before_end(const FormOnBand& on, const RayBlock& all) {
+std::vector<std::uint8_t> meets_before_end(const FormOnBand& band_form, const RayBlock& all) {
     std::vector<std::uint8_t> meets(all.size());
-    on.by_primitive(all, [&](const Primitive<double>& primitive, const RayBlock& rays, const auto& places) {
-        const std::vector<std::uint8_t> one = meets_before_end(on.form, rays, primitive);
+    band_form.by_primitive(all, [&](const Primitive<double>& primitive, const RayBlock& rays, const auto& places) {
+        const std::vector<std::uint8_t> one = meets_before_end(band_form.form, rays, primitive);
         for (std::size_t k = 0; k < places.size(); ++k) meets[places[k]] |= one[k];
     });
     return meets;
 }
 
-void check_packs(const FormOnBand& on, PixelCheckResults& out) {
-    const intersect::Info& info = *on.row.form->info;
+void check_packs(const FormOnBand& band_form, PixelCheckResults& out) {
+    const intersect::Info& info = *band_form.row.form->info;
     std::vector<FormKernels> widths;
-    const bool software = on.row.format.engine == Format::Engine::rounded;  // software formats have no registers
+    const bool software = band_form.row.format.engine == Format::Engine::rounded;  // software formats have no registers
     for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
         if (!software || isa == intersect::simd::Isa::scalar)
-            widths.emplace_back(*on.row.form, on.row.format, on.form.stop, isa);
+            widths.emplace_back(*band_form.row.form, band_form.row.format, band_form.form.stop, isa);
     }
-    on.by_primitive(on.rays(), [&](const Primitive<double>& primitive, const RayBlock& rays, const auto& places) {
-        const std::span<const Primitive<double>> one(&primitive, 1);
-        const AllAnswers alone = answers_of(on.form, rays, one, Calls::one_by_one);
-        for (const FormKernels& width : widths) {
-            const AllAnswers together = answers_of(width, rays, one);
-            for (std::size_t k = 0; k < places.size(); ++k) {
-                const std::size_t i = places[k];
-                if (is_disagreement(out.results[i])) continue;
-                const Ray<double> ray = on.inputs.rays[i];
-                out.set(i, compare_answers(info, alone, together, k), [&] {
-                    return TwoRays{i, on.shown(ray, HUGE_VAL), on.shown(ray, HUGE_VAL)};
-                });
+    band_form.by_primitive(
+        band_form.rays(), [&](const Primitive<double>& primitive, const RayBlock& rays, const auto& places) {
+            const std::span<const Primitive<double>> one(&primitive, 1);
+            const AllAnswers alone = answers_of(band_form.form, rays, one, Calls::one_by_one);
+            for (const FormKernels& width : widths) {
+                const AllAnswers together = answers_of(width, rays, one);
+                for (std::size_t k = 0; k < places.size(); ++k) {
+                    const std::size_t i = places[k];
+                    if (is_disagreement(out.results[i])) continue;
+                    const Ray<double> ray = band_form.inputs.rays[i];
+                    out.set(i, compare_answers(info, alone, together, k), [&] {
+                        return TwoRays{i, band_form.shown(ray, HUGE_VAL), band_form.shown(ray, HUGE_VAL)};
+                    });
+                }
             }
-        }
-    });
+        });
 }
 
 }  // namespace lostbits::measure::consistency

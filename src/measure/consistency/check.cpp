@@ -16,19 +16,19 @@ namespace {
 std::shared_ptr<const culling::PrimitiveIndex> tree_of(const truth::Band& band, const FloatFormat& format,
                                                        const scene::rays::PrimitiveList<double>& primitives) {
     if (primitives.size() <= offset::most_primitives || !primitives.mesh() || !band.culler()) return nullptr;
-    return band.culler()->for_own_truth(format, primitives);
+    return band.culler()->for_stored_truth(format, primitives);
 }
 
 }  // namespace
 
-FormOnBand::FormOnBand(const Scene& of, const evaluate::TestedForm& asked, const truth::Band& on)
-    : scene(of),
-      row(asked),
-      band(on),
-      form(*asked.form, asked.format, on.stop()),
-      inputs(on.inputs_for(asked.format, *asked.form->info)),
-      closest(answer::evaluate(*asked.form, inputs)),
-      tree_(tree_of(on, asked.format.parameters, inputs.primitives)) {}
+FormOnBand::FormOnBand(const Scene& tested_scene, const evaluate::TestedForm& tested, const truth::Band& tested_band)
+    : scene(tested_scene),
+      row(tested),
+      band(tested_band),
+      form(*tested.form, tested.format, tested_band.stop()),
+      inputs(tested_band.inputs_for(tested.format, *tested.form->info)),
+      closest(answer::evaluate(*tested.form, inputs)),
+      tree_(tree_of(tested_band, tested.format.parameters, inputs.primitives)) {}
 
 scene::rays::RayGroup FormOnBand::shown(const Ray<double>& ray, double tmax) const {
     scene::rays::RayGroup group = scene::rays::group_of(ray);
@@ -41,27 +41,27 @@ scene::rays::RayGroup FormOnBand::shown(const Ray<double>& ray, double tmax) con
     return group;
 }
 
-FormOnBand::NearRay FormOnBand::near(std::span<const Ray<double>> rays) const {
-    NearRay near;
+FormOnBand::Candidates FormOnBand::candidates(std::span<const Ray<double>> rays) const {
+    Candidates found;
     if (tree_) {
-        std::vector<std::uint32_t> found;
+        std::vector<std::uint32_t> of_ray;
         for (const Ray<double>& ray : rays) {
-            tree_->candidates(ray, found);
-            near.indices.insert(near.indices.end(), found.begin(), found.end());
+            tree_->candidates(ray, of_ray);
+            found.indices.insert(found.indices.end(), of_ray.begin(), of_ray.end());
         }
-        std::ranges::sort(near.indices);
-        near.indices.erase(std::ranges::unique(near.indices).begin(), near.indices.end());
+        std::ranges::sort(found.indices);
+        found.indices.erase(std::ranges::unique(found.indices).begin(), found.indices.end());
     } else {
-        near.indices.resize(inputs.primitives.size());
-        std::iota(near.indices.begin(), near.indices.end(), 0U);
+        found.indices.resize(inputs.primitives.size());
+        std::iota(found.indices.begin(), found.indices.end(), 0U);
     }
-    for (const std::uint32_t k : near.indices) near.primitives.push_back(inputs.primitives[k]);
-    return near;
+    for (const std::uint32_t k : found.indices) found.primitives.push_back(inputs.primitives[k]);
+    return found;
 }
 
-FormOnBand::RaysOfPrimitives::RaysOfPrimitives(const FormOnBand& on, const scene::rays::RayBlock& all)
-    : on_(on), all_(all) {
-    if (!on.tree_) {
+FormOnBand::RaysOfPrimitives::RaysOfPrimitives(const FormOnBand& band_form, const scene::rays::RayBlock& all)
+    : band_form_(band_form), all_(all) {
+    if (!band_form.tree_) {
         places_.resize(all.size());
         std::iota(places_.begin(), places_.end(), std::size_t{0});
         return;
@@ -69,8 +69,8 @@ FormOnBand::RaysOfPrimitives::RaysOfPrimitives(const FormOnBand& on, const scene
     std::vector<std::pair<std::uint32_t, std::size_t>> pairs;
     std::vector<std::uint32_t> found;
     for (std::size_t i = 0; i < all.size(); ++i) {
-        on.form.stop.check();
-        on.tree_->candidates(all[i], found);
+        band_form.form.stop.check();
+        band_form.tree_->candidates(all[i], found);
         for (const std::uint32_t k : found) pairs.emplace_back(k, i);
     }
     std::ranges::sort(pairs);
@@ -81,7 +81,7 @@ FormOnBand::RaysOfPrimitives::RaysOfPrimitives(const FormOnBand& on, const scene
     }
 }
 
-scene::rays::RayBlock FormOnBand::RaysOfPrimitives::some(std::span<const std::size_t> places) const {
+scene::rays::RayBlock FormOnBand::RaysOfPrimitives::rays_at(std::span<const std::size_t> places) const {
     scene::rays::RayBlock rays;
     for (const std::size_t i : places) {
         rays.push(all_[i]);

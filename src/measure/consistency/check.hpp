@@ -100,14 +100,14 @@ struct FormKernels {
     intersect::simd::PackedRow native;
 
     /// Uses the kernels of one ray, or those of a register width that this machine has.
-    FormKernels(const intersect::table::Intersector& asked, const Format& in, intersect::process::StopToken until = {},
-                intersect::simd::Isa isa = intersect::simd::Isa::scalar)
-        : form(asked), format(in), stop(until), native(intersect::simd::packed_kernels(asked, isa)) {}
+    FormKernels(const intersect::table::Intersector& tested, const Format& tested_in,
+                intersect::process::StopToken stop_token = {}, intersect::simd::Isa isa = intersect::simd::Isa::scalar)
+        : form(tested), format(tested_in), stop(stop_token), native(intersect::simd::packed_kernels(tested, isa)) {}
 };
 
 /// Evaluates the form on rays whose numbers and ends are in the format. With one primitive, all rays are tested against
 /// it. With as many primitives as rays, each ray is tested against its own, by the kernels of one ray.
-AllAnswers answers_of(const FormKernels& asked, const scene::rays::RayBlock& rays,
+AllAnswers answers_of(const FormKernels& kernels, const scene::rays::RayBlock& rays,
                       std::span<const Primitive<double>> primitives, Calls calls = Calls::together);
 
 /// True if the form answers t, which an end can be compared with.
@@ -115,7 +115,8 @@ bool tells_t(const intersect::Info& info);
 
 /// A form in a format over the pixels of a band: the input of every check.
 struct FormOnBand {
-    FormOnBand(const scene::file::Scene& of, const evaluate::TestedForm& asked, const truth::Band& on);
+    FormOnBand(const scene::file::Scene& tested_scene, const evaluate::TestedForm& tested,
+               const truth::Band& tested_band);
 
     const scene::file::Scene& scene;
     const evaluate::TestedForm& row;
@@ -130,13 +131,13 @@ struct FormOnBand {
     [[nodiscard]] const FloatFormat& format() const { return row.format.parameters; }
     [[nodiscard]] bool is_unit() const { return row.form->info->direction == intersect::Direction::unit; }
     /// The primitives that a ray may meet: all, or those of a large mesh that a tree finds. With the index of each.
-    struct NearRay {
+    struct Candidates {
         std::vector<std::uint32_t> indices;
         std::vector<Primitive<double>> primitives;
     };
-    [[nodiscard]] NearRay near(const Ray<double>& ray) const { return near(std::span(&ray, 1)); }
+    [[nodiscard]] Candidates candidates(const Ray<double>& ray) const { return candidates(std::span(&ray, 1)); }
     /// The primitives that any of the rays may meet.
-    [[nodiscard]] NearRay near(std::span<const Ray<double>> rays) const;
+    [[nodiscard]] Candidates candidates(std::span<const Ray<double>> rays) const;
     /// Calls `act(primitive, rays, places)` for each primitive that any of the rays may meet, with those rays and their
     /// places among `all`.
     template <class Act>
@@ -151,20 +152,22 @@ private:
     /// The rays that each primitive may be met by.
     class RaysOfPrimitives {
     public:
-        RaysOfPrimitives(const FormOnBand& on, const scene::rays::RayBlock& all);
-        [[nodiscard]] std::size_t size() const { return on_.tree_ ? runs_.size() : on_.inputs.primitives.size(); }
+        RaysOfPrimitives(const FormOnBand& band_form, const scene::rays::RayBlock& all);
+        [[nodiscard]] std::size_t size() const {
+            return band_form_.tree_ ? runs_.size() : band_form_.inputs.primitives.size();
+        }
         template <class Act>
         void call(std::size_t k, const Act& act) const {
-            if (!on_.tree_) return act(on_.inputs.primitives[k], all_, places_);
+            if (!band_form_.tree_) return act(band_form_.inputs.primitives[k], all_, places_);
             const auto [begin, end] = runs_[k];
             const std::span<const std::size_t> places = std::span(places_).subspan(begin, end - begin);
-            act(on_.inputs.primitives[primitives_[begin]], some(places), places);
+            act(band_form_.inputs.primitives[primitives_[begin]], rays_at(places), places);
         }
 
     private:
-        [[nodiscard]] scene::rays::RayBlock some(std::span<const std::size_t> places) const;
+        [[nodiscard]] scene::rays::RayBlock rays_at(std::span<const std::size_t> places) const;
 
-        const FormOnBand& on_;
+        const FormOnBand& band_form_;
         const scene::rays::RayBlock& all_;
         std::vector<std::size_t> places_;                        ///< of rays; without a tree those of all
         std::vector<std::uint32_t> primitives_;                  ///< for each of them
@@ -178,9 +181,9 @@ private:
 /// shadow test. Forms that take the end of a ray (boxes) decide by themselves. For other forms a primitive counts if it
 /// is hit and its t, or the far side if the form answers that, lies in 0 < t < tmax. A near side that differs from t
 /// does not count: the form itself has rejected it.
-std::vector<std::uint8_t> meets_before_end(const FormKernels& asked, const scene::rays::RayBlock& rays,
+std::vector<std::uint8_t> meets_before_end(const FormKernels& kernels, const scene::rays::RayBlock& rays,
                                            const Primitive<double>& primitive);
-std::vector<std::uint8_t> meets_before_end(const FormOnBand& on, const scene::rays::RayBlock& rays);
+std::vector<std::uint8_t> meets_before_end(const FormOnBand& band_form, const scene::rays::RayBlock& rays);
 
 struct Check {
     std::string_view name;    ///< `reverse`
@@ -198,14 +201,14 @@ std::span<const Check> checks();
 std::vector<const Check*> all_checks();
 
 // Functions of the table.
-void check_beyond(const FormOnBand& on, PixelCheckResults& out);
-void check_end(const FormOnBand& on, PixelCheckResults& out);
-void check_before(const FormOnBand& on, PixelCheckResults& out);
-void check_segment(const FormOnBand& on, PixelCheckResults& out);
-void check_short(const FormOnBand& on, PixelCheckResults& out);
-void check_light(const FormOnBand& on, PixelCheckResults& out);
-void check_packs(const FormOnBand& on, PixelCheckResults& out);
-void check_reverse(const FormOnBand& on, PixelCheckResults& out);
-void check_placed(const FormOnBand& on, PixelCheckResults& out);
+void check_beyond(const FormOnBand& band_form, PixelCheckResults& out);
+void check_end(const FormOnBand& band_form, PixelCheckResults& out);
+void check_before(const FormOnBand& band_form, PixelCheckResults& out);
+void check_segment(const FormOnBand& band_form, PixelCheckResults& out);
+void check_short(const FormOnBand& band_form, PixelCheckResults& out);
+void check_light(const FormOnBand& band_form, PixelCheckResults& out);
+void check_packs(const FormOnBand& band_form, PixelCheckResults& out);
+void check_reverse(const FormOnBand& band_form, PixelCheckResults& out);
+void check_placed(const FormOnBand& band_form, PixelCheckResults& out);
 
 }  // namespace lostbits::measure::consistency

@@ -86,11 +86,11 @@ bool can_be_compared(const intersect::table::Intersector& form) { return is_prim
 void ConsistencyStudy::require() const { offset::require_few_primitives(scene); }
 
 ConsistencyBand ConsistencyStudy::measure(const truth::Band& band, std::size_t row, RowChecks& summary) const {
-    const FormOnBand on(scene, rows[row], band);
+    const FormOnBand band_form(scene, rows[row], band);
     ConsistencyBand out{.y0 = band.y0(), .rows = band.rows(), .width = scene.width, .checks = {}};
     for (std::size_t c = 0; c < checks.size(); ++c) {
-        PixelCheckResults& pixels = out.checks.emplace_back(on.pixels());
-        if (checks[c]->applies(scene, *rows[row].form)) checks[c]->measure(on, pixels);
+        PixelCheckResults& pixels = out.checks.emplace_back(band_form.pixels());
+        if (checks[c]->applies(scene, *rows[row].form)) checks[c]->measure(band_form, pixels);
         add_check(pixels, out, summary[c]);
     }
     return out;

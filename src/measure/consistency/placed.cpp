@@ -86,12 +86,13 @@ const Intersector& form_for(const Intersector& form) {
 }
 
 /// The primitives changed to the other way where possible, and unchanged elsewhere. Empty if none can be changed.
-std::vector<Primitive<double>> in_other_place(const FormOnBand& on, const std::vector<Primitive<double>>& primitives) {
+std::vector<Primitive<double>> in_other_place(const FormOnBand& band_form,
+                                              const std::vector<Primitive<double>>& primitives) {
     bool any = false;
     std::vector<Primitive<double>> others;
     for (const Primitive<double>& primitive : primitives) {
-        const auto other =
-            primitive.placed ? image_of(primitive, on.format()) : std::optional(under_matrix(primitive, on.format()));
+        const auto other = primitive.placed ? image_of(primitive, band_form.format())
+                                            : std::optional(under_matrix(primitive, band_form.format()));
         any = any || other;
         others.push_back(other.value_or(primitive));
     }
@@ -103,42 +104,45 @@ struct BandAmongPrimitives {
     std::unique_ptr<culling::Culler> culler = {};
     std::unique_ptr<truth::Band> band;
 
-    BandAmongPrimitives(const FormOnBand& on, const std::vector<Primitive<double>>& primitives) {
+    BandAmongPrimitives(const FormOnBand& band_form, const std::vector<Primitive<double>>& primitives) {
         if (primitives.size() > offset::most_primitives)
-            culler = std::make_unique<culling::Culler>(scene::rays::PrimitiveList<double>(primitives), on.inputs.rays);
-        scene::rays::RayGroup group{.rays = on.inputs.rays, .primitives = primitives};
-        band = std::make_unique<truth::Band>(std::move(group), truth::TruthLimit{.stop = on.form.stop}, culler.get());
+            culler = std::make_unique<culling::Culler>(scene::rays::PrimitiveList<double>(primitives),
+                                                       band_form.inputs.rays);
+        scene::rays::RayGroup group{.rays = band_form.inputs.rays, .primitives = primitives};
+        band = std::make_unique<truth::Band>(std::move(group), truth::TruthLimit{.stop = band_form.form.stop},
+                                             culler.get());
     }
 };
 
 /// All primitives, or those of a large mesh that a ray of the band may meet.
-std::vector<Primitive<double>> primitives_of(const FormOnBand& on) {
+std::vector<Primitive<double>> primitives_of(const FormOnBand& band_form) {
     std::vector<Ray<double>> rays;
-    for (std::size_t i = 0; i < on.pixels(); ++i) rays.push_back(on.inputs.rays[i]);
-    return on.near(rays).primitives;
+    for (std::size_t i = 0; i < band_form.pixels(); ++i) rays.push_back(band_form.inputs.rays[i]);
+    return band_form.candidates(rays).primitives;
 }
 
 }  // namespace
 
-void check_placed(const FormOnBand& on, PixelCheckResults& out) {
-    out.apart.assign(on.pixels(), truth::missing);
-    out.excess.assign(on.pixels(), truth::missing);
-    const std::vector<Primitive<double>> primitives = primitives_of(on), others = in_other_place(on, primitives);
+void check_placed(const FormOnBand& band_form, PixelCheckResults& out) {
+    out.apart.assign(band_form.pixels(), truth::missing);
+    out.excess.assign(band_form.pixels(), truth::missing);
+    const std::vector<Primitive<double>> primitives = primitives_of(band_form),
+                                         others = in_other_place(band_form, primitives);
     if (others.empty()) return;
-    const BandAmongPrimitives as_given(on, primitives), in_other(on, others);
+    const BandAmongPrimitives as_given(band_form, primitives), in_other(band_form, others);
     const truth::Band &here = *as_given.band, &there = *in_other.band;
-    const Intersector& form = form_for(*on.row.form);
+    const Intersector& form = form_for(*band_form.row.form);
     const bool unit = form.info->direction == intersect::Direction::unit;
-    const auto answers = answer::evaluate(form, there.inputs_for(on.row.format, *form.info));
-    const answer::Answers &a = on.closest, &b = answers;
-    for (std::size_t i = 0; i < on.pixels(); ++i) {
-        const Truth p = here.truth(i, on.row.convention()), q = there.truth(i, on.row.convention());
+    const auto answers = answer::evaluate(form, there.inputs_for(band_form.row.format, *form.info));
+    const answer::Answers &a = band_form.closest, &b = answers;
+    for (std::size_t i = 0; i < band_form.pixels(); ++i) {
+        const Truth p = here.truth(i, band_form.row.convention()), q = there.truth(i, band_form.row.convention());
         CheckResult how = check_result_of(a.hit[i] != 0, b.hit[i] != 0, p.is_hit(), q.is_hit());
         if (p.decision == Truth::Decision::unresolved || q.decision == Truth::Decision::unresolved)
             how = CheckResult::unresolved;
         else if (a.hit[i] != 0 && b.hit[i] != 0 && p.is_hit() && q.is_hit() && tells_t(*form.info)) {
             const auto &one = unit ? p.distance : p.t, &other = unit ? q.distance : q.t;
-            const std::int64_t ulp = ulp_exponent(on.format(), one.floor_log2());
+            const std::int64_t ulp = ulp_exponent(band_form.format(), one.floor_log2());
             const auto off = [ulp](double t, const truth::Certified& exact) {
                 return truth::scaled_difference(truth::exactly(t), exact, ulp);
             };
@@ -150,7 +154,8 @@ void check_placed(const FormOnBand& on, PixelCheckResults& out) {
                                         : CheckResult::agree;
         }
         out.set(i, how, [&] {
-            TwoRays two{i, on.shown(on.inputs.rays[i], HUGE_VAL), scene::rays::group_of(on.inputs.rays[i])};
+            TwoRays two{i, band_form.shown(band_form.inputs.rays[i], HUGE_VAL),
+                        scene::rays::group_of(band_form.inputs.rays[i])};
             if (others.size() <= truth::Band::most_given) two.second.primitives = others;
             return two;
         });

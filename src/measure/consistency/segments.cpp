@@ -45,12 +45,12 @@ Truth::Decision truly_meets_alike(const Ray<double>& ray, double end, std::span<
 
 /// The point seen at a pixel: o + t*·d of its own ray, each coordinate rounded to the format. Nothing if the ray truly
 /// misses.
-std::optional<Vec<double>> seen_point(const FormOnBand& on, std::size_t i) {
-    const Truth truth = on.band.truth(i, on.row.convention());
+std::optional<Vec<double>> seen_point(const FormOnBand& band_form, std::size_t i) {
+    const Truth truth = band_form.band.truth(i, band_form.row.convention());
     if (!truth.is_hit()) return std::nullopt;
     const double t = std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent));
-    const Ray<double> ray = on.inputs.rays[i];
-    const auto at = [&](double o, double d) { return rounding::to_format(std::fma(t, d, o), 0, on.format()); };
+    const Ray<double> ray = band_form.inputs.rays[i];
+    const auto at = [&](double o, double d) { return rounding::to_format(std::fma(t, d, o), 0, band_form.format()); };
     return Vec<double>(at(ray.origin.x, ray.direction.x), at(ray.origin.y, ray.direction.y),
                        at(ray.origin.z, ray.direction.z));
 }
@@ -59,26 +59,27 @@ bool is_ray(const SegmentRays& s) {
     return truth::is_proper(s.by_difference) && truth::is_proper(s.by_unit) && std::isfinite(s.unit_end);
 }
 
-CheckResult check_result_of_segment(const FormOnBand& on, const SegmentRays& s, bool first, bool second) {
+CheckResult check_result_of_segment(const FormOnBand& band_form, const SegmentRays& s, bool first, bool second) {
     if (first == second) return CheckResult::agree;
-    const intersect::Convention convention = on.row.convention();
-    const auto one =
-        truly_meets_before(s.by_difference, s.difference_end, on.near(s.by_difference).primitives, convention);
-    const auto other = truly_meets_before(s.by_unit, s.unit_end, on.near(s.by_unit).primitives, convention);
+    const intersect::Convention convention = band_form.row.convention();
+    const auto one = truly_meets_before(s.by_difference, s.difference_end,
+                                        band_form.candidates(s.by_difference).primitives, convention);
+    const auto other =
+        truly_meets_before(s.by_unit, s.unit_end, band_form.candidates(s.by_unit).primitives, convention);
     if (one == Truth::Decision::unresolved || other == Truth::Decision::unresolved) return CheckResult::unresolved;
     return check_result_of(first, second, one == Truth::Decision::hit, other == Truth::Decision::hit);
 }
 
 /// Compares the segments of all pixels; the segment of pixel i starts at `from(i)`.
 template <class From>
-void compare_segments(const FormOnBand& on, const From& from, EndOfSegment end, PixelCheckResults& out) {
+void compare_segments(const FormOnBand& band_form, const From& from, EndOfSegment end, PixelCheckResults& out) {
     std::vector<std::size_t> pixels;
     std::vector<SegmentRays> segments;
     RayBlock first, second;
-    for (std::size_t i = 0; i < on.pixels(); ++i) {
-        const auto q = seen_point(on, i);
+    for (std::size_t i = 0; i < band_form.pixels(); ++i) {
+        const auto q = seen_point(band_form, i);
         if (!q) continue;
-        const SegmentRays s = write_segment(from(i), *q, on.row.format, end);
+        const SegmentRays s = write_segment(from(i), *q, band_form.row.format, end);
         if (!is_ray(s)) continue;
         pixels.push_back(i);
         segments.push_back(s);
@@ -87,11 +88,12 @@ void compare_segments(const FormOnBand& on, const From& from, EndOfSegment end, 
         second.push(s.by_unit);
         second.tmax.push_back(s.unit_end);
     }
-    const auto one = meets_before_end(on, first), other = meets_before_end(on, second);
+    const auto one = meets_before_end(band_form, first), other = meets_before_end(band_form, second);
     for (std::size_t k = 0; k < pixels.size(); ++k) {
         const SegmentRays& s = segments[k];
-        out.set(pixels[k], check_result_of_segment(on, s, one[k] != 0, other[k] != 0), [&] {
-            return TwoRays{0, on.shown(s.by_difference, s.difference_end), on.shown(s.by_unit, s.unit_end)};
+        out.set(pixels[k], check_result_of_segment(band_form, s, one[k] != 0, other[k] != 0), [&] {
+            return TwoRays{0, band_form.shown(s.by_difference, s.difference_end),
+                           band_form.shown(s.by_unit, s.unit_end)};
         });
     }
 }
@@ -99,20 +101,21 @@ void compare_segments(const FormOnBand& on, const From& from, EndOfSegment end, 
 /// Compares a map's hit at a pixel with a shadow test whose end is computed from its t. `expected`: the right answer of
 /// the test.
 template <class End>
-void compare_with_ends(const FormOnBand& on, const End& end, bool expected, PixelCheckResults& out) {
-    scene::rays::RayBlock rays = on.rays();
+void compare_with_ends(const FormOnBand& band_form, const End& end, bool expected, PixelCheckResults& out) {
+    scene::rays::RayBlock rays = band_form.rays();
     rays.tmax.assign(rays.size(), HUGE_VAL);
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (on.closest.hit[i] != 0) rays.tmax[i] = end(on.closest.t[i]);
+        if (band_form.closest.hit[i] != 0) rays.tmax[i] = end(band_form.closest.t[i]);
     }
-    const auto meets = meets_before_end(on, rays);
+    const auto meets = meets_before_end(band_form, rays);
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (on.closest.hit[i] == 0 || std::isnan(rays.tmax[i])) continue;
+        if (band_form.closest.hit[i] == 0 || std::isnan(rays.tmax[i])) continue;
         const CheckResult how = (meets[i] != 0) == expected ? CheckResult::agree
                                 : expected                  ? CheckResult::first_alone
                                                             : CheckResult::second_alone;
         out.set(i, how, [&] {
-            return TwoRays{i, on.shown(on.inputs.rays[i], HUGE_VAL), on.shown(on.inputs.rays[i], rays.tmax[i])};
+            return TwoRays{i, band_form.shown(band_form.inputs.rays[i], HUGE_VAL),
+                           band_form.shown(band_form.inputs.rays[i], rays.tmax[i])};
         });
     }
 }
@@ -146,37 +149,41 @@ SegmentRays write_segment(const Vec<double>& p, const Vec<double>& q, const Form
     });
 }
 
-void check_segment(const FormOnBand& on, PixelCheckResults& out) {
+void check_segment(const FormOnBand& band_form, PixelCheckResults& out) {
     compare_segments(
-        on, [&](std::size_t i) { return on.inputs.rays[i].origin; }, EndOfSegment::whole, out);
+        band_form, [&](std::size_t i) { return band_form.inputs.rays[i].origin; }, EndOfSegment::whole, out);
 }
 
-void check_short(const FormOnBand& on, PixelCheckResults& out) {
+void check_short(const FormOnBand& band_form, PixelCheckResults& out) {
     compare_segments(
-        on, [&](std::size_t i) { return on.inputs.rays[i].origin; }, EndOfSegment::shortened, out);
+        band_form, [&](std::size_t i) { return band_form.inputs.rays[i].origin; }, EndOfSegment::shortened, out);
 }
 
-void check_light(const FormOnBand& on, PixelCheckResults& out) {
-    const Vec<double> light = picture::input_appearance(on.scene, on.format()).light;
+void check_light(const FormOnBand& band_form, PixelCheckResults& out) {
+    const Vec<double> light = picture::input_appearance(band_form.scene, band_form.format()).light;
     compare_segments(
-        on, [&](std::size_t) { return light; }, EndOfSegment::shortened, out);
+        band_form, [&](std::size_t) { return light; }, EndOfSegment::shortened, out);
 }
 
-void check_beyond(const FormOnBand& on, PixelCheckResults& out) {
+void check_beyond(const FormOnBand& band_form, PixelCheckResults& out) {
     // No end lies after an infinite t or a NaN, so any hit is right.
     compare_with_ends(
-        on, [&](double t) { return std::isfinite(t) ? rounding::next_up(t, on.format()) : HUGE_VAL; }, true, out);
+        band_form, [&](double t) { return std::isfinite(t) ? rounding::next_up(t, band_form.format()) : HUGE_VAL; },
+        true, out);
 }
 
-void check_end(const FormOnBand& on, PixelCheckResults& out) {
+void check_end(const FormOnBand& band_form, PixelCheckResults& out) {
     compare_with_ends(
-        on, [](double t) { return std::isfinite(t) ? t : truth::missing; }, false, out);
+        band_form, [](double t) { return std::isfinite(t) ? t : truth::missing; }, false, out);
 }
 
-void check_before(const FormOnBand& on, PixelCheckResults& out) {
+void check_before(const FormOnBand& band_form, PixelCheckResults& out) {
     // A ray cannot end before t = 0.
     compare_with_ends(
-        on, [&](double t) { return std::isfinite(t) && t > 0 ? -rounding::next_up(-t, on.format()) : truth::missing; },
+        band_form,
+        [&](double t) {
+            return std::isfinite(t) && t > 0 ? -rounding::next_up(-t, band_form.format()) : truth::missing;
+        },
         false, out);
 }
 

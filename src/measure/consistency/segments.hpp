@@ -53,6 +53,6 @@ struct ChordError {
 /// Computes the chord error. `distances`: the answers are distances, not parameters. A near side behind p (or q) is not
 /// used, because not every form answers it. Both rays must truly meet the primitive. Nothing if no precision settles
 /// it.
-std::optional<ChordError> chord_error(const ReversedRays& ends, const ChordAnswer& told, bool distances, double ulp);
+std::optional<ChordError> chord_error(const ReversedRays& ends, const ChordAnswer& answer, bool distances, double ulp);
 
 }  // namespace lostbits::measure::consistency

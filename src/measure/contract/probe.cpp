@@ -55,7 +55,7 @@ std::vector<Question> many(Shape shape) {
     return questions;
 }
 
-std::string plainest_primitive_text(Shape shape) { return std::string(row_of(shape).words.plainest); }
+std::string plainest_primitive_text(Shape shape) { return std::string(row_of(shape).texts.plainest); }
 
 /// The plainest ray and its primitive in words.
 std::string plainest_ray_text(Shape shape, const char* joint) {
@@ -83,24 +83,24 @@ void try_hit_is_written(Trial& trial) {
 void try_again(Trial& trial) {
     const auto questions = many(trial.shape);
     const auto all = ask(trial.form, questions);
-    trial.hold(all_same(all, ask(trial.form, questions)), "the same batch gets the same answers again",
-               "the same batch gets other answers the second time: the function keeps state from the first call, or "
-               "reads memory that was never written");
+    trial.check(all_same(all, ask(trial.form, questions)), "the same batch gets the same answers again",
+                "the same batch gets other answers the second time: the function keeps state from the first call, or "
+                "reads memory that was never written");
 }
 
 void try_batches(Trial& trial) {
     const auto questions = many(trial.shape);
     std::vector<Reply> single;
     for (const Question& q : questions) single.push_back(trial.ask(q));
-    trial.hold(all_same(ask(trial.form, questions), single), "a ray gets the same answer in a batch and alone",
-               "a ray gets another answer in a batch than alone");
+    trial.check(all_same(ask(trial.form, questions), single), "a ray gets the same answer in a batch and alone",
+                "a ray gets another answer in a batch than alone");
 }
 
 void try_primitives(Trial& trial) {
     const auto questions = many(trial.shape);
-    trial.hold(all_same(ask(trial.form, questions), ask(trial.form, questions, true)),
-               "one primitive for all rays, or one for each: the same answers",
-               "the primitives of each ray (primitive_stride) are ignored; step by primitive_stride from ray to ray");
+    trial.check(all_same(ask(trial.form, questions), ask(trial.form, questions, true)),
+                "one primitive for all rays, or one for each: the same answers",
+                "the primitives of each ray (primitive_stride) are ignored; step by primitive_stride from ray to ray");
 }
 
 void try_threads(Trial& trial) {
@@ -122,14 +122,14 @@ void try_threads(Trial& trial) {
     }
     for (std::thread& t : threads) t.join();
     if (failed) std::rethrow_exception(failed);
-    trial.hold(good, "four threads at once get the same answers",
-               "four threads at once get other answers; say LB_ONE_THREAD (one_thread)");
+    trial.check(good, "four threads at once get the same answers",
+                "four threads at once get other answers; say LB_ONE_THREAD (one_thread)");
 }
 
 /// A mistake about a length of a shape, such as a radius: the length that the form uses instead, and its description.
 struct LengthMisuse {
     double (*change)(double);
-    const char *words, *mend;  ///< {0} is the key
+    const char *mistake, *remedy;  ///< {0} is the key
 };
 constexpr LengthMisuse length_misuses[]{
     {[](double x) { return std::sqrt(x); }, "the form expects the square of the {0}", "; hand over {0} * {0}"},
@@ -159,7 +159,7 @@ std::vector<Question> rays_at_lengths(Shape shape, std::size_t number) {
 
 /// A mistake about the length of a shape, in words, and what to write in place of it.
 struct TakenLength {
-    std::string words, mend;
+    std::string mistake, remedy;
 };
 
 /// The mistake about a length that explains all answers of a form.
@@ -180,13 +180,13 @@ std::optional<TakenLength> find_taken_length(const Trial& trial) {
     const auto found = std::ranges::find_if(length_misuses, explains);
     if (found == std::end(length_misuses)) return std::nullopt;
     const auto text = [&](const char* words) { return fmt::format(fmt::runtime(words), length->key->name); };
-    return TakenLength{text(found->words), text(found->mend)};
+    return TakenLength{text(found->mistake), text(found->remedy)};
 }
 
 /// Tests if a flat shape is hit as far from its middle as its length says.
 void try_size(Trial& trial) {
     const auto taken = is_flat(trial.shape) ? find_taken_length(trial) : std::nullopt;
-    if (taken) trial.broken(taken->words + ", which decides where it is hit" + taken->mend);
+    if (taken) trial.broken(taken->mistake + ", which decides where it is hit" + taken->remedy);
 }
 
 /// Tests near, as answered to a ray from outside.
@@ -200,7 +200,7 @@ void try_t(Trial& trial) {
         return trial.kept("the plainest ray gets t = " + text_of(right) + ", which is right");
     const auto where = " (" + plainest_ray_text(trial.shape, ", ") + ": " + text_of(right) + " is right, it answers " +
                        text_of(plain.near) + ")";
-    if (const auto taken = find_taken_length(trial)) return trial.broken(taken->words + where + taken->mend);
+    if (const auto taken = find_taken_length(trial)) return trial.broken(taken->mistake + where + taken->remedy);
     if (is_far(plain.near)) return trial.broken("the far root comes first" + where + "; write near before far");
     if (is_answer(plain.near, -right) || is_far(-plain.near))
         return trial.broken("t has the wrong sign" + where + "; is the direction reversed?");
@@ -266,18 +266,18 @@ void try_behind(Trial& trial) {
     const Reply behind = trial.ask(*q);
     if (trial.contract.roots == Roots::near_only && behind.hit == 1 && behind.near < 0)
         return trial.kept("a primitive behind the ray gets t = " + text_of(behind.near) + ", which counts as a miss");
-    if (trial.contract.roots == Roots::both && trial.says(LB_LINE))
-        return trial.hold(behind.hit == 1, "the answer is for the whole line", "a primitive behind the ray is missed");
+    if (trial.contract.roots == Roots::both && trial.has_flag(LB_LINE))
+        return trial.check(behind.hit == 1, "the answer is for the whole line", "a primitive behind the ray is missed");
     const std::string hit = "a primitive behind the ray is hit";
-    trial.hold(behind.hit == 0, "a primitive behind the ray is missed",
-               !trial.tells_t ? hit +
-                                    "; answer a miss there: only a form that answers t may answer for the whole "
-                                    "line"
-               : trial.contract.roots == Roots::both
-                   ? hit + " (t = " + text_of(behind.near) +
-                         "); say LB_LINE (whole_line, flags=line) if it answers for the whole line"
-                   : hit + " (t = " + text_of(behind.near) + "); answer a miss where t < 0" +
-                         (behind.near < 0 ? ", or say LB_NEAR (near_root, roots=near): t < 0 is then a miss" : ""));
+    trial.check(behind.hit == 0, "a primitive behind the ray is missed",
+                !trial.tells_t ? hit +
+                                     "; answer a miss there: only a form that answers t may answer for the whole "
+                                     "line"
+                : trial.contract.roots == Roots::both
+                    ? hit + " (t = " + text_of(behind.near) +
+                          "); say LB_LINE (whole_line, flags=line) if it answers for the whole line"
+                    : hit + " (t = " + text_of(behind.near) + "); answer a miss where t < 0" +
+                          (behind.near < 0 ? ", or say LB_NEAR (near_root, roots=near): t < 0 is then a miss" : ""));
 }
 
 void try_passing_ray(Trial& trial) {
@@ -286,11 +286,11 @@ void try_passing_ray(Trial& trial) {
     if (ends_of(q, trial.shape)) return trial.noted("no ray passes by " + with_article(trial.shape));
     const Reply by = trial.ask(q);
     const bool is_nan = trial.tells_t && by.hit == 1 && std::isnan(by.near);
-    trial.hold(by.hit == 0, "a ray that passes by misses",
-               is_nan
-                   ? "a ray that passes by hits with a t that is not a number; set hit to 0 there (`return miss`; for "
-                     "a shader: miss=)"
-                   : "a ray that passes by hits; is this how it marks a miss (for a shader: miss=)?");
+    trial.check(by.hit == 0, "a ray that passes by misses",
+                is_nan
+                    ? "a ray that passes by hits with a t that is not a number; set hit to 0 there (`return miss`; for "
+                      "a shader: miss=)"
+                    : "a ray that passes by hits; is this how it marks a miss (for a shader: miss=)?");
 }
 
 void try_end(Trial& trial) {
@@ -299,17 +299,17 @@ void try_end(Trial& trial) {
     const bool before = trial.ask(q).hit == 1;
     const ShapeRow& row = row_of(trial.shape);
     const std::string ends = "a ray that ends before the " + std::string(row.name);
-    if (!row.takes_tmax && !trial.says(LB_RANGE)) {
+    if (!row.takes_tmax && !trial.has_flag(LB_RANGE)) {
         if (!before) trial.noted(ends + " misses; maps and sweeps give " + std::string(row.plural) + " no ends");
         return;
     }
-    if (trial.says(LB_NO_END))
+    if (trial.has_flag(LB_NO_END))
         return trial.kept(trial.tells_t ? "the table checks the ends of rays, not the form"
                                         : "the rays that it gets have no ends");
-    trial.hold(!before, ends + " misses",
-               ends +
-                   " hits; say LB_NO_END (ignores_end, flags=no_end) if it ignores the ends of rays (for a shader: "
-                   "float tmax)");
+    trial.check(!before, ends + " misses",
+                ends +
+                    " hits; say LB_NO_END (ignores_end, flags=no_end) if it ignores the ends of rays (for a shader: "
+                    "float tmax)");
 }
 
 /// Tests a form that declares to respect the begin and end of rays.
@@ -326,8 +326,8 @@ void try_range(Trial& trial) {
         const std::string words = r.hit != 1                   ? "misses"
                                   : trial.tells_t && right.hit ? "answers " + text_of(r.near)
                                                                : "hits";
-        trial.hold(trial.is_right(q, r, trial.contract), range + words,
-                   range + words + "; it should " + right_words + ": " + why);
+        trial.check(trial.is_right(q, r, trial.contract), range + words,
+                    range + words + "; it should " + right_words + ": " + why);
     };
     const Shape shape = trial.shape;
     const Ends<double> ends = *ends_of(entering(shape), shape);
@@ -370,7 +370,7 @@ void try_odd_numbers(Trial& trial) {
     }
     try_odd(trial, "nan-origin", "an origin of NaN", along(shape, nan, 1));
     try_odd(trial, "infinite-origin", "an origin at infinity", along(shape, -infinity, 1));
-    try_odd(trial, "point", std::string(row_of(shape).words.point), along(shape, -5, 1, 0, 0));
+    try_odd(trial, "point", std::string(row_of(shape).texts.point), along(shape, -5, 1, 0, 0));
     const int scale = trial.contract.bits == 32 ? 100 : 600;
     const std::string format = "binary" + std::to_string(trial.contract.bits), power = std::to_string(scale);
     try_odd(trial, "huge", "numbers of 2^" + power + ", whose squares overflow in " + format,
@@ -390,7 +390,7 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     } else {
         trial.probe("batches", try_batches);
         trial.probe("primitives", try_primitives);
-        if (!trial.says(LB_ONE_THREAD)) trial.probe("threads", try_threads);
+        if (!trial.has_flag(LB_ONE_THREAD)) trial.probe("threads", try_threads);
     }
     bool hits = false;
     trial.probe("hit", [&hits](Trial& t) {
@@ -420,9 +420,9 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     probe_of_t("at-origin", try_at_origin);
     probe_of_t("close", try_close, trial.tells_t);
     trial.probe("end", try_end);
-    probe_of_t("range", try_range, trial.says(LB_RANGE));
+    probe_of_t("range", try_range, trial.has_flag(LB_RANGE));
     probe_of_t("scale", try_scale);
-    if (!trial.says_broken()) trial.probe("rays", try_rays);  // otherwise the mistake is known already
+    if (!trial.has_broken_promise()) trial.probe("rays", try_rays);  // otherwise the mistake is known already
     // Half of its rays come from behind.
     probe_of_t("edges", try_edges, !trial.breaks("facing") && !trial.breaks("rays"));
     if (!held_back.empty())
@@ -446,7 +446,7 @@ std::vector<Observation> try_contract(const ForeignForm& form, const ForeignForm
         good = false;
         if (std::ranges::none_of(
                 findings, [&of_t](const Observation& f) { return f.verdict == broken && f.subject == of_t.subject; }))
-            findings.push_back({of_t.subject, broken, "the t beside near and far: " + of_t.words});
+            findings.push_back({of_t.subject, broken, "the t beside near and far: " + of_t.text});
     }
     if (good) findings.push_back({"first", kept, "the t beside near and far is the root that counts, in every probe"});
     return findings;

@@ -17,7 +17,7 @@ struct Observation {
     };
     std::string subject;  ///< `direction`, `roots`, `touching`, …
     Verdict verdict;
-    std::string words;  ///< what it does and, if that breaks a promise, what to write
+    std::string text;  ///< what it does and, if that breaks a promise, what to write
 };
 
 /// Probes a form. Repeats rays alone, in batches, with one primitive for each ray, and from several threads. Tests its

@@ -224,7 +224,7 @@ std::vector<Question> questions_at(const Trial& trial, const Ray<double>& ray,
 
 bool any_hit(const Trial& trial, std::span<const Question> questions, std::span<const Reply> replies) {
     for (std::size_t k = 0; k < questions.size(); ++k)
-        if (taken_by(trial.contract, replies[k], questions[k]).hit) return true;
+        if (read_reply(trial.contract, replies[k], questions[k]).hit) return true;
     return false;
 }
 

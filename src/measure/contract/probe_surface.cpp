@@ -61,11 +61,11 @@ struct FromInside {
 
 void try_interval(Trial& trial, const FromInside& inside) {
     const RightAnswer answer = inside.answer();
-    const bool clipped = trial.says(LB_CLIPPED), right = inside.far_is_right();
+    const bool clipped = trial.has_flag(LB_CLIPPED), right = inside.far_is_right();
     const bool zero_is_right = inside_returns_zero(trial.shape) && trial.contract.inside != Inside::exit;
     if (answer == RightAnswer::miss) {
-        trial.hold(trial.contract.inside == Inside::miss, "a ray from inside misses",
-                   "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)");
+        trial.check(trial.contract.inside == Inside::miss, "a ray from inside misses",
+                    "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)");
     } else if (answer == RightAnswer::near && right) {
         if (clipped) trial.noted("from inside, near is behind: it is not clipped to the ray");
         else trial.kept("from inside, near is behind and far ahead");
@@ -133,10 +133,10 @@ void try_inside(Trial& trial) {
     const RightAnswer answer = inside.answer(), promised = promised_inside(c);
     if (!trial.tells_t) {
         const bool hits = promised != RightAnswer::miss;
-        return trial.hold((inside.up.reply.hit == 1) == hits && (inside.down.reply.hit == 1) == hits,
-                          hits ? "a ray from inside hits" : "a ray from inside misses",
-                          hits ? "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)"
-                               : "a ray from inside hits; leave out inside=miss");
+        return trial.check((inside.up.reply.hit == 1) == hits && (inside.down.reply.hit == 1) == hits,
+                           hits ? "a ray from inside hits" : "a ray from inside misses",
+                           hits ? "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)"
+                                : "a ray from inside hits; leave out inside=miss");
     }
     const std::string what = std::string("a ray from inside ") + answer_words[static_cast<std::size_t>(answer)];
     const bool behind = c.roots == Roots::near_only && (answer == RightAnswer::near || answer == RightAnswer::miss) &&
@@ -151,8 +151,8 @@ void try_facing(Trial& trial) {
     const bool met = trial.ask(along(trial.shape, 5, -1)).hit == 1;
     const Facing facing = trial.contract.facing;
     if (facing == Facing::both)
-        return trial.hold(met, "both sides are met", "the front is not met; say " + word_for(Facing::back));
-    trial.hold(!met, "the other side is not met", "the other side is met as well; leave facing out");
+        return trial.check(met, "both sides are met", "the front is not met; say " + word_for(Facing::back));
+    trial.check(!met, "the other side is not met", "the other side is met as well; leave facing out");
 }
 
 bool try_other_side(Trial& trial) {
@@ -173,14 +173,14 @@ void try_touching(Trial& trial) {
         return trial.truth(q, closed).hit && !trial.truth(q, open).hit;
     };
     if (!touches(2) && !touches(1)) return;  // a plane has no rim
-    const std::string what(row_of(trial.shape).words.touching);
+    const std::string what(row_of(trial.shape).texts.touching);
     int hits = 0, asked = 0;
     for (const double from : {-5.0, -4.0, -7.0}) {
         for (const double side : {1.0, -1.0}) {
             Question one = q;
             one.ray[0] *= side, one.ray[2] = from;
             const double right = trial.truth(one, closed).t;
-            const HitOrMiss taken = taken_by(closed, trial.ask(one), one);
+            const HitOrMiss taken = read_reply(closed, trial.ask(one), one);
             // A march stops short of a tangent by the square root of its epsilon.
             if (trial.tells_t && taken.hit && !(std::fabs(taken.t - right) <= 0.5))
                 return trial.broken(what + " is answered with t = " + text_of(taken.t) + "; " + text_of(right) +
@@ -198,7 +198,7 @@ void try_touching(Trial& trial) {
     if (hit != promised && (trial.ask(next).hit == 1) == hit)
         return trial.noted(what + (hit ? " hits, and so does one " : " misses, and so does one ") + text_of(beside) +
                            (hit ? " outside" : " inside") + ": rounding decides");
-    trial.hold(
+    trial.check(
         hit == promised, what + (hit ? " hits" : " misses"),
         what + (hit ? " hits; say LB_HIT (touching=hit)" : " misses; say LB_MISS (touching_misses, touching=miss)"));
 }
@@ -211,7 +211,7 @@ void try_within(Trial& trial) {
         Question q = along(trial.shape, z, 0);
         q.ray = {x, y, z, dx, 0, 0};
         const Reply r = trial.ask(q);
-        if (!taken_by(trial.contract, r, q).hit || trial.truth(q).hit) continue;
+        if (!read_reply(trial.contract, r, q).hit || trial.truth(q).hit) continue;
         return trial.broken((z == -2 ? "a ray in its plane" : "a ray beside its plane") + std::string(" hits") +
                             (trial.tells_t ? " at t = " + text_of(r.near) : "") +
                             "; it should miss, since it does not cross it");
@@ -228,7 +228,7 @@ struct FromSurface {
     bool goes_in;
 
     [[nodiscard]] std::string words(const Trial& trial) const {
-        const HitOrMiss taken = taken_by(trial.contract, reply, q);
+        const HitOrMiss taken = read_reply(trial.contract, reply, q);
         return !taken.hit ? "misses" : trial.tells_t ? "is answered with t = " + text_of(taken.t) : "hits";
     }
 };
@@ -280,7 +280,7 @@ void try_at_origin(Trial& trial) {
     for (const AtOrigin at : all_at_origin) {
         intersect::external::Contract other = trial.contract;
         other.at_origin = at;
-        if (makes_sense(other) && all_right(trial, rays, other))
+        if (is_consistent(other) && all_right(trial, rays, other))
             return trial.broken(does + "; say " + at_origin_words[static_cast<std::size_t>(at)]);
     }
     for (const FromSurface& r : rays) {

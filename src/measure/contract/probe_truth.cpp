@@ -194,7 +194,7 @@ std::string numbers_text(std::span<const double> numbers) {
     return words;
 }
 
-std::string words_of(const Trial& trial, const HitOrMiss& d) {
+std::string answer_text(const Trial& trial, const HitOrMiss& d) {
     return !d.hit ? "a miss" : trial.tells_t ? "t = " + text_of(d.t) : "a hit";
 }
 
@@ -217,7 +217,7 @@ WrongCount::WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& 
     const std::vector<Reply> replies = ask(trial.form, questions);
     for (std::size_t i = 0; i < asked; ++i) {
         const auto& [plain, right] = rays[i];
-        HitOrMiss taken = taken_by(trial.contract, replies[i], questions[i]);
+        HitOrMiss taken = read_reply(trial.contract, replies[i], questions[i]);
         taken.t = std::ldexp(taken.t, -power);
         const double tolerance =
             0x1p-5 * half_extent_of(primitive_of(plain, trial.shape)) / length(ray_of(plain).direction);
@@ -225,7 +225,7 @@ WrongCount::WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& 
             continue;
         if (wrong++ > 0) continue;
         const Question q = from_its_side(questions[i], trial.contract);
-        const auto words = [&](const HitOrMiss& of) { return words_of(trial, {of.hit, std::ldexp(of.t, power)}); };
+        const auto words = [&](const HitOrMiss& of) { return answer_text(trial, {of.hit, std::ldexp(of.t, power)}); };
         first = "ray " + numbers_text(q.ray) + " at " + std::string(row_of(trial.shape).name) + " " +
                 numbers_text(std::span(q.primitive).first(row_of(trial.shape).numbers)) + ": " + words(right) +
                 " is right, it answers " + words(taken);
@@ -235,7 +235,7 @@ WrongCount::WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& 
 void try_scale(Trial& trial) {
     const auto answer_at = [&trial](std::size_t i, double size) {
         const Question q = of_size(trial.shape, size)[i];
-        const HitOrMiss right = trial.truth(q), taken = taken_by(trial.contract, trial.ask(q), q);
+        const HitOrMiss right = trial.truth(q), taken = read_reply(trial.contract, trial.ask(q), q);
         const bool is_right =
             right.hit == taken.hit && (!right.hit || !trial.tells_t || std::fabs(taken.t - right.t) <= 0x1p-8 * size);
         return std::tuple(is_right, right, taken);
@@ -247,7 +247,7 @@ void try_scale(Trial& trial) {
             const auto [is_right, right, taken] = answer_at(i, std::ldexp(1, -k));
             if (!is_right)
                 return trial.broken("where all lengths are 2^-" + std::to_string(k) + " times as large, it answers " +
-                                    words_of(trial, taken) + " where " + words_of(trial, right) +
+                                    answer_text(trial, taken) + " where " + answer_text(trial, right) +
                                     " is right: it seems to compare with a fixed number, an epsilon, that does not "
                                     "scale with its inputs; no property declares that");
         }
@@ -255,7 +255,7 @@ void try_scale(Trial& trial) {
             const auto [is_right, right, taken] = answer_at(i, std::ldexp(1, k));
             if (!is_right)
                 return trial.noted("where all lengths are 2^" + std::to_string(k) + " times as large, it answers " +
-                                   words_of(trial, taken) + " where " + words_of(trial, right) +
+                                   answer_text(trial, taken) + " where " + answer_text(trial, right) +
                                    " is right: it seems to have a greatest t or size");
         }
     }

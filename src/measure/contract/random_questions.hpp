@@ -54,7 +54,7 @@ Question scaled_by(const Question& q, Shape shape, int power);
 bool is_benign(const Trial& trial, const Question& q, RandomNumbers& random, int changes = 6);
 
 std::string numbers_text(std::span<const double> numbers);
-std::string words_of(const Trial& trial, const HitOrMiss& d);
+std::string answer_text(const Trial& trial, const HitOrMiss& d);
 
 /// A question with its right answer.
 struct AnsweredQuestion {

@@ -29,7 +29,7 @@ bool explains_most(const std::vector<AnswerSample>& some, const Explains& explai
 std::string factor_text(double factor) {
     for (const KnownUnits& units : known_units) {
         if (is_about(factor, units.factor))
-            return fmt::format("{:.4g} times what is right: {}?", units.factor, units.words);
+            return fmt::format("{:.4g} times what is right: {}?", units.factor, units.text);
     }
     return fmt::format("{:.3g} times what is right", factor);
 }
@@ -112,12 +112,12 @@ struct SuspectAnswers {
     /// True if a reason explains nine in ten of the wrong answers. A reason that would change right answers too has to
     /// explain nine in ten of all answers and of the hits, and right misses count against it.
     [[nodiscard]] bool is_explained_by(const Reason& reason) const {
-        using About = Reason::About;
+        using Scope = Reason::Scope;
         if (!explains_most(wrong, reason.explains)) return false;
-        if (reason.about == About::t || reason.about == About::wrong) return true;
+        if (reason.scope == Scope::t || reason.scope == Scope::wrong) return true;
         std::vector<AnswerSample> hits;
         std::ranges::copy_if(all, std::back_inserter(hits), [](const AnswerSample& j) { return j.hit; });
-        const bool decides = reason.about == About::decisions;
+        const bool decides = reason.scope == Scope::decisions;
         const std::size_t unexplained = count_unexplained(all, reason.explains) +
                                         count_unexplained(right_misses, reason.explains) +
                                         (decides ? more_right_misses : 0);
@@ -195,12 +195,12 @@ std::string suspicion(const std::vector<AnswerSample>& rays, AnswerSource source
     if (!asked.is_mostly_wrong()) return "";
     const std::array<SuspectAnswers, 2> halves = asked.halves(), halves_of_both = both.halves();
     for (const Reason& reason : reasons()) {
-        const bool about_t = reason.about == Reason::About::t;
+        const bool about_t = reason.scope == Reason::Scope::t;
         if (about_t && !(most_hit && both.is_mostly_wrong())) continue;
         const auto explained = [&reason](const SuspectAnswers& half) { return half.is_explained_by(reason); };
         if (!std::ranges::all_of(about_t ? halves_of_both : halves, explained)) continue;
-        return fmt::format("{}{}; {}", about_t ? both.count("and") : asked.count("or"), reason.words,
-                           source == AnswerSource::file ? reason.to_file : reason.to_library);
+        return fmt::format("{}{}; {}", about_t ? both.count("and") : asked.count("or"), reason.mistake,
+                           source == AnswerSource::file ? reason.file_remedy : reason.library_remedy);
     }
     if (const std::string units = most_hit && both.is_mostly_wrong() ? other_units(hits.halves()) : ""; !units.empty())
         return both.count("and") + units;

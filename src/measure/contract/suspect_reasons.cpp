@@ -62,7 +62,7 @@ std::optional<Line> line_from_inside(const AnswerSample& j) {
 
 /// Mistake about a length of a shape, such as a radius: {0} is the key, {1} its letter, {2} the shape, {3} its plural.
 struct LengthErrorCase {
-    const char *words, *to_library, *to_file;
+    const char *mistake, *library_remedy, *file_remedy;
     double (*change)(double);
 };
 constexpr LengthErrorCase length_error_cases[] = {
@@ -82,13 +82,13 @@ void add_lengths(const ShapeRow& row, std::vector<Reason>& all) {
         return fmt::format(fmt::runtime(words), length->key->name, length->key->letter, row.name, row.plural);
     };
     for (const LengthErrorCase& m : length_error_cases)
-        all.push_back({text(m.words), text(m.to_library), text(m.to_file),
+        all.push_back({text(m.mistake), text(m.library_remedy), text(m.file_remedy),
                        [&row, change = m.change](const AnswerSample& j) { return fits_length(j, row, change); },
-                       Reason::About::all});
+                       Reason::Scope::all});
 }
 
 std::vector<Reason> all_reasons() {
-    using About = Reason::About;
+    using Scope = Reason::Scope;
     std::vector<Reason> all{
         {"t is a distance, not the ray's parameter: it seems to take directions of unit length",
          "say so (unit_direction, direction=unit)", "say --direction unit",
@@ -132,43 +132,43 @@ std::vector<Reason> all_reasons() {
          [](const AnswerSample& j) {
              return !std::isnan(j.t) && fits(j, {j.ray.origin, -j.ray.direction}, j.primitive);
          },
-         About::all},
+         Scope::all},
         {"it hits what lies behind the ray", "say that it answers for the whole line (whole_line, flags=line)",
          "write hit = 0 where t < 0, or leave out hit and say --miss negative",
          [](const AnswerSample& j) {
              const auto line = line_through(j.ray, j.primitive);
              return j.hit && !j.truly_hits && line && line->far < 0 && !(j.t > 0);
          },
-         About::wrong},
+         Scope::wrong},
         {"the origin and the direction seem to be exchanged", "a ray comes as ox, oy, oz, dx, dy, dz",
          "look at the names of the columns: ox, oy, oz are the origin",
          [](const AnswerSample& j) {
              return fits(j, {j.ray.direction, j.ray.origin}, j.primitive);
          },
-         About::all},
+         Scope::all},
         {"the direction seems to be the point where the ray ends: the answers are those for d - o",
          "hand over the direction, end - origin", "write dx - ox, dy - oy, dz - oz as the direction",
          [](const AnswerSample& j) {
              return fits(j, {j.ray.origin, j.ray.direction - j.ray.origin}, j.primitive);
          },
-         About::all},
+         Scope::all},
         {"y and z of the rays seem to be exchanged, compared with those of the primitive",
          "hand over both with the same axis upwards", "write oy and oz, and dy and dz, the other way round",
          [](const AnswerSample& j) {
              return fits(j, {y_for_z(j.ray.origin), y_for_z(j.ray.direction)}, j.primitive);
          },
-         About::all},
+         Scope::all},
     };
     all.insert(all.end(), std::begin(more), std::end(more));
     for (const KnownUnits& units : known_units)
         all.push_back(
             {fmt::format("the primitive seems to be in other units than the rays, {:.4g} times as large ({}?)",
-                         units.factor, units.words),
+                         units.factor, units.text),
              "hand over both in the same units", "write both in the same units",
-             [factor = units.factor](const AnswerSample& j) { return fits_scaled(j, 1 / factor); }, About::all});
+             [factor = units.factor](const AnswerSample& j) { return fits_scaled(j, 1 / factor); }, Scope::all});
     all.push_back({"hit seems to be inverted, 1 where the ray misses", "hit is 1 where the ray hits",
                    "write 1 for a hit and 0 for a miss", [](const AnswerSample& j) { return j.hit != j.truly_hits; },
-                   About::decisions});
+                   Scope::decisions});
     return all;
 }
 

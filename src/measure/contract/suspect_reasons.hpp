@@ -22,23 +22,23 @@ inline bool is_right(const AnswerSample& j) {
 /// A mistake that a contract may contain, with a test if it explains an answer.
 struct Reason {
     /// Answers that the mistake affects and has to explain.
-    enum class About : std::uint8_t {
+    enum class Scope : std::uint8_t {
         t,         ///< the t of right hits; wrong decisions beside them are usually due to arithmetic
         wrong,     ///< every wrong answer
         all,       ///< every answer, right ones too: a march that ends early misses near the rim, as a smaller sphere
                    ///< would, but is right in the middle, where a smaller sphere would not be
         decisions  ///< only hits and misses; all of them, in both directions
     };
-    std::string words;       ///< the suspected mistake
-    std::string to_library;  ///< what to write if an intersector answered
-    std::string to_file;     ///< what to write if a file holds the answers
+    std::string mistake;         ///< the suspected mistake
+    std::string library_remedy;  ///< what to write if an intersector answered
+    std::string file_remedy;     ///< what to write if a file holds the answers
     std::function<bool(const AnswerSample&)> explains;
-    About about = About::t;
+    Scope scope = Scope::t;
 };
 
 struct KnownUnits {
     double factor;
-    const char* words;
+    const char* text;
 };
 inline constexpr KnownUnits known_units[] = {{1000, "millimetres for metres"}, {0.001, "metres for millimetres"},
                                              {100, "centimetres for metres"},  {0.01, "metres for centimetres"},

@@ -123,14 +123,14 @@ inline HitOrMiss truth_by(const intersect::external::Contract& contract, const Q
 }
 
 /// The table's reading of a reply by a contract.
-inline HitOrMiss taken_by(const intersect::external::Contract& contract, const Reply& r, const Question& asked) {
+inline HitOrMiss read_reply(const intersect::external::Contract& contract, const Reply& r, const Question& asked) {
     const std::array<double, 2> near_far{r.near, r.far};
     const double end = takes_tmax(contract.shape) ? asked.end : std::numeric_limits<double>::infinity();
     const Hit<double> hit = intersect::external::hit_of(contract, r.hit == 1 ? 1 : 0, near_far.data(), end);
     return {hit.hit, hit.t};
 }
 
-inline bool makes_sense(const intersect::external::Contract& contract) {
+inline bool is_consistent(const intersect::external::Contract& contract) {
     try {
         intersect::external::require_sense(contract, "");
         return true;
@@ -208,12 +208,12 @@ public:
     void kept(std::string words) { add(Observation::Verdict::kept, std::move(words)); }
     void broken(std::string words) { add(Observation::Verdict::broken, std::move(words)); }
     void noted(std::string words) { add(Observation::Verdict::noted, std::move(words)); }
-    void hold(bool good, const std::string& yes, const std::string& no) {
+    void check(bool good, const std::string& yes, const std::string& no) {
         add(good ? Observation::Verdict::kept : Observation::Verdict::broken, good ? yes : no);
     }
     [[nodiscard]] Reply ask(const Question& q) const { return contract::ask(form, q); }
-    [[nodiscard]] bool says(unsigned flag) const { return (contract.flags & flag) != 0; }
-    [[nodiscard]] bool says_broken() const {
+    [[nodiscard]] bool has_flag(unsigned flag) const { return (contract.flags & flag) != 0; }
+    [[nodiscard]] bool has_broken_promise() const {
         return std::ranges::any_of(findings,
                                    [](const Observation& f) { return f.verdict == Observation::Verdict::broken; });
     }
@@ -230,7 +230,7 @@ public:
     }
     /// True if a reply is the true answer by a contract.
     [[nodiscard]] bool is_right(const Question& q, const Reply& r, const intersect::external::Contract& by) const {
-        const HitOrMiss right = truth(q, by), taken = taken_by(by, r, q);
+        const HitOrMiss right = truth(q, by), taken = read_reply(by, r, q);
         return right.hit == taken.hit && (!right.hit || !tells_t || is_answer(taken.t, right.t));
     }
 

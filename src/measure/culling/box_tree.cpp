@@ -129,8 +129,8 @@ std::shared_ptr<const BoxTree> BoxTree::make(const PrimitiveList<double>& primit
         // times as large in the world.
         const double its_rounding = primitive.placed ? 2 * spread.condition * spread.condition * rounding : rounding;
         if (!box || (primitive.placed && format && !(its_rounding < 0x1p-5))) {
-            tree->asked_each_.push_back(i);
-            if (!has_mesh && tree->asked_each_.size() > most_asked_each) return nullptr;
+            tree->unboxed_.push_back(i);
+            if (!has_mesh && tree->unboxed_.size() > most_unboxed) return nullptr;
             continue;
         }
         tree->order_.push_back(i);
@@ -201,7 +201,7 @@ double BoxTree::least_distance(const Vec<double>& p, const Node& node, std::size
 }
 
 void BoxTree::within(const Vec<double>& p, double distance, std::vector<std::uint32_t>& found) const {
-    found = asked_each_;
+    found = unboxed_;
     std::vector<std::uint32_t> later;
     if (!nodes_.empty()) later.push_back(0);
     while (!later.empty()) {
@@ -279,7 +279,7 @@ private:
 
 BoxTree::Walk::Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std::uint32_t>& found)
     : tree_(&tree), found_(&found) {
-    found = tree.asked_each_;
+    found = tree.unboxed_;
     const auto& order = tree.order_;
     if (order.empty()) return;
     if (is_no_ray(ray)) {

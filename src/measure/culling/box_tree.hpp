@@ -40,13 +40,13 @@ namespace lostbits::measure::culling {
 class BoxTree : public PrimitiveIndex {
 public:
     /// Limit on the primitives without a box: they are tested for every ray.
-    static constexpr std::size_t most_asked_each = 64;
+    static constexpr std::size_t most_unboxed = 64;
 
     /// Limit on the candidates of a ray with a number that is not finite or without a direction. It meets nothing; the
     /// answers of forms to it are measured on small scenes.
     static constexpr std::size_t most_for_no_ray = 1024;
 
-    /// Returns nothing if no primitive has a box, or if more than `most_asked_each` have none. Meshes always have a
+    /// Returns nothing if no primitive has a box, or if more than `most_unboxed` have none. Meshes always have a
     /// tree, because their cracks are found among its candidates. `format` null: for the truth. `bounds` matters only
     /// to forms of primitives with a length; if it is not finite, these have no box.
     static std::shared_ptr<const BoxTree> make(const scene::rays::PrimitiveList<double>& primitives,
@@ -71,7 +71,7 @@ public:
             if (d < best || (d == best && primitive < found)) best = d, found = primitive;
         };
         if (!(std::fabs(p.x) < HUGE_VAL && std::fabs(p.y) < HUGE_VAL && std::fabs(p.z) < HUGE_VAL)) return found;
-        for (const std::uint32_t primitive : asked_each_) ask(primitive);
+        for (const std::uint32_t primitive : unboxed_) ask(primitive);
         std::vector<std::pair<double, std::uint32_t>> later;
         if (!nodes_.empty()) later.push_back({0, 0});  // least distance of all below a node, and its index
         while (!later.empty()) {
@@ -119,7 +119,7 @@ private:
     [[nodiscard]] double least_distance(const Vec<double>& p, const Node& node, std::size_t child) const;
 
     std::vector<Node> nodes_;
-    std::vector<std::uint32_t> order_, asked_each_;
+    std::vector<std::uint32_t> order_, unboxed_;
     int shift_ = 0;                    ///< corners, and the lengths below, are in units of 2^shift_
     double relative_ = 0, reach_ = 0;  ///< m = relative_ (|O| + reach_)
     double behind_ = 0;                ///< how far in front of the origin a box may end

@@ -177,23 +177,23 @@ Culler::Culler(PrimitiveList<double> primitives) : bounds_{HUGE_VAL, 0, HUGE_VAL
     if (are_many(stored_)) truth_ = BoxTree::make(stored_, bounds_, nullptr);
 }
 
-Culler::Culler(const Culler& of_all, const scene::rays::RayBlock& rays)
-    : bounds_(join({0, 1, 1}, bounds_of(rays))), stored_(of_all.stored_), truth_(of_all.truth_), of_all_(&of_all) {}
+Culler::Culler(const Culler& parent, const scene::rays::RayBlock& rays)
+    : bounds_(join({0, 1, 1}, bounds_of(rays))), stored_(parent.stored_), truth_(parent.truth_), parent_(&parent) {}
 
 std::shared_ptr<const PrimitiveIndex> Culler::for_forms(const FloatFormat& format,
                                                         const PrimitiveList<double>& primitives) {
     return index_for(For::forms, format, primitives);
 }
-std::shared_ptr<const PrimitiveIndex> Culler::for_own_truth(const FloatFormat& format,
-                                                            const PrimitiveList<double>& primitives) {
-    return index_for(For::own_truth, format, primitives);
+std::shared_ptr<const PrimitiveIndex> Culler::for_stored_truth(const FloatFormat& format,
+                                                               const PrimitiveList<double>& primitives) {
+    return index_for(For::stored_truth, format, primitives);
 }
 
 std::shared_ptr<const PrimitiveIndex> Culler::index_for(For use, const FloatFormat& format,
                                                         const PrimitiveList<double>& primitives) const {
     if (!are_many(primitives)) return nullptr;
-    if (of_all_) {
-        if (auto common = of_all_->index_for(use, format, primitives)) return common;
+    if (parent_) {
+        if (auto common = parent_->index_for(use, format, primitives)) return common;
     }
     // Nothing in here waits for other threads, which might wait for this one.
     const std::scoped_lock lock(made_->making);

@@ -149,9 +149,9 @@ public:
     /// Makes a culler for rays that do not belong to a scene.
     Culler(scene::rays::PrimitiveList<double> primitives, const scene::rays::RayBlock& rays);
     /// The first serves rays that come in blocks, the second one block: it shares every index that does not depend on
-    /// bounds of rays. Several threads may make and use those of blocks; `of_all` outlives them.
+    /// bounds of rays. Several threads may make and use those of blocks; `parent` outlives them.
     explicit Culler(scene::rays::PrimitiveList<double> primitives);
-    Culler(const Culler& of_all, const scene::rays::RayBlock& rays);
+    Culler(const Culler& parent, const scene::rays::RayBlock& rays);
     Culler(Culler&&) = default;
     Culler& operator=(Culler&&) = default;
 
@@ -164,15 +164,15 @@ public:
     /// Indices for forms in a format that receive `primitives`, and for the truth of those. Made on first use.
     std::shared_ptr<const PrimitiveIndex> for_forms(const FloatFormat& format,
                                                     const scene::rays::PrimitiveList<double>& primitives);
-    std::shared_ptr<const PrimitiveIndex> for_own_truth(const FloatFormat& format,
-                                                        const scene::rays::PrimitiveList<double>& primitives);
+    std::shared_ptr<const PrimitiveIndex> for_stored_truth(const FloatFormat& format,
+                                                           const scene::rays::PrimitiveList<double>& primitives);
 
 private:
     RayBounds bounds_{0, 1, 1};
     scene::rays::PrimitiveList<Real> ideal_;
     scene::rays::PrimitiveList<double> stored_;
     std::shared_ptr<const PrimitiveIndex> truth_;
-    enum class For : std::uint8_t { forms, own_truth };
+    enum class For : std::uint8_t { forms, stored_truth };
     /// Indices that are made when they are first asked for.
     struct LazyIndices {
         std::mutex making;
@@ -180,7 +180,7 @@ private:
     };
     std::shared_ptr<const PrimitiveIndex> index_for(For use, const FloatFormat& format,
                                                     const scene::rays::PrimitiveList<double>& primitives) const;
-    const Culler* of_all_ = nullptr;
+    const Culler* parent_ = nullptr;
     std::unique_ptr<LazyIndices> made_ = std::make_unique<LazyIndices>();
 };
 

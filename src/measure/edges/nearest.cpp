@@ -170,8 +170,9 @@ public:
             if (few.empty()) continue;
             measure(few, [&](const evaluate::BandResult& result) {
                 for (std::size_t i = 0; i < few.size(); ++i)
-                    for (std::size_t k = 0; k < sought.size(); ++k)
-                        counts(few[i]).with.at(k) += edge_with(sought.at(k), subject_, few[i], result, i) != nullptr;
+                    for (std::size_t k = 0; k < searched_outcomes.size(); ++k)
+                        counts(few[i]).outcomes.at(k) +=
+                            edge_with(searched_outcomes.at(k), subject_, few[i], result, i) != nullptr;
             });
         }
     }
@@ -189,7 +190,7 @@ public:
             const std::vector<Aimed> batch = next_batch(drawn);
             finding.rays[wanted_] += batch.size();
             std::vector<Aimed> few = suspicious(batch, [this](bool may_crack, bool may_hit_twice) {
-                return sought.at(wanted_) == Outcome::crack ? may_crack : may_hit_twice;
+                return searched_outcomes.at(wanted_) == Outcome::crack ? may_crack : may_hit_twice;
             });
             std::erase_if(few, [this](const Aimed& one) { return !file_.distance.holds(one.distance); });
             if (few.empty()) continue;
@@ -312,7 +313,7 @@ private:
     }
 
     Judge judged(const std::vector<Aimed>& batch) const {
-        Judge judge(sought.at(wanted_), subject_, batch, row_);
+        Judge judge(searched_outcomes.at(wanted_), subject_, batch, row_);
         measure(batch, [&judge](const evaluate::BandResult& result) { judge.look_at(result); });
         return judge;
     }
@@ -332,7 +333,7 @@ private:
     const scene::sweep::EdgeSearchFile& file_;
     const Subject& subject_;
     const evaluate::TestedForm& row_;
-    std::size_t wanted_ = 0;  ///< index of the outcome in `sought`
+    std::size_t wanted_ = 0;  ///< index of the outcome in `searched_outcomes`
     FloatFormat format_;      ///< format of the numbers of rays
     scene::rays::Random random_;
     std::vector<const metric::Metric*> metrics_{metric::find_metric("lost_bits"), metric::find_metric("ulp_error")};
@@ -349,7 +350,7 @@ std::vector<EdgeFinding> find_nearest(const EdgeRequest& request) {
     intersect::process::in_parallel(std::size_t{0}, found.size() * edge_units, [&](std::size_t k) {
         const std::size_t row = k / edge_units, unit = k % edge_units;
         Search search(request, subject, request.rows[units.first + row]);
-        if (unit == sought.size()) search.count(found[row]);
+        if (unit == searched_outcomes.size()) search.count(found[row]);
         else if (!request.census_alone) search.find(found[row], unit);
         request.progress(1);
     });

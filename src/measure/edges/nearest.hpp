@@ -15,7 +15,7 @@
 namespace lostbits::measure::edges {
 
 /// Outcomes that are searched for, each by itself.
-inline constexpr std::array sought{answer::Outcome::crack, answer::Outcome::double_hit};
+inline constexpr std::array searched_outcomes{answer::Outcome::crack, answer::Outcome::double_hit};
 
 /// The nearest ray found with an outcome.
 struct NearestRay {
@@ -30,18 +30,18 @@ struct NearestRay {
 enum class EdgeTarget : std::uint8_t { edge, vertex };
 inline constexpr std::array<std::string_view, 2> edge_target_names{"edge", "vertex"};
 
-/// Number of rays of a census at one kind of target, and of those with an outcome, in the order of `sought`.
+/// Number of rays of a census at one kind of target, and of those with an outcome, in the order of `searched_outcomes`.
 struct EdgeCount {
     std::uint64_t rays = 0;
-    std::array<std::uint64_t, sought.size()> with{};
+    std::array<std::uint64_t, searched_outcomes.size()> outcomes{};
 };
 
-/// Results of a search for one row, in the order of `sought`.
+/// Results of a search for one row, in the order of `searched_outcomes`.
 struct EdgeFinding {
     std::array<EdgeCount, edge_target_names.size()> census{};  ///< by target
-    std::array<std::optional<NearestRay>, sought.size()> nearest;
+    std::array<std::optional<NearestRay>, searched_outcomes.size()> nearest;
     /// Number of rays tested: all, or those until one was found at the smallest distance of the search.
-    std::array<std::uint64_t, sought.size()> rays{};
+    std::array<std::uint64_t, searched_outcomes.size()> rays{};
 };
 
 struct EdgeRequest {
@@ -54,7 +54,7 @@ struct EdgeRequest {
 };
 
 /// Units of progress of one row: one for the census, and one for the search for each outcome.
-inline constexpr std::size_t edge_units = 1 + sought.size();
+inline constexpr std::size_t edge_units = 1 + searched_outcomes.size();
 
 /// Counts for each row, and searches for each row and outcome separately; the results have one element for each row of
 /// the share. The result depends only on the file and its scene, not on the number of threads.

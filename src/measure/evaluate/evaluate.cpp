@@ -29,7 +29,7 @@ SharedBandTruth::SharedBandTruth(Band& band, const std::vector<TestedForm>& rows
             needs.unit_rays |= form->info->direction == intersect::Direction::unit;
             needs.no_forms &= !form->exists_in(row.format);  // a row of a file's answers exists in no format
         }
-        needs.own_truth = (asked & metric::needs_own_truth) != 0;
+        needs.stored_truth = (asked & metric::needs_stored_truth) != 0;
         const truth::Length length = truth::length_of(row.form->info->direction);
         if (asked & metric::needs_reach) needs.add_reach(truth::Perturbed::componentwise, length);
         if (asked & metric::needs_reach_normwise) needs.add_reach(truth::Perturbed::normwise, length);
@@ -107,8 +107,9 @@ unsigned needs_of(const std::vector<const Metric*>& metrics) {
 }
 
 unsigned needs_supported_by(const intersect::table::Intersector& form) {
-    return ~((form.ball ? 0U : metric::needs_self) | (form.record ? 0U : metric::needs_tape) |
-             (form.bounded ? 0U : metric::needs_bound) | (form.way ? 0U : metric::needs_filter_arithmetic) |
+    return ~((form.ball ? 0U : metric::needs_unrounded) | (form.record ? 0U : metric::needs_tape) |
+             (form.bounded ? 0U : metric::needs_bound) |
+             (form.filter_arithmetic ? 0U : metric::needs_filter_arithmetic) |
              (form.shapes().are_placed() ? 0U : metric::needs_steps) |
              (intersect::bounding_box::has_box(form) ? 0U : metric::needs_levels | metric::needs_end_margin));
 }

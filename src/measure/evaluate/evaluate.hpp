@@ -117,7 +117,7 @@ using Show = std::function<void(const BandResult&)>;
 using ShowRows = std::function<void(std::size_t row, const BandResult&)>;
 /// Passes the bands of row i to the function `band` of readers[i]. The readers must outlive the result.
 template <class Readers>
-ShowRows shown_to_each(Readers& readers) {
+ShowRows show_to_each(Readers& readers) {
     return [&readers](std::size_t row, const BandResult& result) { readers.at(row).band(result); };
 }
 

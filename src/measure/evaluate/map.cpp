@@ -29,9 +29,9 @@ std::vector<study::RowsOfScene> MapStudy::scenes() const {
     return all;
 }
 
-SharedBandTruth MapStudy::prepare(truth::Band& band, const std::vector<std::size_t>& some) const {
+SharedBandTruth MapStudy::prepare(truth::Band& band, const std::vector<std::size_t>& row_indices) const {
     std::vector<TestedForm> its_rows;
-    for (const std::size_t r : some) its_rows.push_back(rows[r]);
+    for (const std::size_t r : row_indices) its_rows.push_back(rows[r]);
     return {band, its_rows, metrics};
 }
 

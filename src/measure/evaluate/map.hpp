@@ -37,7 +37,7 @@ struct MapStudy {
     /// The scene, or the scene with the rays of a generator, for each generator among the rows.
     [[nodiscard]] std::vector<study::RowsOfScene> scenes() const;
     [[nodiscard]] FormSummary begin(std::size_t) const { return FormSummary(metrics); }
-    [[nodiscard]] SharedBandTruth prepare(truth::Band& band, const std::vector<std::size_t>& some) const;
+    [[nodiscard]] SharedBandTruth prepare(truth::Band& band, const std::vector<std::size_t>& row_indices) const;
     void measure(const SharedBandTruth& shared, std::size_t row, FormSummary& summary, const Show& show) const;
 };
 

@@ -8,7 +8,7 @@
 
 #include "measure/answer/against.hpp"
 #include "measure/answer/owners.hpp"
-#include "measure/answer/self.hpp"
+#include "measure/answer/without_rounding.hpp"
 #include "measure/evaluate/row_parts.hpp"
 #include "measure/stability/stability.hpp"
 #include "measure/truth/lost_bits.hpp"
@@ -127,13 +127,13 @@ private:
         const auto any = [this](const auto& which) {
             return std::ranges::any_of(metrics_, [&](const Metric* m) { return which(*m); });
         };
-        const auto of_marches = [](const Metric& m) { return m.over == MetricDomain::marches; };
+        const auto of_marches = [](const Metric& m) { return m.domain == MetricDomain::marches; };
         const auto of_hits = [](const Metric& m) {
-            return (m.over == MetricDomain::agreed_hits || m.over == MetricDomain::blamed) &&
+            return (m.domain == MetricDomain::agreed_hits || m.domain == MetricDomain::blamed) &&
                    m.in_columns == InColumns::no;
         };
-        const auto of_every = [](const Metric& m) { return m.over == MetricDomain::every; };
-        const auto of_blamed = [](const Metric& m) { return m.over == MetricDomain::blamed; };
+        const auto of_every = [](const Metric& m) { return m.domain == MetricDomain::every; };
+        const auto of_blamed = [](const Metric& m) { return m.domain == MetricDomain::blamed; };
         const bool marches = any(of_marches) && !result_.answers->march.empty(), hits = any(of_hits);
         const bool every = any(of_every);
         const bool faults = (needs_ & metric::needs_attribution) != 0;
@@ -144,11 +144,11 @@ private:
             const bool fault = outcome != Outcome::not_a_number && is_wrong(outcome);
             const Ray<double> ray = ray_of(i);
             if (marches) take(i, plain_sample_of(i, ray), of_marches);
-            if (every) measure_own_statements(i, ray, of_every);
+            if (every) measure_statements(i, ray, of_every);
             if (faults && fault) {
-                const RayAttribution blame = attribute_ray(i);
+                const RayAttribution attribution = attribute_ray(i);
                 Sample sample = plain_sample_of(i, ray);
-                sample.blame = &blame;
+                sample.attribution = &attribution;
                 take(i, sample, of_blamed);
             }
             if (hits && outcome == Outcome::agree_hit && tells_t()) measure_hit(i, ray, of_hits);
@@ -157,13 +157,13 @@ private:
 
     /// Measures a form's statements about its own answer, whether or not that answer is right.
     template <class Which>
-    void measure_own_statements(std::size_t i, const Ray<double>& ray, const Which& which) {
+    void measure_statements(std::size_t i, const Ray<double>& ray, const Which& which) {
         const Truth truth = result_.truth(i);
-        const FormStatements own(row_, needs_ & ~unsigned{metric::needs_end_margin}, *result_.inputs, ray, i,
-                                 asked_of(i), truth.is_hit() ? truth_.object[i] : -1);
+        const FormStatements statements(row_, needs_ & ~unsigned{metric::needs_end_margin}, *result_.inputs, ray, i,
+                                        asked_of(i), truth.is_hit() ? truth_.object[i] : -1);
         const Primitive<double> primitive = result_.inputs->primitives[asked_of(i)];
         Sample sample = sample_of(i, ray, primitive, truth);
-        own.into(sample);
+        statements.fill(sample);
         const bool rays = (needs_ & metric::needs_true_ray) != 0;
         const std::optional<Ray<Real>> true_ray = rays ? std::optional(result_.band->true_ray(i)) : std::nullopt;
         if (rays) sample.true_ray = &*true_ray, sample.frame = result_.band->frame();
@@ -201,23 +201,25 @@ private:
         if (needs_ & metric::needs_rounded_truth)
             sample.truth_rounded =
                 result_.band->rounded_truth(i, row_.format.parameters, info.direction, row_.convention());
-        const Truth own = (needs_ & metric::needs_own_truth) && !in.ideal ? in.own(i, row_.convention()) : Truth{};
-        if (needs_ & metric::needs_own_truth) sample.own = in.ideal ? sample.truth : in_unit_of(own, info);
+        const Truth stored =
+            (needs_ & metric::needs_stored_truth) && !in.ideal ? in.find_stored_truth(i, row_.convention()) : Truth{};
+        if (needs_ & metric::needs_stored_truth)
+            sample.stored_truth = in.ideal ? sample.truth : in_unit_of(stored, info);
         if (needs_ & metric::needs_condition) sample.condition = result_.band->condition(i, row_.convention());
         const auto reach = [&](truth::Perturbed inputs) {
             return result_.band->reach(i, row_.convention(), info.direction, in, inputs);
         };
         if (needs_ & metric::needs_reach) sample.reach = reach(truth::Perturbed::componentwise);
         if (needs_ & metric::needs_reach_normwise) sample.reach_normwise = reach(truth::Perturbed::normwise);
-        std::optional<truth::Certified> self;
-        if (needs_ & metric::needs_self)
-            self = answer::without_rounding(*row_.form, ray, in.target_for(*row_.form, asked_of(i)));
-        if (self) sample.self = &*self;
-        const RayAttribution blame = attribute_ray(i);
-        if (needs_ & metric::needs_attribution) sample.blame = &blame;
+        std::optional<truth::Certified> unrounded;
+        if (needs_ & metric::needs_unrounded)
+            unrounded = answer::without_rounding(*row_.form, ray, in.target_for(*row_.form, asked_of(i)));
+        if (unrounded) sample.unrounded = &*unrounded;
+        const RayAttribution attribution = attribute_ray(i);
+        if (needs_ & metric::needs_attribution) sample.attribution = &attribution;
         const unsigned others = needs_ & ~unsigned{metric::needs_filter_arithmetic | metric::needs_levels};
-        const FormStatements own_words(row_, others, in, ray, i, asked_of(i), -1);
-        own_words.into(sample);
+        const FormStatements statements(row_, others, in, ray, i, asked_of(i), -1);
+        statements.fill(sample);
         take(i, sample, which);
     }
 
@@ -284,25 +286,25 @@ private:
 
 }  // namespace
 
-void measure_row(const RowRequest& request, const RowInputs& on, FormSummary& summary,
+void measure_row(const RowRequest& request, const RowInputs& row_inputs, FormSummary& summary,
                  std::span<const RaySubset> parts) {
     const TestedForm& row = request.row;
-    const answer::Answers asked = request.answers ? answer::Answers{} : answer::evaluate(*row.form, on.inputs);
+    const answer::Answers asked = request.answers ? answer::Answers{} : answer::evaluate(*row.form, row_inputs.inputs);
     const answer::Answers& answers = request.answers ? *request.answers : asked;
     // The columns are taken out of `kept`: a thread that waits in here may start another row.
     thread_local std::optional<RowColumns> kept;
     RowColumns columns_of_thread = std::exchange(kept, std::nullopt).value_or(RowColumns{});
-    columns_of_thread.make(on.band.pixels(), request.metrics);
-    BandResult result{.y0 = on.band.y0(),
-                      .rows = on.band.rows(),
-                      .width = on.inputs.rays.width,
-                      .band = &on.band,
-                      .inputs = &on.inputs,
+    columns_of_thread.make(row_inputs.band.pixels(), request.metrics);
+    BandResult result{.y0 = row_inputs.band.y0(),
+                      .rows = row_inputs.band.rows(),
+                      .width = row_inputs.inputs.rays.width,
+                      .band = &row_inputs.band,
+                      .inputs = &row_inputs.inputs,
                       .answers = &answers,
                       .convention = row.convention(),
                       .outcomes = std::move(columns_of_thread.outcomes),
                       .metrics = std::move(columns_of_thread.metrics)};
-    const TrueLengths& truth = on.columns.of(row.convention(), row.form->info->direction);
+    const TrueLengths& truth = row_inputs.columns.of(row.convention(), row.form->info->direction);
     Measurement(request, truth, result, columns_of_thread).measure(summary, parts);
     if (request.show) request.show(result);
     columns_of_thread.outcomes = std::move(result.outcomes);

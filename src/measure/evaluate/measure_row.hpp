@@ -45,7 +45,7 @@ struct RaySubset {
 };
 
 /// Does the same as `measure_row` of evaluate.hpp, which computes the columns for one row only.
-void measure_row(const RowRequest& request, const RowInputs& on, FormSummary& summary,
+void measure_row(const RowRequest& request, const RowInputs& row_inputs, FormSummary& summary,
                  std::span<const RaySubset> parts = {});
 
 }  // namespace lostbits::measure::evaluate

@@ -13,9 +13,9 @@ using answer::Outcome;
 using truth::missing;
 using truth::Truth;
 
-void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& truth, bool tells_t,
+void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueLengths& truth, bool tells_t,
                    const OutcomeColumns& out, FormSummary& summary) {
-    const answer::Answers& answers = of.answers;
+    const answer::Answers& answers = band_answers.answers;
     const std::size_t n = truth.decision.size();
     const answer::OutcomeTable table(tells_t);
     out.measured.resize(n);
@@ -29,7 +29,7 @@ void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& tr
         const bool other = tells_t & (outcomes[i] == Outcome::agree_hit) & (answers.object[i] != truth.object[i]);
         outcomes[i] = other ? Outcome::wrong_primitive : outcomes[i];
     }
-    if (tells_t) take_apart(of, truth, out.outcomes);
+    if (tells_t) refine_outcomes(band_answers, truth, out.outcomes);
     for (std::size_t i = 0; i < n; ++i) {
         measured[i] = (tells_t & (outcomes[i] == Outcome::agree_hit)) ? answers.t[i] : missing;
     }
@@ -48,8 +48,8 @@ FormStatements::FormStatements(const TestedForm& row, unsigned needs, const trut
     const double tmax = rays.tmax.empty() ? HUGE_VAL : rays.tmax[i];
     if ((needs & metric::needs_bound) && form.bounded)
         bounded_ = form.bounded(row.format, ray, inputs.target_for(form, primitive), tmax);
-    if ((needs & metric::needs_filter_arithmetic) && form.way)
-        way_ = form.way(row.format, ray, inputs.target_for(form, primitive), tmax);
+    if ((needs & metric::needs_filter_arithmetic) && form.filter_arithmetic)
+        filter_arithmetic_ = form.filter_arithmetic(row.format, ray, inputs.target_for(form, primitive), tmax);
     if ((needs & metric::needs_levels) && truly >= 0) {
         const Primitive<double> met = inputs.primitives[static_cast<std::size_t>(truly)];
         const intersect::table::Intersector& part = form.of(met.shape);
@@ -68,9 +68,9 @@ FormStatements::FormStatements(const TestedForm& row, unsigned needs, const trut
         answer::steps_of(intersect::bounding_box::without_world_boxes(part), row.format, ray, asked, rays.range(i));
 }
 
-void FormStatements::into(metric::Sample& sample) const {
+void FormStatements::fill(metric::Sample& sample) const {
     if (bounded_) sample.bounded = &*bounded_;
-    if (way_) sample.way = &*way_;
+    if (filter_arithmetic_) sample.filter_arithmetic = &*filter_arithmetic_;
     if (steps_) sample.steps = &*steps_;
     sample.end_margin = end_margin_;
     if (levels_) sample.levels = &*levels_;

@@ -41,7 +41,7 @@ struct OutcomeColumns {
 
 /// Finds the outcome of every ray, and counts the outcomes in `summary`. `tells_t` is false for a form that answers
 /// only hit or miss: its hits have no t, which does not count as NaN, and the primitive that they hit is unknown.
-void find_outcomes(const answer::BandAnswers& of, const columns::TrueLengths& truth, bool tells_t,
+void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueLengths& truth, bool tells_t,
                    const OutcomeColumns& out, FormSummary& summary);
 
 /// A form's statements about its own answer to ray i at one primitive: its error bound, the arithmetic of its filter,
@@ -52,11 +52,11 @@ public:
     FormStatements(const TestedForm& row, unsigned needs, const truth::FormatInputs& inputs, const Ray<double>& ray,
                    std::size_t i, std::size_t primitive, std::int32_t truly);
     /// Sets pointers in the sample to this object, which must outlive the sample.
-    void into(metric::Sample& sample) const;
+    void fill(metric::Sample& sample) const;
 
 private:
     std::optional<intersect::BoundedAnswer> bounded_;
-    std::optional<intersect::FilterArithmetic> way_;
+    std::optional<intersect::FilterArithmetic> filter_arithmetic_;
     std::optional<answer::Steps> steps_;
     std::optional<answer::Levels> levels_;
     double end_margin_ = truth::missing;

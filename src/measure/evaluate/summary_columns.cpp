@@ -155,11 +155,12 @@ void add_both_hit(std::size_t m, Columns& columns) {
 }
 
 void add_statistics(const Metric& metric, std::size_t m, Columns& columns) {
-    const std::string name = column_name(metric),
-                      over = metric.over == metric::MetricDomain::marches || metric.over == metric::MetricDomain::every
-                                 ? " over all rays"
-                             : metric.over == metric::MetricDomain::pairs ? " over the rays that both hit"
-                                                                          : " over agree_hit";
+    const std::string name = column_name(metric), over = metric.domain == metric::MetricDomain::marches ||
+                                                                 metric.domain == metric::MetricDomain::every
+                                                             ? " over all rays"
+                                                         : metric.domain == metric::MetricDomain::pairs
+                                                             ? " over the rays that both hit"
+                                                             : " over agree_hit";
     for (const metric::Statistic& statistic : metric::statistics) {
         const bool bucketed = statistic.q > 0 && statistic.q < 1;
         columns.push_back(

@@ -2,14 +2,14 @@
 
 namespace lostbits::measure::identity {
 
-void RewriteFinder::offer(std::vector<std::pair<NodeId, NodeId>> replaced) {
+void RewriteFinder::add_rewrite(std::vector<std::pair<NodeId, NodeId>> replaced) {
     std::erase_if(replaced, [](const auto& r) { return r.first == r.second; });
     if (!replaced.empty()) found.push_back({rule, std::move(replaced)});
 }
 
-void RewriteFinder::offer_each(const std::vector<std::pair<NodeId, NodeId>>& replaced) {
-    if (replaced.size() > 1) offer(replaced);
-    for (const auto& one : replaced) offer({one});
+void RewriteFinder::add_each(const std::vector<std::pair<NodeId, NodeId>>& replaced) {
+    if (replaced.size() > 1) add_rewrite(replaced);
+    for (const auto& one : replaced) add_rewrite({one});
 }
 
 std::set<NodeId> RewriteFinder::innermost_names() const {
@@ -27,7 +27,7 @@ std::set<NodeId> RewriteFinder::innermost_names() const {
     return names;
 }
 
-void RewriteFinder::on_sums(const std::function<void(NodeId, const Sum&)>& act, bool with_names) const {
+void RewriteFinder::for_each_sum(const std::function<void(NodeId, const Sum&)>& act, bool with_names) const {
     const std::set<NodeId> names = with_names ? innermost_names() : std::set<NodeId>();
     for (const NodeId i : needed) {
         const TapeOp op = terms[i].op;
@@ -41,12 +41,12 @@ void RewriteFinder::on_sums(const std::function<void(NodeId, const Sum&)>& act, 
 }
 
 std::vector<Rewrite> rewrites_of(Terms& terms, const TapeOutputs& outputs, std::optional<Triple> unit) {
-    RewriteFinder places(terms, outputs, unit);
+    RewriteFinder finder(terms, outputs, unit);
     for (const Rule& rule : rules) {
-        places.rule = &rule;
-        rule.find(places);
+        finder.rule = &rule;
+        rule.find(finder);
     }
-    return std::move(places.found);
+    return std::move(finder.found);
 }
 
 }  // namespace lostbits::measure::identity

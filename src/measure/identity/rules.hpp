@@ -35,42 +35,42 @@ public:
     std::vector<Rewrite> found = {};
 
     /// Adds a rewrite of one node.
-    void offer(NodeId old, NodeId now) { offer({{old, now}}); }
-    void offer(std::vector<std::pair<NodeId, NodeId>> replaced);
+    void add_rewrite(NodeId old, NodeId now) { add_rewrite({{old, now}}); }
+    void add_rewrite(std::vector<std::pair<NodeId, NodeId>> replaced);
     /// Named numbers that are not computed from other named ones, not counting dot products. A rule may take them as
     /// they are.
     [[nodiscard]] std::set<NodeId> innermost_names() const;
     /// Calls act(node, sum) for every number of the formula that is a sum of products, except dot products. Calls it
     /// again if the sum is different when innermost names are kept.
-    void on_sums(const std::function<void(NodeId, const Sum&)>& act, bool with_names = false) const;
+    void for_each_sum(const std::function<void(NodeId, const Sum&)>& act, bool with_names = false) const;
     /// Adds a rewrite of each by itself, and one of all at once.
-    void offer_each(const std::vector<std::pair<NodeId, NodeId>>& replaced);
+    void add_each(const std::vector<std::pair<NodeId, NodeId>>& replaced);
 };
 
 struct Rule {
     std::string_view name;
     std::string_view identity;   ///< identity in real arithmetic
     std::string_view condition;  ///< condition for the identity; empty: always holds
-    void (*find)(RewriteFinder& places);
+    void (*find)(RewriteFinder& finder);
 };
 
-void find_differences_of_squares(RewriteFinder& places);
-void find_differences_of_lengths(RewriteFinder& places);
-void find_cross_products(RewriteFinder& places);
-void find_combinations(RewriteFinder& places);
-void find_volumes(RewriteFinder& places);
-void find_closest_approach(RewriteFinder& places);
-void find_unit_approach(RewriteFinder& places);
-void find_stable_roots(RewriteFinder& places);
-void find_squares_of_roots(RewriteFinder& places);
-void find_edges_from_origin(RewriteFinder& places);
-void find_fused_products(RewriteFinder& places);
-void find_other_orders(RewriteFinder& places);
-void find_quotients(RewriteFinder& places);
-void find_reciprocals(RewriteFinder& places);
-void find_split_quotients(RewriteFinder& places);
-void find_scaled_lengths(RewriteFinder& places);
-void find_exchanges(RewriteFinder& places);
+void find_differences_of_squares(RewriteFinder& finder);
+void find_differences_of_lengths(RewriteFinder& finder);
+void find_cross_products(RewriteFinder& finder);
+void find_combinations(RewriteFinder& finder);
+void find_volumes(RewriteFinder& finder);
+void find_closest_approach(RewriteFinder& finder);
+void find_unit_approach(RewriteFinder& finder);
+void find_stable_roots(RewriteFinder& finder);
+void find_squares_of_roots(RewriteFinder& finder);
+void find_edges_from_origin(RewriteFinder& finder);
+void find_fused_products(RewriteFinder& finder);
+void find_other_orders(RewriteFinder& finder);
+void find_quotients(RewriteFinder& finder);
+void find_reciprocals(RewriteFinder& finder);
+void find_split_quotients(RewriteFinder& finder);
+void find_scaled_lengths(RewriteFinder& finder);
+void find_exchanges(RewriteFinder& finder);
 
 inline constexpr Rule rules[]{
     {"difference of squares", "a^2 - b^2 = (a - b)(a + b)", "", find_differences_of_squares},

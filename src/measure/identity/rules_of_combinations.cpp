@@ -15,7 +15,7 @@ struct Combination {
 
 class CombinationFinder {
 public:
-    CombinationFinder(RewriteFinder& places, const Sum& sum) : places_(places), terms_(places.terms), sum_(sum) {}
+    CombinationFinder(RewriteFinder& finder, const Sum& sum) : finder_(finder), terms_(finder.terms), sum_(sum) {}
 
     /// The sum with dot products of the combination in place of those of its parts, once for each combination found.
     std::vector<Sum> all() {
@@ -88,8 +88,8 @@ private:
     }
 
     [[nodiscard]] NodeId newest(NodeId atom) const {
-        const auto found = places_.newest.find(terms_.meaning(atom));
-        return found == places_.newest.end() ? atom : found->second;
+        const auto found = finder_.newest.find(terms_.meaning(atom));
+        return found == finder_.newest.end() ? atom : found->second;
     }
     Triple plain(const Combination& c) {
         Triple u{};
@@ -110,8 +110,8 @@ private:
             const Sum q = times(*y, Sum{{power(dot, -1), Ratio(1, 1)}});
             const Sum p = vb ? plus(*x, times(q, Sum{{power(*vb, 1), Ratio(-1, 1)}})) : Sum();
             if (p.empty() || p.size() >= x->size()) continue;
-            const NodeId first = written_out(terms_, p, places_.newest),
-                         second = written_out(terms_, q, places_.newest);
+            const NodeId first = written_out(terms_, p, finder_.newest),
+                         second = written_out(terms_, q, finder_.newest);
             const Triple turned = terms_.cross(v, terms_.cross(c.a, c.b));
             Triple u{};
             for (std::size_t k = 0; k < 3; ++k)
@@ -122,7 +122,7 @@ private:
         return std::nullopt;
     }
 
-    RewriteFinder& places_;
+    RewriteFinder& finder_;
     Terms& terms_;
     const Sum& sum_;
     std::vector<Sum> found_;
@@ -130,15 +130,15 @@ private:
 
 }  // namespace
 
-void find_combinations(RewriteFinder& places) {
+void find_combinations(RewriteFinder& finder) {
     std::vector<std::pair<NodeId, Sum>> all;
-    places.on_sums(
+    finder.for_each_sum(
         [&](NodeId i, const Sum& sum) {
-            for (Sum& now : CombinationFinder(places, sum).all()) all.emplace_back(i, std::move(now));
+            for (Sum& now : CombinationFinder(finder, sum).all()) all.emplace_back(i, std::move(now));
         },
         true);
     for (const auto& [i, now] : all)
-        places.offer(i, written_out(places.terms, now, places.newest, places.terms[i].label));
+        finder.add_rewrite(i, written_out(finder.terms, now, finder.newest, finder.terms[i].label));
 }
 
 }  // namespace lostbits::measure::identity

@@ -79,9 +79,9 @@ std::optional<ConditionalNegation> turned_at(const Terms& terms, NodeId i) {
 
 }  // namespace
 
-void find_edges_from_origin(RewriteFinder& places) {
-    Terms& terms = places.terms;
-    for (const NodeId i : places.needed) {
+void find_edges_from_origin(RewriteFinder& finder) {
+    Terms& terms = finder.terms;
+    for (const NodeId i : finder.needed) {
         const TapeNode n = terms[i];
         if (n.op != TapeOp::less_equal) continue;
         const TapeNode sum = terms[n.operands[0]], size = terms[n.operands[1]];
@@ -96,9 +96,9 @@ void find_edges_from_origin(RewriteFinder& places) {
         else continue;
         const NodeId w = determinant(terms, third, "W");
         const NodeId turned = terms.add(TapeOp::select, {u->turned, terms.add(TapeOp::neg, {w}), w});
-        places.offer({{u->x, determinant(terms, *first, {})},
-                      {v->x, determinant(terms, *second, {})},
-                      {i, terms.add(TapeOp::greater_equal, {turned, terms.constant(0)})}});
+        finder.add_rewrite({{u->x, determinant(terms, *first, {})},
+                            {v->x, determinant(terms, *second, {})},
+                            {i, terms.add(TapeOp::greater_equal, {turned, terms.constant(0)})}});
     }
 }
 

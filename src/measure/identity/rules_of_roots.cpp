@@ -34,18 +34,18 @@ std::optional<Root> root_at(const Terms& terms, NodeId i) {
     return std::nullopt;
 }
 
-Sum over(const Sum& sum, const Sum& one) {
+Sum divided_by(const Sum& sum, const Sum& one) {
     const auto& [product, factor] = *one.begin();
-    return times(sum, Sum{{inverse(product), Ratio(factor.under, factor.over)}});
+    return times(sum, Sum{{inverse(product), Ratio(factor.denominator, factor.numerator)}});
 }
 
 }  // namespace
 
-void find_stable_roots(RewriteFinder& places) {
-    Terms& terms = places.terms;
+void find_stable_roots(RewriteFinder& finder) {
+    Terms& terms = finder.terms;
     const Sum minus_one{{{}, Ratio(-1, 1)}};
     std::map<NodeId, std::vector<Root>> roots;
-    for (const NodeId i : places.needed) {
+    for (const NodeId i : finder.needed) {
         auto root = root_at(terms, i);
         if (!root) continue;
         auto& both = roots[root->s];
@@ -58,21 +58,22 @@ void find_stable_roots(RewriteFinder& places) {
         // (b − s)(b + s): the numerators of the two roots, multiplied
         const Sum product = plus(times(b, b), times(*disc, minus_one));
         if (product.empty() || product.size() > most_products) continue;
-        const auto newest = places.newest.find(s);
-        const NodeId root = newest == places.newest.end() ? s : newest->second;
-        const NodeId b_now = written_out(terms, b, places.newest);
+        const auto newest = finder.newest.find(s);
+        const NodeId root = newest == finder.newest.end() ? s : newest->second;
+        const NodeId b_now = written_out(terms, b, finder.newest);
         const NodeId negative = terms.add(TapeOp::less, {b_now, terms.constant(0)});
         const NodeId with_sign = terms.add(TapeOp::select, {negative, terms.add(TapeOp::neg, {root}), root});
         const NodeId q = terms.add(TapeOp::add, {b_now, with_sign}, "q");
         std::vector<std::pair<NodeId, NodeId>> replaced;
         for (const Root& one : both) {
-            const NodeId plain = terms.add(TapeOp::div, {q, written_out(terms, one.a, places.newest)});
-            const NodeId other = terms.add(TapeOp::div, {written_out(terms, over(product, one.a), places.newest), q});
+            const NodeId plain = terms.add(TapeOp::div, {q, written_out(terms, one.a, finder.newest)});
+            const NodeId other =
+                terms.add(TapeOp::div, {written_out(terms, divided_by(product, one.a), finder.newest), q});
             // b − s cancels if b > 0, b + s if b < 0.
             replaced.emplace_back(one.node, one.minus ? terms.add(TapeOp::select, {negative, plain, other})
                                                       : terms.add(TapeOp::select, {negative, other, plain}));
         }
-        places.offer(replaced);
+        finder.add_rewrite(replaced);
     }
 }
 
@@ -91,7 +92,7 @@ std::optional<Sum> without_squared_roots(const Terms& terms, const Sum& sum) {
             found = true;
             const auto under = multiplied_out(terms, terms[atom].operands[0]);
             if (!under || under->empty() || (squares < 0 && under->size() > 1)) return std::nullopt;
-            const Sum one = squares > 0 ? *under : over(Sum{{{}, Ratio(1, 1)}}, *under);
+            const Sum one = squares > 0 ? *under : divided_by(Sum{{{}, Ratio(1, 1)}}, *under);
             for (int k = 0; k < std::abs(squares); ++k) here = times(here, one);
         }
         all = plus(std::move(all), here);
@@ -102,10 +103,10 @@ std::optional<Sum> without_squared_roots(const Terms& terms, const Sum& sum) {
 
 }  // namespace
 
-void find_squares_of_roots(RewriteFinder& places) {
-    Terms& terms = places.terms;
+void find_squares_of_roots(RewriteFinder& finder) {
+    Terms& terms = finder.terms;
     std::vector<std::pair<NodeId, NodeId>> all;
-    for (const NodeId i : places.needed) {
+    for (const NodeId i : finder.needed) {
         const TapeNode n = terms[i];
         if (n.op != TapeOp::mul || !terms.is_own(i)) continue;
         const TapeNode a = terms[n.operands[0]], b = terms[n.operands[1]];
@@ -113,10 +114,10 @@ void find_squares_of_roots(RewriteFinder& places) {
             terms.meaning(a.operands[0]) == terms.meaning(b.operands[0]))
             all.emplace_back(i, a.operands[0]);
     }
-    places.offer_each(all);
-    places.on_sums([&](NodeId i, const Sum& sum) {
+    finder.add_each(all);
+    finder.for_each_sum([&](NodeId i, const Sum& sum) {
         if (const auto to = without_squared_roots(terms, sum))
-            places.offer(i, written_out(terms, *to, places.newest, terms[i].label));
+            finder.add_rewrite(i, written_out(terms, *to, finder.newest, terms[i].label));
     });
 }
 

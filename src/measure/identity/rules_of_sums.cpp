@@ -17,8 +17,8 @@ struct Pair {
 
 class PairFinder {
 public:
-    PairFinder(const RewriteFinder& places, const Sum& sum) : terms_(places.terms), sum_(sum) {
-        if (places.unit) unit_ = terms_.known_dot(*places.unit, *places.unit);
+    PairFinder(const RewriteFinder& finder, const Sum& sum) : terms_(finder.terms), sum_(sum) {
+        if (finder.unit) unit_ = terms_.known_dot(*finder.unit, *finder.unit);
     }
 
     std::vector<Pair> all() {
@@ -70,28 +70,28 @@ private:
 };
 
 /// The node with `instead` in place of the two products.
-NodeId with_pair(RewriteFinder& places, NodeId i, const Pair& pair, const Product& instead) {
-    const PairFinder finder(places, pair.others);
-    const Sum now = plus(pair.others, Sum{{finder.reduced(times(pair.rest, instead)), pair.factor}});
-    return now.empty() ? i : written_out(places.terms, now, places.newest, places.terms[i].label);
+NodeId with_pair(RewriteFinder& finder, NodeId i, const Pair& pair, const Product& instead) {
+    const PairFinder pair_finder(finder, pair.others);
+    const Sum now = plus(pair.others, Sum{{pair_finder.reduced(times(pair.rest, instead)), pair.factor}});
+    return now.empty() ? i : written_out(finder.terms, now, finder.newest, finder.terms[i].label);
 }
 
 /// Adds each rewrite by itself, and one that applies all innermost rewrites at once (the first at each node).
-void offer_all(RewriteFinder& places, const std::vector<std::pair<NodeId, NodeId>>& all) {
+void add_all(RewriteFinder& finder, const std::vector<std::pair<NodeId, NodeId>>& all) {
     std::vector<std::pair<NodeId, NodeId>> innermost;
     for (const auto& [old, now] : all) {
-        const auto within = places.terms.needed({old, old, old, old});
+        const auto within = finder.terms.needed({old, old, old, old});
         const auto is_within = [&](const auto& other) { return std::ranges::binary_search(within, other.first); };
         if (old != now && std::ranges::none_of(innermost, is_within)) innermost.emplace_back(old, now);
     }
-    if (innermost.size() > 1) places.offer(innermost);
-    for (const auto& one : all) places.offer({one});
+    if (innermost.size() > 1) finder.add_rewrite(innermost);
+    for (const auto& one : all) finder.add_rewrite({one});
 }
 
 /// a − (a·n)/|n|² n; normalised: the same with n/|n|.
-Triple foot(RewriteFinder& places, const Triple& a, const Triple& n, bool normalised) {
-    Terms& terms = places.terms;
-    const bool is_unit = places.unit == n;
+Triple foot(RewriteFinder& finder, const Triple& a, const Triple& n, bool normalised) {
+    Terms& terms = finder.terms;
+    const bool is_unit = finder.unit == n;
     Triple along = n;
     NodeId share = terms.dot(a, n);
     if (!is_unit && normalised) {
@@ -108,28 +108,28 @@ Triple foot(RewriteFinder& places, const Triple& a, const Triple& n, bool normal
     return at;
 }
 
-void find_approach(RewriteFinder& places, bool normalised) {
-    Terms& terms = places.terms;
+void find_approach(RewriteFinder& finder, bool normalised) {
+    Terms& terms = finder.terms;
     std::vector<std::pair<NodeId, NodeId>> all;
-    if (places.unit) terms.dot(*places.unit, *places.unit);
-    places.on_sums([&](NodeId i, const Sum& sum) {
-        for (const Pair& p : PairFinder(places, sum).all()) {
+    if (finder.unit) terms.dot(*finder.unit, *finder.unit);
+    finder.for_each_sum([&](NodeId i, const Sum& sum) {
+        for (const Pair& p : PairFinder(finder, sum).all()) {
             // (n·n)(b·d) − (n·d)(b·n)
             const auto along = [&](const Triple& n, const Triple& a, const Triple& b) {
-                if (normalised && places.unit == n) return;
-                const Triple at = foot(places, a, n, normalised);
+                if (normalised && finder.unit == n) return;
+                const Triple at = foot(finder, a, n, normalised);
                 const NodeId with = a == b ? terms.dot(at, at, "l^2") : terms.dot(at, b);
-                all.emplace_back(i, with_pair(places, i, p, times(power(terms.dot(n, n), 1), power(with, 1))));
+                all.emplace_back(i, with_pair(finder, i, p, times(power(terms.dot(n, n), 1), power(with, 1))));
             };
             if (p.a == p.c) along(p.a, p.b, p.d);
             if (p.b == p.d) along(p.b, p.a, p.c);
         }
     });
-    offer_all(places, all);
+    add_all(finder, all);
 }
 
 /// The number whose square the product is; nothing if there is none.
-std::optional<NodeId> root_of(RewriteFinder& places, const Product& product, bool by_length) {
+std::optional<NodeId> root_of(RewriteFinder& finder, const Product& product, bool by_length) {
     Product half;
     bool length = false;
     NodeId whole = no_node;
@@ -138,37 +138,37 @@ std::optional<NodeId> root_of(RewriteFinder& places, const Product& product, boo
             half[atom] = power / 2;
             continue;
         }
-        const auto factors = places.terms.factors_of(atom);
+        const auto factors = finder.terms.factors_of(atom);
         if (!by_length || power != 1 || length || !factors || factors->first != factors->second) return std::nullopt;
         length = true;
-        whole = places.terms.add(TapeOp::sqrt, {atom}, "length");
+        whole = finder.terms.add(TapeOp::sqrt, {atom}, "length");
     }
     if (length != by_length) return std::nullopt;
     if (!half.empty() || whole == no_node) {
-        const NodeId rest = product_of(places.terms, half, Ratio(1, 1), places.newest);
-        whole = whole == no_node ? rest : places.terms.add(TapeOp::mul, {whole, rest});
+        const NodeId rest = product_of(finder.terms, half, Ratio(1, 1), finder.newest);
+        whole = whole == no_node ? rest : finder.terms.add(TapeOp::mul, {whole, rest});
     }
     return whole;
 }
 
-void find_squares(RewriteFinder& places, bool by_length) {
-    Terms& terms = places.terms;
-    places.on_sums([&](NodeId i, const Sum& sum) {
+void find_squares(RewriteFinder& finder, bool by_length) {
+    Terms& terms = finder.terms;
+    finder.for_each_sum([&](NodeId i, const Sum& sum) {
         if (sum.size() != 2) return;
         const auto [common, rest] = without_common(sum);
         const auto positive = std::ranges::find_if(rest, [](const auto& x) { return x.second == Ratio(1, 1); });
         const auto negative = std::ranges::find_if(rest, [](const auto& x) { return x.second == Ratio(-1, 1); });
         if (positive == rest.end() || negative == rest.end()) return;
-        const auto a = root_of(places, positive->first, by_length);
-        const auto b = root_of(places, negative->first, false);
+        const auto a = root_of(finder, positive->first, by_length);
+        const auto b = root_of(finder, negative->first, false);
         if (!a || !b) return;
         const NodeId product =
             terms.add(TapeOp::mul, {terms.add(TapeOp::sub, {*a, *b}), terms.add(TapeOp::add, {*a, *b})});
         const auto& [shared, factor] = common;
-        const NodeId before = product_of(terms, shared, factor, places.newest);
+        const NodeId before = product_of(terms, shared, factor, finder.newest);
         const bool alone = shared.empty() && factor == Ratio(1, 1);
-        places.offer(i, alone ? terms.named(product, terms[i].label)
-                              : terms.add(TapeOp::mul, {before, product}, terms[i].label));
+        finder.add_rewrite(i, alone ? terms.named(product, terms[i].label)
+                                    : terms.add(TapeOp::mul, {before, product}, terms[i].label));
     });
 }
 
@@ -208,9 +208,9 @@ std::optional<Sum> without_gram(Terms& terms, const Sum& sum, const Product& cro
 
 }  // namespace
 
-void find_volumes(RewriteFinder& places) {
-    Terms& terms = places.terms;
-    places.on_sums(
+void find_volumes(RewriteFinder& finder) {
+    Terms& terms = finder.terms;
+    finder.for_each_sum(
         [&](NodeId i, const Sum& sum) {
             for (const auto& [product, factor] : sum) {
                 std::vector<NodeId> dots;
@@ -222,29 +222,29 @@ void find_volumes(RewriteFinder& places) {
                             const auto ring = ring_of(terms, dots[j], dots[k], dots[l]);
                             const auto now = ring ? without_gram(terms, sum, product, *ring) : std::nullopt;
                             if (now && !now->empty())
-                                places.offer(i, written_out(terms, *now, places.newest, terms[i].label));
+                                finder.add_rewrite(i, written_out(terms, *now, finder.newest, terms[i].label));
                         }
             }
         },
         true);
 }
 
-void find_differences_of_squares(RewriteFinder& places) { find_squares(places, false); }
-void find_differences_of_lengths(RewriteFinder& places) { find_squares(places, true); }
-void find_closest_approach(RewriteFinder& places) { find_approach(places, false); }
-void find_unit_approach(RewriteFinder& places) { find_approach(places, true); }
+void find_differences_of_squares(RewriteFinder& finder) { find_squares(finder, false); }
+void find_differences_of_lengths(RewriteFinder& finder) { find_squares(finder, true); }
+void find_closest_approach(RewriteFinder& finder) { find_approach(finder, false); }
+void find_unit_approach(RewriteFinder& finder) { find_approach(finder, true); }
 
-void find_cross_products(RewriteFinder& places) {
-    Terms& terms = places.terms;
+void find_cross_products(RewriteFinder& finder) {
+    Terms& terms = finder.terms;
     std::vector<std::pair<NodeId, NodeId>> all;
-    if (places.unit) terms.dot(*places.unit, *places.unit);
-    places.on_sums([&](NodeId i, const Sum& sum) {
-        for (const Pair& p : PairFinder(places, sum).all()) {
+    if (finder.unit) terms.dot(*finder.unit, *finder.unit);
+    finder.for_each_sum([&](NodeId i, const Sum& sum) {
+        for (const Pair& p : PairFinder(finder, sum).all()) {
             const Triple first = terms.cross(p.a, p.b), second = terms.cross(p.c, p.d);
-            all.emplace_back(i, with_pair(places, i, p, power(terms.dot(first, second), 1)));
+            all.emplace_back(i, with_pair(finder, i, p, power(terms.dot(first, second), 1)));
         }
     });
-    offer_all(places, all);
+    add_all(finder, all);
 }
 
 }  // namespace lostbits::measure::identity

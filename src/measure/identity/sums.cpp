@@ -8,8 +8,8 @@ namespace lostbits::measure::identity {
 
 Ratio::Ratio(std::int64_t a, std::int64_t b) {
     const std::int64_t common = std::gcd(a, b) * (b < 0 ? -1 : 1);
-    over = a / common;
-    under = b / common;
+    numerator = a / common;
+    denominator = b / common;
 }
 
 Product times(Product a, const Product& b) {
@@ -27,7 +27,7 @@ Sum plus(Sum a, const Sum& b) {
     for (const auto& [product, factor] : b) {
         Ratio& here = a[product];
         here = here + factor;
-        if (here.over == 0) a.erase(product);
+        if (here.numerator == 0) a.erase(product);
     }
     return a;
 }
@@ -82,7 +82,7 @@ private:
                                               NodeId below) const {
         if (b && b->size() == 1) {
             const auto& [product, factor] = *b->begin();
-            return times_both(a, Sum{{inverse(product), Ratio(factor.under, factor.over)}});
+            return times_both(a, Sum{{inverse(product), Ratio(factor.denominator, factor.numerator)}});
         }
         return times_both(a, Sum{{{{terms.meaning(below), -1}}, Ratio(1, 1)}});
     }
@@ -113,11 +113,12 @@ std::pair<std::pair<Product, Ratio>, Sum> without_common(const Sum& sum) {
         for (const auto& [atom, power] : product)
             if (power < 0 && !common.contains(atom)) shared[atom] = power;
         common = shared;
-        factor = Ratio(std::gcd(factor.over, x.over), std::lcm(factor.under, x.under));
+        factor = Ratio(std::gcd(factor.numerator, x.numerator), std::lcm(factor.denominator, x.denominator));
     }
-    if (factor.over < 0) factor = -factor;
+    if (factor.numerator < 0) factor = -factor;
     Sum rest;
-    for (const auto& [product, x] : sum) rest[times(product, inverse(common))] = x * Ratio(factor.under, factor.over);
+    for (const auto& [product, x] : sum)
+        rest[times(product, inverse(common))] = x * Ratio(factor.denominator, factor.numerator);
     return {{common, factor}, rest};
 }
 
@@ -129,8 +130,8 @@ NodeId product_of(Terms& terms, const Product& product, const Ratio& factor, con
     const auto whole = [&](NodeId& so_far, std::int64_t x) {
         if (x != 1) multiply(so_far, terms.constant(static_cast<std::int32_t>(x)));
     };
-    whole(above, std::abs(factor.over));
-    whole(below, factor.under);
+    whole(above, std::abs(factor.numerator));
+    whole(below, factor.denominator);
     for (const auto& [atom, power] : product) {
         const auto now = newest.find(terms.meaning(atom));
         NodeId base = now == newest.end() || terms.factors_of(atom) ? atom : now->second;
@@ -146,13 +147,13 @@ NodeId written_out(Terms& terms, const Sum& sum, const Newest& newest, std::stri
     if (sum.size() == 1) {
         const auto& [product, factor] = *sum.begin();
         const NodeId size = product_of(terms, product, factor, newest);
-        return terms.named(factor.over < 0 ? terms.add(TapeOp::neg, {size}) : size, label);
+        return terms.named(factor.numerator < 0 ? terms.add(TapeOp::neg, {size}) : size, label);
     }
     const auto [common, rest] = without_common(sum);
     NodeId all = no_node;
     for (const bool negative : {false, true}) {
         for (const auto& [product, factor] : rest) {
-            if ((factor.over < 0) != negative) continue;
+            if ((factor.numerator < 0) != negative) continue;
             const NodeId one = product_of(terms, product, factor, newest);
             if (all == no_node) all = negative ? terms.add(TapeOp::neg, {one}) : one;
             else all = terms.add(negative ? TapeOp::sub : TapeOp::add, {all, one});
@@ -164,15 +165,15 @@ NodeId written_out(Terms& terms, const Sum& sum, const Newest& newest, std::stri
     const auto positive = [](const Product& p) {
         return std::ranges::all_of(p, [](const auto& x) { return x.second > 0; });
     };
-    if (positive(shared) && factor.under == 1)
+    if (positive(shared) && factor.denominator == 1)
         return terms.add(TapeOp::mul, {product_of(terms, shared, factor, newest), all}, label);
     // k·s/(m·n) is written as (k·s)/(m·n), not as a product with a quotient.
     Product above, below;
     for (const auto& [atom, power] : shared) (power > 0 ? above[atom] : below[atom]) = std::abs(power);
     NodeId upper = all;
-    if (!above.empty() || factor.over != 1)
-        upper = terms.add(TapeOp::mul, {product_of(terms, above, Ratio(factor.over, 1), newest), all});
-    return terms.add(TapeOp::div, {upper, product_of(terms, below, Ratio(factor.under, 1), newest)}, label);
+    if (!above.empty() || factor.numerator != 1)
+        upper = terms.add(TapeOp::mul, {product_of(terms, above, Ratio(factor.numerator, 1), newest), all});
+    return terms.add(TapeOp::div, {upper, product_of(terms, below, Ratio(factor.denominator, 1), newest)}, label);
 }
 
 }  // namespace lostbits::measure::identity

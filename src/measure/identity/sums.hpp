@@ -12,15 +12,17 @@ namespace lostbits::measure::identity {
 
 /// A fraction of small whole numbers in lowest terms, with a positive denominator.
 struct Ratio {
-    std::int64_t over = 0, under = 1;
+    std::int64_t numerator = 0, denominator = 1;
 
     Ratio() = default;
     Ratio(std::int64_t a, std::int64_t b);
-    friend Ratio operator*(const Ratio& a, const Ratio& b) { return {a.over * b.over, a.under * b.under}; }
-    friend Ratio operator+(const Ratio& a, const Ratio& b) {
-        return {a.over * b.under + b.over * a.under, a.under * b.under};
+    friend Ratio operator*(const Ratio& a, const Ratio& b) {
+        return {a.numerator * b.numerator, a.denominator * b.denominator};
     }
-    friend Ratio operator-(const Ratio& a) { return {-a.over, a.under}; }
+    friend Ratio operator+(const Ratio& a, const Ratio& b) {
+        return {a.numerator * b.denominator + b.numerator * a.denominator, a.denominator * b.denominator};
+    }
+    friend Ratio operator-(const Ratio& a) { return {-a.numerator, a.denominator}; }
     friend bool operator==(const Ratio&, const Ratio&) = default;
 };
 

@@ -124,7 +124,7 @@ NodeId Terms::renewed(NodeId i, std::map<NodeId, NodeId>& done) {
     return done[i] = made;
 }
 
-TapeOutputs Terms::with(const TapeOutputs& outputs, const std::vector<std::pair<NodeId, NodeId>>& replaced) {
+TapeOutputs Terms::with_replaced(const TapeOutputs& outputs, const std::vector<std::pair<NodeId, NodeId>>& replaced) {
     std::map<NodeId, NodeId> done;
     for (const auto& [old, now] : replaced) {
         unite(old, now);

@@ -52,7 +52,7 @@ public:
     [[nodiscard]] std::optional<NodeId> known_dot(const Triple& a, const Triple& b) const;
 
     /// Outputs of a formula with some nodes replaced by others; nodes computed from those are made anew.
-    TapeOutputs with(const TapeOutputs& outputs, const std::vector<std::pair<NodeId, NodeId>>& replaced);
+    TapeOutputs with_replaced(const TapeOutputs& outputs, const std::vector<std::pair<NodeId, NodeId>>& replaced);
     /// Nodes that the outputs are computed from, in order, including inputs.
     [[nodiscard]] std::vector<NodeId> needed(const TapeOutputs& outputs) const;
     /// A formula as a tape of its own, with all inputs of the form. `origins` receives the node here for each node

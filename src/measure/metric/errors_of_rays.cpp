@@ -82,16 +82,16 @@ constexpr Metric rows_of_rays[] = {
            "|o - o*|: distance between the origins of the ray that the form is given and of the ideal ray, in the "
            "scene's unit of length",
            origin_error,
-           {.needs = needs_true_ray, .ramp = Ramp::magnitude, .high = 0x1p+10, .over = MetricDomain::every}),
+           {.needs = needs_true_ray, .ramp = Ramp::magnitude, .high = 0x1p+10, .domain = MetricDomain::every}),
     tabled({"origin_lost_bits", "bits", "ray.origin_bits"},
            "clamp(log2(2 e), 0, p), e the largest component of o - o* in ulps of the largest of o*", origin_lost_bits,
-           {.needs = needs_true_ray, .over = MetricDomain::every}),
+           {.needs = needs_true_ray, .domain = MetricDomain::every}),
     tabled({"direction_error", "radian", "ray.direction"},
            "angle between the direction that the form is given and the ideal one", direction_error,
-           {.needs = needs_true_ray, .ramp = Ramp::magnitude, .high = 0x1p+1, .over = MetricDomain::every}),
+           {.needs = needs_true_ray, .ramp = Ramp::magnitude, .high = 0x1p+1, .domain = MetricDomain::every}),
     tabled({"direction_lost_bits", "bits", "ray.direction_bits"},
            "clamp(log2(2 e), 0, p), e the largest component of d/|d| - d*/|d*| in ulps of the largest of d*/|d*|",
-           direction_lost_bits, {.needs = needs_true_ray, .over = MetricDomain::every}),
+           direction_lost_bits, {.needs = needs_true_ray, .domain = MetricDomain::every}),
     tabled({"pixel_error", "pixels", "ray.pixel"},
            "for a camera whose rays each format makes: distance between the middle of the pixel and the point where "
            "the direction meets the picture; infinite where the direction points away from the picture",
@@ -100,7 +100,7 @@ constexpr Metric rows_of_rays[] = {
             .ramp = Ramp::magnitude,
             .low = 0x1p-10,
             .high = 0x1p+6,
-            .over = MetricDomain::every})};
+            .domain = MetricDomain::every})};
 
 }  // namespace
 

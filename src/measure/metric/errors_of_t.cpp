@@ -42,11 +42,11 @@ double root(const Sample& s) {
 }
 
 double derivative_error(const Sample& s) {
-    if (!s.blame || s.march || !s.primitive || s.primitive->placed) return missing;
-    if (s.blame->attribution->subject != s.blame->tape->outputs.t) return missing;
+    if (!s.attribution || s.march || !s.primitive || s.primitive->placed) return missing;
+    if (s.attribution->attribution->subject != s.attribution->tape->outputs.t) return missing;
     const std::vector<double> exact = truth::gradient(*s.ray, *s.primitive, s.convention, s.range);
     if (exact.empty()) return missing;
-    const std::vector<double> own = stability::forward_derivatives(*s.blame->tape);
+    const std::vector<double> own = stability::forward_derivatives(*s.attribution->tape);
     double worst = 0;
     const auto see = [&](std::size_t first, std::size_t count) {
         double size = 0, off = 0;
@@ -77,7 +77,7 @@ constexpr Metric rows_of_t[] = {
         {"root", "", "err.root"},
         "tells whether a correct hit has the t of another crossing of the same primitive (wrong): within a quarter of "
         "the distance between that crossing and the true one; no_hit: not a correct hit",
-        root, {.ramp = Ramp::categories, .over = MetricDomain::every, .categories = root_names}),
+        root, {.ramp = Ramp::categories, .domain = MetricDomain::every, .categories = root_names}),
     tabled({"derivative_error", "u", "err.derivative"},
            "error of dt/dx for every number x of origin, direction, points and lengths, by forward differentiation of "
            "the form in the format: the largest error of a derivative, over the largest derivative of its vector; "
@@ -115,12 +115,14 @@ double distance_error(const Sample& s) {
     return absolute(s) * std::hypot(d.x, d.y, d.z);
 }
 
-double input_error(const Sample& s) { return s.own ? in_ulps(s, *s.own, *s.truth) : missing; }
-double model_error(const Sample& s) { return s.own && s.self ? in_ulps(s, *s.self, *s.own) : missing; }
+double input_error(const Sample& s) { return s.stored_truth ? in_ulps(s, *s.stored_truth, *s.truth) : missing; }
+double model_error(const Sample& s) {
+    return s.stored_truth && s.unrounded ? in_ulps(s, *s.unrounded, *s.stored_truth) : missing;
+}
 double rounding_error(const Sample& s) {
-    if (!s.self) return missing;
-    if (std::isinf(s.t)) return truth::may_round_to(*s.self, s.t, s.format->parameters) ? 0 : s.t;
-    return in_ulps(s, truth::exactly(s.t), *s.self);
+    if (!s.unrounded) return missing;
+    if (std::isinf(s.t)) return truth::may_round_to(*s.unrounded, s.t, s.format->parameters) ? 0 : s.t;
+    return in_ulps(s, truth::exactly(s.t), *s.unrounded);
 }
 
 std::span<const Metric> metrics_of_t() { return rows_of_t; }

@@ -85,8 +85,8 @@ double residual_of(const Vec<double>& p, const Primitive<double>& primitive) {
 /// Value that the form computed for the weight of a vertex, found by the form's name of that weight. Nothing where the
 /// form has no name for it.
 std::optional<double> told(const Sample& s, std::size_t vertex) {
-    if (!s.blame || s.weights[vertex].empty()) return std::nullopt;
-    const auto& nodes = s.blame->tape->nodes;
+    if (!s.attribution || s.weights[vertex].empty()) return std::nullopt;
+    const auto& nodes = s.attribution->tape->nodes;
     const auto found = std::ranges::find(nodes, s.weights[vertex], &TapeNode::label);
     return found == nodes.end() ? std::nullopt : std::optional(found->value);
 }

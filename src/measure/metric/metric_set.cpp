@@ -18,15 +18,16 @@ namespace {
 constexpr const char* no_culprit = "none: nothing rounds";
 
 double contribution(const Sample& s) {
-    if (!s.blame) return missing;
-    const Tape& tape = *s.blame->tape;
-    const NodeId subject = s.blame->attribution->subject;
+    if (!s.attribution) return missing;
+    const Tape& tape = *s.attribution->tape;
+    const NodeId subject = s.attribution->attribution->subject;
     if (subject == no_node || is_decision(tape[subject].op)) return missing;
-    return attribution::contribution_of(tape, *s.blame->attribution, s.label) / s.blame->ulp;
+    return attribution::contribution_of(tape, *s.attribution->attribution, s.label) / s.attribution->ulp;
 }
 
 double cancellation(const Sample& s) {
-    return s.blame ? attribution::cancellation_of(*s.blame->tape, *s.blame->attribution, s.label) : missing;
+    return s.attribution ? attribution::cancellation_of(*s.attribution->tape, *s.attribution->attribution, s.label)
+                         : missing;
 }
 
 double step_error(const Sample& s) {

@@ -23,14 +23,16 @@ double inherent(const Sample& s) { return truth::inherent_bits(s.reach, *s.truth
 double normwise(const Sample& s) { return truth::inherent_bits(s.reach_normwise, *s.truth, s.format->parameters); }
 double excess(const Sample& s) { return truth::excess_bits(s.t, *s.truth, s.format->parameters, s.reach); }
 
-double culprit(const Sample& s) { return s.blame ? s.blame->culprit : missing; }
-double cancelled(const Sample& s) { return s.blame ? attribution::worst_cancellation(*s.blame->attribution) : missing; }
+double culprit(const Sample& s) { return s.attribution ? s.attribution->culprit : missing; }
+double cancelled(const Sample& s) {
+    return s.attribution ? attribution::worst_cancellation(*s.attribution->attribution) : missing;
+}
 
 template <attribution::Counterfactual attribution::Counterfactuals::*run>
 double counterfactual(const Sample& s) {
-    if (!s.blame || !s.blame->culprit_alone) return missing;
-    const attribution::Counterfactual& c = (*s.blame->culprit_alone).*run;
-    return c.hit ? c.error / s.blame->ulp : missing;
+    if (!s.attribution || !s.attribution->culprit_alone) return missing;
+    const attribution::Counterfactual& c = (*s.attribution->culprit_alone).*run;
+    return c.hit ? c.error / s.attribution->ulp : missing;
 }
 
 double worst_step(const Sample& s) {
@@ -53,7 +55,7 @@ double bound_ratio(const Sample& s) {
 
 double decision(const Sample& s) { return s.bounded ? (s.bounded->proved ? 0 : 1) : missing; }
 
-double arithmetic(const Sample& s) { return s.way ? static_cast<double>(*s.way) : missing; }
+double arithmetic(const Sample& s) { return s.filter_arithmetic ? static_cast<double>(*s.filter_arithmetic) : missing; }
 
 double iterations(const Sample& s) { return s.march ? s.march->iterations : missing; }
 double stop(const Sample& s) { return s.march ? static_cast<double>(s.march->stop) : missing; }
@@ -62,7 +64,7 @@ double least_field(const Sample& s) { return s.march ? s.march->least : missing;
 
 double lost_to(const Sample& s) { return s.levels ? static_cast<double>(s.levels->lost_to) : missing; }
 
-constexpr unsigned split = needs_own_truth | needs_self;
+constexpr unsigned split = needs_stored_truth | needs_unrounded;
 
 constexpr Metric table[] = {
     tabled({"lost_bits", "bits", "bits.lost"}, "clamp(log2(2|ulp_error|), 0, p): significand bits that are wrong", lost,
@@ -93,7 +95,7 @@ constexpr Metric table[] = {
            "hits; for a primitive without a matrix, in float and double",
            normal_error, {.ramp = Ramp::magnitude, .high = 0x1p+1}),
     tabled({"input_error", "ulp", "split.input"}, "(t* for the inputs as the format holds them - t*)/ulp(t*)",
-           input_error, {.needs = needs_own_truth, .ramp = Ramp::magnitude, .low = 0x1p-4}),
+           input_error, {.needs = needs_stored_truth, .ramp = Ramp::magnitude, .low = 0x1p-4}),
     tabled({"model_error", "ulp", "split.model"},
            "(t of the form without rounding - t* for the same "
            "inputs)/ulp(t*)",
@@ -101,7 +103,7 @@ constexpr Metric table[] = {
     tabled({"rounding_error", "ulp", "split.rounding"},
            "(t - t of the form without rounding)/ulp(t*); ulp_error is the sum of input_error, model_error and "
            "rounding_error",
-           rounding_error, {.needs = needs_self, .ramp = Ramp::magnitude, .low = 0x1p-4}),
+           rounding_error, {.needs = needs_unrounded, .ramp = Ramp::magnitude, .low = 0x1p-4}),
     tabled({"condition", "1", "condition.kappa"},
            "kappa = sum |x_i dt/dx_i| / |t| over all inputs of the ray and the sphere it truly hits", condition_number,
            {.needs = needs_condition, .ramp = Ramp::magnitude, .low = 1, .high = 0x1p+30}),
@@ -131,14 +133,14 @@ constexpr Metric table[] = {
         "1)/u with tmin and tmax of box.signs in the format; 0 if the box is found without padding. For a form behind "
         "a box (FORM^BOX): the padding of its bounding box; for several boxes the largest padding",
         padding,
-        {.needs = needs_levels, .ramp = Ramp::magnitude, .low = 0x1p-2, .high = 0x1p+4, .over = MetricDomain::every}),
+        {.needs = needs_levels, .ramp = Ramp::magnitude, .low = 0x1p-2, .high = 0x1p+4, .domain = MetricDomain::every}),
     tabled({"bound", "ulp", "bound.size"},
            "the form's own bound of its error: a running bound on rounding, computed in the format along with t, over "
            "ulp(t*); infinite if the form can give no bound",
            bound, {.needs = needs_bound, .ramp = Ramp::magnitude, .low = 0x1p-1}),
     tabled({"bound_ratio", "1", "bound.ratio"},
            "bound / |rounding_error|: the factor by which the bound is too wide; never below 1", bound_ratio,
-           {.needs = needs_bound | needs_self, .ramp = Ramp::magnitude, .low = 1, .high = 0x1p+20}),
+           {.needs = needs_bound | needs_unrounded, .ramp = Ramp::magnitude, .low = 1, .high = 0x1p+20}),
     tabled({"decision", "", "bound.decision"},
            "tells whether the form's own running bounds prove its hit or miss; for the primitive that the form hits, "
            "else the "
@@ -146,7 +148,7 @@ constexpr Metric table[] = {
            decision,
            {.needs = needs_bound,
             .ramp = Ramp::categories,
-            .over = MetricDomain::every,
+            .domain = MetricDomain::every,
             .categories = intersect::decision_names}),
     tabled({"arithmetic", "", "bound.arithmetic"},
            "arithmetic in which a form that filters settled the ray: its own, the next wider one of one word, two "
@@ -155,7 +157,7 @@ constexpr Metric table[] = {
            arithmetic,
            {.needs = needs_filter_arithmetic,
             .ramp = Ramp::categories,
-            .over = MetricDomain::every,
+            .domain = MetricDomain::every,
             .categories = intersect::filter_arithmetic_names}),
     tabled(
         {"worst_step", "", "space.step"},
@@ -164,7 +166,7 @@ constexpr Metric table[] = {
         worst_step,
         {.needs = needs_steps,
          .ramp = Ramp::categories,
-         .over = MetricDomain::every,
+         .domain = MetricDomain::every,
          .categories = answer::step_categories}),
     tabled({"lost_to", "", "hierarchy.lost_to"},
            "for a form behind boxes (FORM^BOX), on rays that truly hit: the stage that loses the hit: the box in the "
@@ -172,7 +174,7 @@ constexpr Metric table[] = {
            lost_to,
            {.needs = needs_levels,
             .ramp = Ramp::categories,
-            .over = MetricDomain::every,
+            .domain = MetricDomain::every,
             .categories = answer::level_names}),
     tabled({"end_margin", "ulp", "hierarchy.end"},
            "for a form behind boxes (FORM^BOX): the least k for which a ray that ends at t + k ulp(t) hits the boxes; "
@@ -185,41 +187,41 @@ constexpr Metric table[] = {
            {.needs = needs_attribution}),
     tabled({"culprit", "", "culprit.operation"},
            "operation to which most of the error of t, or of a decision that rounding changed, is assigned", culprit,
-           {.needs = needs_attribution, .ramp = Ramp::categories, .over = MetricDomain::blamed, .by_run = true}),
+           {.needs = needs_attribution, .ramp = Ramp::categories, .domain = MetricDomain::blamed, .by_run = true}),
     tabled({"without_culprit", "ulp", "culprit.without"},
            "rounding error of t if the culprit alone does not round, in ulps of t without rounding",
-           counterfactual<&attribution::Counterfactuals::mended>,
+           counterfactual<&attribution::Counterfactuals::only_exact>,
            {.needs = needs_tape, .ramp = Ramp::magnitude, .low = 0x1p-4}),
     tabled({"culprit_alone", "ulp", "culprit.alone"},
            "rounding error of t if the culprit alone rounds, in ulps of t without rounding",
-           counterfactual<&attribution::Counterfactuals::alone>,
+           counterfactual<&attribution::Counterfactuals::only_rounded>,
            {.needs = needs_tape, .ramp = Ramp::magnitude, .low = 0x1p-4}),
     tabled({"against", "", "against.class"},
            "tells whether the form of --against makes the same decision with the same t; alone_hits: the form of "
            "--against "
            "misses",
-           nullptr, {.ramp = Ramp::categories, .over = MetricDomain::pairs, .categories = answer::against_names}),
+           nullptr, {.ramp = Ramp::categories, .domain = MetricDomain::pairs, .categories = answer::against_names}),
     tabled({"apart", "ulp", "against.apart"}, "(t - t of the form of --against) / ulp(t of that form), where both hit",
-           nullptr, {.ramp = Ramp::magnitude, .low = 0x1p-1, .over = MetricDomain::pairs})};
+           nullptr, {.ramp = Ramp::magnitude, .low = 0x1p-1, .domain = MetricDomain::pairs})};
 
 /// Metrics of the march that looked for the hit.
 constexpr Metric metrics_of_marches[] = {
     tabled({"iterations", "samples", "march.iterations"}, "samples of the field that the march took", iterations,
-           {.ramp = Ramp::magnitude, .low = 1, .high = 0x1p+8, .by_default = true, .over = MetricDomain::marches}),
+           {.ramp = Ramp::magnitude, .low = 1, .high = 0x1p+8, .by_default = true, .domain = MetricDomain::marches}),
     tabled(
         {"stop", "", "march.stop"},
         "reason why the march ended; stagnated: at the step limit, and the next step would not change t (t + d == t)",
         stop,
         {.ramp = Ramp::categories,
          .by_default = true,
-         .over = MetricDomain::marches,
+         .domain = MetricDomain::marches,
          .categories = intersect::stop_names}),
     tabled({"least_field", "length", "march.least_field"}, "smallest |field| that the march sampled", least_field,
-           {.ramp = Ramp::magnitude, .high = 0x1p+4, .by_default = true, .over = MetricDomain::marches}),
+           {.ramp = Ramp::magnitude, .high = 0x1p+4, .by_default = true, .domain = MetricDomain::marches}),
     tabled({"overshoot", "length", "march.overshoot"},
            "largest depth inside at which the march sampled the field: max(0, -field); from outside it is 0 in exact "
            "arithmetic",
-           overshoot, {.ramp = Ramp::magnitude, .high = 0x1p+4, .over = MetricDomain::marches})};
+           overshoot, {.ramp = Ramp::magnitude, .high = 0x1p+4, .domain = MetricDomain::marches})};
 
 /// Joins lists of metrics into one.
 std::vector<Metric> joined(std::initializer_list<std::span<const Metric>> lists) {

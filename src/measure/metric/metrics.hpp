@@ -21,25 +21,25 @@
 namespace lostbits::measure::metric {
 
 /// Everything known of one ray on which form and truth agree that there is a hit. For any other ray only `format`,
-/// `ray`, `march`, `bounded` and `way` are set. Null pointers stand for values that no selected metric needs, or that
-/// do not exist (a form that misses in exact arithmetic has no `self`).
+/// `ray`, `march`, `bounded` and `filter_arithmetic` are set. Null pointers stand for values that no selected metric
+/// needs, or that do not exist (a form that misses in exact arithmetic has no `unrounded`).
 struct Sample {
     double t = truth::missing;                ///< the form's answer, a number of the format
     const Format* format = nullptr;           ///< the format of the form under test
     const truth::Certified* truth = nullptr;  ///< t*, in the unit of the form's answer (a distance for unit directions)
     double truth_rounded = truth::missing;    ///< RN_F(t*)
-    const truth::Certified* own = nullptr;    ///< the truth of the inputs as the format holds them
-    const truth::Certified* self = nullptr;   ///< the form without rounding, on the inputs as the format holds them
-    double condition = truth::missing;        ///< κ of the problem at its ideal inputs
-    double reach = truth::missing;            ///< how far half an ulp in each input can move t*, see `truth::reach`
-    double reach_normwise = truth::missing;   ///< how far errors of u times the length of each vector can
-    const Ray<double>* ray = nullptr;         ///< the inputs as the form received them
-    const Primitive<double>* primitive = nullptr;        ///< the primitive that the form hit, as it received it
-    const intersect::MarchRecord* march = nullptr;       ///< null for forms that do not march
-    const attribution::RayAttribution* blame = nullptr;  ///< which operation lost the bits
-    const intersect::BoundedAnswer* bounded = nullptr;   ///< the answer with the form's own bound
+    const truth::Certified* stored_truth = nullptr;  ///< the truth of the inputs as the format holds them
+    const truth::Certified* unrounded = nullptr;  ///< the form without rounding, on the inputs as the format holds them
+    double condition = truth::missing;            ///< κ of the problem at its ideal inputs
+    double reach = truth::missing;                ///< how far half an ulp in each input can move t*, see `truth::reach`
+    double reach_normwise = truth::missing;       ///< how far errors of u times the length of each vector can
+    const Ray<double>* ray = nullptr;             ///< the inputs as the form received them
+    const Primitive<double>* primitive = nullptr;              ///< the primitive that the form hit, as it received it
+    const intersect::MarchRecord* march = nullptr;             ///< null for forms that do not march
+    const attribution::RayAttribution* attribution = nullptr;  ///< which operation lost the bits
+    const intersect::BoundedAnswer* bounded = nullptr;         ///< the answer with the form's own bound
     /// For a form that filters: the arithmetic that settled the ray.
-    const intersect::FilterArithmetic* way = nullptr;
+    const intersect::FilterArithmetic* filter_arithmetic = nullptr;
     const answer::Steps* steps = nullptr;                   ///< for a form that transforms the ray to object space
     const answer::Levels* levels = nullptr;                 ///< for a form behind a box, where the ray truly hits
     double end_margin = truth::missing;                     ///< for a form behind a box
@@ -57,8 +57,8 @@ struct Sample {
 enum Needs : unsigned {
     needs_nothing = 0,
     needs_rounded_truth = 1,
-    needs_own_truth = 2,
-    needs_self = 4,
+    needs_stored_truth = 2,
+    needs_unrounded = 4,
     needs_condition = 8,
     needs_attribution = 16,
     needs_bound = 32,  ///< for a format that is the machine's own
@@ -98,7 +98,7 @@ struct Metric {
     double low = 0, high = 0;
     bool by_default = false;                   ///< measured and written unless metrics are named
     double (*value)(const Sample&) = nullptr;  ///< value on one ray; NaN where it does not exist
-    MetricDomain over = MetricDomain::agreed_hits;
+    MetricDomain domain = MetricDomain::agreed_hits;
     /// Categories of a metric whose value names one: the value is an index into this list.
     std::span<const std::string_view> categories = {};
     bool by_run = false;  ///< the list depends on the forms of the run: empty until `MetricSet::for_forms` knows them

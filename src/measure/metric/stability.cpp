@@ -37,20 +37,20 @@ double wrong_decision(const Sample& s) {
 
 /// True if the attribution is that of t, and not of a decision that rounding changed.
 bool explains_t(const Sample& s) {
-    return s.blame && !s.march && s.blame->attribution->subject == s.blame->tape->outputs.t;
+    return s.attribution && !s.march && s.attribution->attribution->subject == s.attribution->tape->outputs.t;
 }
 
 double cestac_bits(const Sample& s) {
     if (!explains_t(s)) return missing;
-    return stability::RandomRuns(*s.blame->tape).correct_bits(s.format->parameters.precision);
+    return stability::RandomRuns(*s.attribution->tape).correct_bits(s.format->parameters.precision);
 }
 
 double cestac_error(const Sample& s) {
     if (!explains_t(s)) return missing;
     const int precision = s.format->parameters.precision;
-    const stability::RandomRuns runs(*s.blame->tape);
-    const double error = (runs.mean() - s.t) + s.blame->attribution->error;
-    return runs.correct_bits(precision) - (precision - truth::lost_bits(error / s.blame->ulp, precision));
+    const stability::RandomRuns runs(*s.attribution->tape);
+    const double error = (runs.mean() - s.t) + s.attribution->attribution->error;
+    return runs.correct_bits(precision) - (precision - truth::lost_bits(error / s.attribution->ulp, precision));
 }
 
 double cestac_digit(const Sample& s) {
@@ -60,15 +60,15 @@ double cestac_digit(const Sample& s) {
 }
 
 double cestac_decision(const Sample& s) {
-    if (!s.blame || s.march) return missing;
-    const bool is_stable = stability::RandomRuns(*s.blame->tape).agree();
+    if (!s.attribution || s.march) return missing;
+    const bool is_stable = stability::RandomRuns(*s.attribution->tape).agree();
     return (is_stable ? 0 : 2) + (answer::is_wrong(s.outcome) ? 1 : 0);
 }
 
 double statistical_ratio(const Sample& s) {
     if (!explains_t(s)) return missing;
-    const double bound = stability::statistical_bound(*s.blame->tape, *s.blame->attribution);
-    const double error = std::fabs(s.blame->attribution->error);
+    const double bound = stability::statistical_bound(*s.attribution->tape, *s.attribution->attribution);
+    const double error = std::fabs(s.attribution->attribution->error);
     return error == 0 ? 0 : error / bound;
 }
 
@@ -90,12 +90,13 @@ constexpr Metric rows_of_stability[] = {
            "hit or miss or the root, in u = 2^-p: a proved lower bound; below 2^-10 the least change is at most twice "
            "as large, and the margin is missing where that is not proved; for the primitive that the form hits, else "
            "the one truly hit, else the ray's own or, of several, the one that the ray misses most narrowly",
-           decision_margin, {.ramp = Ramp::magnitude, .low = 0x1p-1, .over = MetricDomain::every}),
+           decision_margin, {.ramp = Ramp::magnitude, .low = 0x1p-1, .domain = MetricDomain::every}),
     tabled({"wrong_decision", "", "stability.wrong"},
            "tells whether a false hit, a false miss or a wrong primitive is proved to be wrong for all problems within "
            "u of "
            "every number (beyond_u), or to be right for one of them (within_u); unproved: neither",
-           wrong_decision, {.ramp = Ramp::categories, .over = MetricDomain::every, .categories = wrong_decision_names}),
+           wrong_decision,
+           {.ramp = Ramp::categories, .domain = MetricDomain::every, .categories = wrong_decision_names}),
     tabled({"cestac_bits", "bits", "prediction.cestac"},
            "correct bits of the mean t of three runs with random rounding, as CESTAC predicts them from the three "
            "runs: log2(sqrt(3) |mean|/(4.303 s)), from 0 to p",
@@ -111,7 +112,7 @@ constexpr Metric rows_of_stability[] = {
            cestac_digit,
            {.needs = needs_attribution,
             .ramp = Ramp::categories,
-            .over = MetricDomain::blamed,
+            .domain = MetricDomain::blamed,
             .categories = cestac_digit_names}),
     tabled({"cestac_decision", "", "prediction.cestac_decision"},
            "tells whether three runs with random rounding all hit or all miss (stable), and whether the form's "
@@ -119,7 +120,7 @@ constexpr Metric rows_of_stability[] = {
            cestac_decision,
            {.needs = needs_attribution,
             .ramp = Ramp::categories,
-            .over = MetricDomain::blamed,
+            .domain = MetricDomain::blamed,
             .categories = cestac_decision_names}),
     tabled({"statistical_ratio", "1", "prediction.statistical"},
            "|t - t of the form without rounding| over the root of the sum of the squares of the largest error of each "

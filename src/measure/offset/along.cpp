@@ -11,15 +11,18 @@ namespace lostbits::measure::offset {
 using scene::file::Camera;
 using scene::file::Scene;
 
-std::vector<double> steps_along(Along a) {
-    constexpr std::array<std::array<int, 3>, 3> ranges{{{0, 13, 1}, {-12, 24, 2}, {-2, 22, 2}}};
-    const auto& [from, to, by] = ranges[static_cast<std::size_t>(a)];
-    std::vector<double> steps;
-    for (int k = from; k <= to; k += by) steps.push_back(std::ldexp(1.0, k));
-    return steps;
+std::vector<double> factors_along(SceneAxis a) {
+    struct Exponents {
+        int from, to, step;
+    };
+    constexpr std::array<Exponents, 3> exponents{{{0, 13, 1}, {-12, 24, 2}, {-2, 22, 2}}};  // distance, radius, world
+    const auto& [from, to, step] = exponents[static_cast<std::size_t>(a)];
+    std::vector<double> factors;
+    for (int k = from; k <= to; k += step) factors.push_back(std::ldexp(1.0, k));
+    return factors;
 }
 
-Scene moved_along(const Scene& scene, Along a, double k) {
+Scene moved_along(const Scene& scene, SceneAxis a, double k) {
     if (scene.flake || scene.camera.kind == Camera::Kind::pixel_plane)
         throw InputError("--along: scene " + scene.id +
                          (scene.flake ? " has a [sphereflake], whose numbers are fixed"
@@ -33,15 +36,15 @@ Scene moved_along(const Scene& scene, Along a, double k) {
         s.width = most_columns;
     }
     switch (a) {
-        case Along::distance: {
+        case SceneAxis::distance: {
             auto far = scene::file::farther(std::move(s), scale);
             if (!far)
                 throw InputError("--along distance: the middle of the primitives of scene " + scene.id +
                                  " lies behind its camera; try another scene");
             return std::move(*far);
         }
-        case Along::radius: return scene::file::enlarged(std::move(s), scale);
-        case Along::world: return scene::file::moved(std::move(s), scale * scene::file::offset_direction());
+        case SceneAxis::radius: return scene::file::enlarged(std::move(s), scale);
+        case SceneAxis::world: return scene::file::moved(std::move(s), scale * scene::file::offset_direction());
     }
     return s;
 }

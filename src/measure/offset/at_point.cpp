@@ -68,11 +68,12 @@ class TypedPoint {
 public:
     using S = typename StoredAs<T>::type;
 
-    TypedPoint(const PointWork& work, const FormHit& met) : work_(work), met_(met), own_(work.primitives_[met.own]) {
+    TypedPoint(const PointWork& work, const FormHit& met)
+        : work_(work), met_(met), left_primitive_(work.primitives_[met.primitive]) {
         const Ray<T> ray = lift_ray<T>(met.ray);
         const T t = static_cast<T>(met.t);
         const Vec<T> there = moved<T>(ray.origin, t, ray.direction);
-        Leaving<T> found{ray, t, lift_primitive<T>(own()), {}, there, there, there, T(1), T(1)};
+        Leaving<T> found{ray, t, lift_primitive<T>(left_primitive()), {}, there, there, there, T(1), T(1)};
         if (found.primitive.placed) put_object_point(found);
         else put_point(found.ray, found.primitive, found.p, found.n);
         leaving_.emplace(std::move(found));
@@ -110,7 +111,7 @@ public:
             all.push_back({.ray = {as_doubles(r.origin), as_doubles(departure.w)},
                            .tmin = as_double(r.tmin),
                            .tmax = as_double(r.tmax),
-                           .asks_own = r.asks_own});
+                           .tests_left_primitive = r.tests_left_primitive});
         }
         for (std::size_t k = 0; k < all.size(); ++k) find_faults(all[k], side, sides_ahead(side).along_rays[k]);
         find_faults_by_form(all, side);
@@ -141,7 +142,7 @@ public:
         const FloatFormat& format = work_.row_.format.parameters;
         const double start = std::ldexp(largest_of(p_), -format.precision);
         double size = largest_of(p_);
-        for (const double x : own().used()) size = std::max(size, std::fabs(x));
+        for (const double x : left_primitive().used()) size = std::max(size, std::fabs(x));
         return smallest_enough(format, start, 64 * size, [&](double e) { return judge(side, e, by_form); });
     }
 
@@ -177,14 +178,14 @@ private:
     [[nodiscard]] const std::vector<Departure<T>>& departures(Side side) const {
         return departures_[static_cast<std::size_t>(side)];
     }
-    [[nodiscard]] const Primitive<double>& own() const { return own_; }
+    [[nodiscard]] const Primitive<double>& left_primitive() const { return left_primitive_; }
     [[nodiscard]] const FarSides& sides_ahead(Side side) const { return far_[static_cast<std::size_t>(side)]; }
     /// True if rays to a side go into the primitive. If it has no inside, rays to either side leave it.
-    [[nodiscard]] bool enters(Side side) const { return side == Side::inside && has_inside(own().shape); }
+    [[nodiscard]] bool enters(Side side) const { return side == Side::inside && has_inside(left_primitive().shape); }
     /// The far side ahead of a ray that starts at the point; for a ray that goes in, it begins half of the way out.
     [[nodiscard]] FarSide far_ahead(Side side, const Vec<double>& w) const {
-        if (!enters(side)) return far_side({p_, w}, own());
-        const double exit = exit_of({p_, w}, own()).value_or(std::numeric_limits<double>::infinity());
+        if (!enters(side)) return far_side({p_, w}, left_primitive());
+        const double exit = exit_of({p_, w}, left_primitive()).value_or(std::numeric_limits<double>::infinity());
         return {exit / 2, exit};
     }
     /// True if the next wall lies between the point and the start of a ray.
@@ -195,8 +196,8 @@ private:
 
     /// True if a ray leaves what it should leave, or, where it goes in, starts in the primitive and meets a way out.
     [[nodiscard]] bool is_right(const Ray<double>& ray, Side side, const FarSide& ahead) const {
-        if (!enters(side)) return !meets_before({ray, 0}, ahead.from, own());
-        const Meeting met = find_meeting({ray, 0}, own());
+        if (!enters(side)) return !meets_before({ray, 0}, ahead.from, left_primitive());
+        const Meeting met = find_meeting({ray, 0}, left_primitive());
         return !met.outside && met.meets;
     }
 
@@ -206,19 +207,20 @@ private:
         const HalfLine line{r.ray, r.tmin};
         if (!line.is_proper()) return add(true, Fault::not_finite);
         if (enters(side)) {
-            const Meeting met = find_meeting(line, own());
-            const Meeting there = r.tmin > 0 ? find_meeting({r.ray, 0}, own()) : met;
+            const Meeting met = find_meeting(line, left_primitive());
+            const Meeting there = r.tmin > 0 ? find_meeting({r.ray, 0}, left_primitive()) : met;
             // Past the far side of a convex primitive nothing is met. Past that of a torus, the ring is met once more.
-            const bool lost = !met.meets || (is_hit_again(own()) && is_behind_wall(side, line));
+            const bool lost = !met.meets || (is_hit_again(left_primitive()) && is_behind_wall(side, line));
             add(there.outside, Fault::wrong_side);
-            add(r.asks_own && met.outside && !lost, Fault::self_hit);
-            add(!r.asks_own || lost, Fault::lost_exit);
+            add(r.tests_left_primitive && met.outside && !lost, Fault::self_hit);
+            add(!r.tests_left_primitive || lost, Fault::lost_exit);
         } else {
             const HalfLine all{r.ray, 0};
-            add(has_inside(own().shape) ? find_meeting(all, own()).inside : meets_before(all, ahead.from, own()),
+            add(has_inside(left_primitive().shape) ? find_meeting(all, left_primitive()).inside
+                                                   : meets_before(all, ahead.from, left_primitive()),
                 Fault::wrong_side);
-            add(r.asks_own && meets_before(line, ahead.from, own()), Fault::self_hit);
-            add(ahead.wall < r.tmax && (!r.asks_own || is_behind_wall(side, line)), Fault::lost_occluder);
+            add(r.tests_left_primitive && meets_before(line, ahead.from, left_primitive()), Fault::self_hit);
+            add(ahead.wall < r.tmax && (!r.tests_left_primitive || is_behind_wall(side, line)), Fault::lost_occluder);
         }
         const double jump = distance(r.ray.origin, p_) + r.tmin * length(r.ray.direction);
         if (jump > 0) find_faults_near(1.001 * jump, line, r);
@@ -227,7 +229,7 @@ private:
     /// Finds the faults with all other primitives within a distance of p.
     void find_faults_near(double distance, const HalfLine& line, NewRay& r) const {
         const auto look = [&](std::size_t k) {
-            if (k == met_.own) return;
+            if (k == met_.primitive) return;
             const Primitive<double> other = work_.primitives_[k];
             if (!(least_distance(p_, other) > distance)) find_faults_with(other, line, r);
         };
@@ -251,7 +253,7 @@ private:
 
     /// Finds the faults by the form's own arithmetic. A t beyond the beginning of the far side belongs to that side.
     void find_faults_by_form(std::vector<NewRay>& all, Side side) const {
-        const intersect::Info &info = *work_.row_.form->info, &told = *work_.row_.form->of(own().shape).info;
+        const intersect::Info &info = *work_.row_.form->info, &told = *work_.row_.form->of(left_primitive().shape).info;
         scene::rays::RayBlock rays;
         for (const NewRay& r : all) {
             const bool is_made_unit = info.direction == intersect::Direction::unit && is_finite(r.ray.direction);
@@ -260,13 +262,13 @@ private:
         }
         answer::KernelBuffers<S> buffers(rays);
         const auto& [t, near, far, hit] = static_cast<const answer::AnswerBuffers<S>&>(buffers);
-        run_kernel(buffers.rays(), lift_primitive<S>(own()), buffers.hits());
+        run_kernel(buffers.rays(), lift_primitive<S>(left_primitive()), buffers.hits());
         for (std::size_t k = 0; k < all.size(); ++k) {
             NewRay& r = all[k];
-            if (!r.asks_own || r.has(Fault::not_finite)) continue;
+            if (!r.tests_left_primitive || r.has(Fault::not_finite)) continue;
             const double first = hit[k] == 0 ? truth::missing : first_reported(told, r, {t[k], near[k], far[k]});
             const double from =
-                enters(side) ? exit_of(r.ray, own()).value_or(0) / 2 : sides_ahead(side).along_rays[k].from;
+                enters(side) ? exit_of(r.ray, left_primitive()).value_or(0) / 2 : sides_ahead(side).along_rays[k].from;
             if (enters(side) && std::isnan(first)) r.faults |= bit_of(Fault::lost_exit_by_form);
             else if (first < from) r.faults |= bit_of(Fault::self_hit_by_form);
         }
@@ -293,7 +295,7 @@ private:
 
     const PointWork& work_;
     const FormHit& met_;
-    Primitive<double> own_;
+    Primitive<double> left_primitive_;
     std::optional<Leaving<T>> leaving_;
     Vec<double> p_{0, 0, 0}, n_{0, 0, 0};
     std::array<std::vector<Departure<T>>, 2> departures_;

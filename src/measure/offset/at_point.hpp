@@ -57,7 +57,7 @@ inline constexpr unsigned bit_of(Fault f) { return 1U << static_cast<unsigned>(f
 struct NewRay {
     Ray<double> ray{};
     double tmin = 0, tmax = 0;
-    bool asks_own = true;
+    bool tests_left_primitive = true;
     unsigned faults = 0;  ///< set of faults, by `bit_of`
 
     [[nodiscard]] bool has(Fault f) const { return (faults & bit_of(f)) != 0; }
@@ -65,7 +65,7 @@ struct NewRay {
     [[nodiscard]] bool is_bad() const { return (faults & ~bit_of(Fault::wrong_side)) != 0; }
 };
 
-LOSTBITS_FIELDS(NewRay, ray, tmin, tmax, asks_own, faults)
+LOSTBITS_FIELDS(NewRay, ray, tmin, tmax, tests_left_primitive, faults)
 
 /// Results of a strategy at a point, over the rays to one side.
 struct StrategyAtPoint {
@@ -87,7 +87,7 @@ struct SideOfPoint {
 struct FormHit {
     Ray<double> ray{};
     double t = 0;
-    std::size_t own = 0;
+    std::size_t primitive = 0;
 };
 
 /// Measures points of one form in one format. The scene's primitives and light are numbers of the format.

@@ -44,7 +44,7 @@ template <class T>
 struct Respawn {
     Vec<T> origin;
     T tmin, tmax;
-    bool asks_own = true;  ///< also tested against the primitive that it leaves
+    bool tests_left_primitive = true;  ///< also tested against the primitive that it leaves
 };
 
 /// Hit point of a strategy: as computed, o + t·d, or projected onto the surface first.

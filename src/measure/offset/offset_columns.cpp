@@ -13,16 +13,16 @@ using S = OffsetSummary;
 
 double number(std::uint64_t n) { return static_cast<double>(n); }
 
-const StrategySummary& of(const S& s, Side side, std::size_t k) { return s.on(side).strategies[k]; }
+const StrategySummary& of(const S& s, Side side, std::size_t k) { return s.side_summary(side).strategies[k]; }
 
 template <Fault f>
 double share(const S& s, Side side, std::size_t k) {
-    return fraction(of(s, side, k)[f], s.on(side).rays);
+    return fraction(of(s, side, k)[f], s.side_summary(side).rays);
 }
 
 template <Distribution SideSummary::*d, int percent>
 double needed(const S& s, Side side, std::size_t) {
-    return (s.on(side).*d).quantile(percent / 100.0);
+    return (s.side_summary(side).*d).quantile(percent / 100.0);
 }
 
 template <Distribution StrategySummary::*d, int percent>
@@ -32,7 +32,7 @@ double offset_percentile(const S& s, Side side, std::size_t k) {
 
 template <std::uint64_t SideSummary::*n>
 double share_of_points(const S& s, Side side, std::size_t) {
-    return fraction(s.on(side).*n, s.points);
+    return fraction(s.side_summary(side).*n, s.points);
 }
 
 using D = SideSummary;
@@ -42,9 +42,10 @@ constexpr OffsetColumn table[] = {
     {"points", "", "pixels where the form hits the primitive that the ray truly hits first, and the point is finite",
      true, [](const S& s, Side, std::size_t) { return number(s.points); }},
     {"rays", "", "next rays that leave these points to this side", true,
-     [](const S& s, Side side, std::size_t) { return number(s.on(side).rays); }},
+     [](const S& s, Side side, std::size_t) { return number(s.side_summary(side).rays); }},
     {"bad_fraction", "", "share of rays with any fault other than a start on the wrong side, which alone harms nothing",
-     false, [](const S& s, Side side, std::size_t k) { return fraction(of(s, side, k).bad, s.on(side).rays); }},
+     false,
+     [](const S& s, Side side, std::size_t k) { return fraction(of(s, side, k).bad, s.side_summary(side).rays); }},
     {"self_hit_fraction", "",
      "share of rays that truly meet the primitive that they leave, except for its far wall; for rays into the "
      "primitive: the surface at which they start",

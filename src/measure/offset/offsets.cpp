@@ -74,7 +74,7 @@ private:
     /// The tree over the primitives in the format; null if they are few, or spheres.
     static std::shared_ptr<const culling::BoxTree> tree_of(const Band& band, const FloatFormat& format,
                                                            const scene::rays::PrimitiveList<double>& primitives) {
-        const auto index = band.culler() ? band.culler()->for_own_truth(format, primitives) : nullptr;
+        const auto index = band.culler() ? band.culler()->for_stored_truth(format, primitives) : nullptr;
         return std::dynamic_pointer_cast<const culling::BoxTree>(index);
     }
     [[nodiscard]] std::optional<Vec<double>> light() const {
@@ -157,7 +157,7 @@ void require_few_primitives(const Scene& scene) {
                     scene.id, beside, most_primitives));
 }
 
-bool can_be_asked(const intersect::table::Intersector& form) {
+bool can_measure_offsets(const intersect::table::Intersector& form) {
     return is_primitive(form.shape) && form.info->roots != intersect::Roots::none;
 }
 
@@ -173,7 +173,7 @@ const std::vector<std::string_view>& usual_forms() {
         for (const ShapeRow& shape : shape_rows) {
             std::string_view name;
             for (const auto& form : intersect::table::catalogue()) {
-                if (form.shape != shape.shape || !can_be_asked(form)) continue;
+                if (form.shape != shape.shape || !can_measure_offsets(form)) continue;
                 const bool is_preferred = std::ranges::find(preferred, form.info->name) != preferred.end();
                 if (name.empty() || is_preferred) name = form.info->name;
             }
@@ -203,11 +203,11 @@ std::vector<SafeStrategy> safe_strategies(const OffsetSummary& summary, const st
                                           Shape shape, std::span<const Side> sides) {
     std::vector<SafeStrategy> safe;
     for (std::size_t k = 0; k < strategies.size() && summary.points > 0; ++k) {
-        const auto is_right = [&](Side side) { return summary.on(side).strategies[k].bad == 0; };
+        const auto is_right = [&](Side side) { return summary.side_summary(side).strategies[k].bad == 0; };
         if (!std::ranges::all_of(sides, is_right)) continue;
         double oversize = truth::missing;
         for (const Side side : sides) {
-            const double median = summary.on(side).strategies[k].oversize.quantile(0.5);
+            const double median = summary.side_summary(side).strategies[k].oversize.quantile(0.5);
             if (!(oversize >= median)) oversize = median;
         }
         safe.push_back({strategies[k], strategies[k]->operations(shape), oversize});

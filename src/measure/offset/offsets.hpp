@@ -75,7 +75,7 @@ struct OffsetSummary {
     std::uint64_t unresolved = 0;  ///< pixels whose truth is not proved
     std::array<SideSummary, 2> sides;
 
-    [[nodiscard]] const SideSummary& on(Side side) const { return sides[static_cast<std::size_t>(side)]; }
+    [[nodiscard]] const SideSummary& side_summary(Side side) const { return sides[static_cast<std::size_t>(side)]; }
 };
 
 LOSTBITS_FIELDS(OffsetSummary, pixels, points, unresolved, sides)
@@ -127,7 +127,7 @@ inline constexpr std::size_t most_primitives = 1000;
 /// InputError for a scene with more primitives; the message names it.
 void require_few_primitives(const scene::file::Scene& scene);
 /// True where offsets of a form can be measured: it is of a primitive and reports t.
-bool can_be_asked(const intersect::table::Intersector& form);
+bool can_measure_offsets(const intersect::table::Intersector& form);
 
 /// Column of the summary, after point, side, strategy, form and format. The CSV and the claims read the same columns.
 using OffsetColumn = metric::MeasuredColumn<const OffsetSummary&, Side, std::size_t>;

@@ -63,7 +63,9 @@ Shadow compare(TrueShadow truth, std::uint8_t blocked) {
         case TrueShadow::untested: return Shadow::not_compared;
         case TrueShadow::unresolved: return Shadow::unresolved;
         case TrueShadow::lit:
-            return !dark ? Shadow::both_lit : blocked == blocked_by_own ? Shadow::own_shadow : Shadow::false_shadow;
+            return !dark                               ? Shadow::both_lit
+                   : blocked == blocked_by_left_sphere ? Shadow::own_shadow
+                                                       : Shadow::false_shadow;
         case TrueShadow::shadowed: return dark ? Shadow::both_shadowed : Shadow::false_light;
     }
     return Shadow::not_compared;
@@ -162,7 +164,7 @@ private:
         const auto& rule = *appearance_.shadows;
         const Vec<T> light = lift_vec<T>(in_.look.light);
         Vec<T> start = hit(i) ? lift_vec<T>(point_[i]) : lift_vec<T>(in_.points[i]);
-        if (hit(i) && rule.own)
+        if (hit(i) && rule.tests_left_sphere)
             start = shadow_origin<T>(start, lift_vec<T>(normal_[i]), rule.offset, static_cast<T>(in_.look.epsilon),
                                      rule.ulps);
         const Vec<T> way = light - start;
@@ -187,7 +189,8 @@ private:
             shadow.add(casts[i].origin, casts[i].direction, casts[i].reach, hit(i) ? answers_.object[i] : -1);
             pixel.push_back(i);
         }
-        const auto blocked = find_blockers(*row_.form, row_.format, shadow, in_.geometry, appearance_.shadows->own);
+        const auto blocked =
+            find_blockers(*row_.form, row_.format, shadow, in_.geometry, appearance_.shadows->tests_left_sphere);
         for (std::size_t k = 0; k < pixel.size(); ++k) blocked_[pixel[k]] = blocked[k];
 
         out_.shadow.assign(n_, Shadow::not_compared);

@@ -80,27 +80,27 @@ struct Compared {
     RowQuality quality;  ///< of the form
     bool same;
 };
-Compared compared(const TestedForm& form, const Tape& tape, const MendRequest& request, Judge& judge) {
+Compared compared(const TestedForm& form, const Tape& tape, const RepairRequest& request, Judge& judge) {
     const TapeForm other(*request.row.form, request.row.format, tape, "tape", "");
     std::array<Bits, 2> bits;
-    const auto quality = judge.quality_of({form, row_like(form, other)}, evaluate::shown_to_each(bits));
+    const auto quality = judge.quality_of({form, row_like(form, other)}, evaluate::show_to_each(bits));
     return {quality.front(), bits[0] == bits[1]};
 }
 
 }  // namespace
 
-const std::string& MendRequest::id() const { return scene ? scene->id : rays->id; }
+const std::string& RepairRequest::id() const { return scene ? scene->id : rays->id; }
 
 /// Some of the rays, with their truth and everything that rows with the contract and format of the request's row share.
 class Judge::Part {
 public:
-    Part(const MendRequest& request, const study::Bands& bands, std::size_t k, culling::Culler& culler)
+    Part(const RepairRequest& request, const study::Bands& bands, std::size_t k, culling::Culler& culler)
         : band(bands.at(k, request.limit, culler)),
           row_(request.row),
           shared_(band, {row_}, request.requirement.metrics()) {}
-    Part(const MendRequest& request, const scene::rays::RayGroup& rays)
+    Part(const RepairRequest& request, const scene::rays::RayGroup& rays)
         : band(rays, request.limit), row_(request.row), shared_(band, {row_}, request.requirement.metrics()) {}
-    Part(const MendRequest& request, const choice::IdealRays& rays)
+    Part(const RepairRequest& request, const choice::IdealRays& rays)
         : band(rays.band(request.limit)), row_(request.row), shared_(band, {row_}, request.requirement.metrics()) {}
 
     [[nodiscard]] evaluate::RowInputs rows() const { return shared_.of(row_); }
@@ -112,7 +112,7 @@ private:
     evaluate::SharedBandTruth shared_;
 };
 
-Judge::Judge(const MendRequest& request, const Scene* scene) : request_(request), scene_(scene) {
+Judge::Judge(const RepairRequest& request, const Scene* scene) : request_(request), scene_(scene) {
     if (!scene) {
         kept_.push_back(std::make_unique<Part>(request_, request_.rays->sample));
         return;
@@ -124,7 +124,7 @@ Judge::Judge(const MendRequest& request, const Scene* scene) : request_(request)
         kept_.push_back(std::make_unique<Part>(request_, bands, k, *culler_));
 }
 
-Judge::Judge(const MendRequest& request, const MovedRays& rays) : request_(request), scene_(nullptr) {
+Judge::Judge(const RepairRequest& request, const MovedRays& rays) : request_(request), scene_(nullptr) {
     kept_.push_back(std::visit([&](const auto& moved) { return std::make_unique<Part>(request_, moved); }, rays));
 }
 
@@ -188,11 +188,11 @@ bool is_more_accurate(const RowQuality& a, const RowQuality& b) {
     return a.wrong_fraction() != b.wrong_fraction() ? a.wrong_fraction() < b.wrong_fraction() : bits(a) > bits(b);
 }
 
-bool answers_as(const TestedForm& form, const Tape& tape, const MendRequest& request, Judge& judge) {
+bool answers_as(const TestedForm& form, const Tape& tape, const RepairRequest& request, Judge& judge) {
     return compared(form, tape, request, judge).same;
 }
 
-RowQuality own_quality(const MendRequest& request, const Tape& tape, Judge& judge) {
+RowQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& judge) {
     const Compared both = compared(request.row, tape, request, judge);
     if (both.same) return both.quality;
     throw InputError(std::string(request.row.form->info->name) +
@@ -213,7 +213,7 @@ std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& r
     return rows;
 }
 
-std::vector<Ranked> ranked_catalogue(const MendRequest& request) {
+std::vector<Ranked> ranked_catalogue(const RepairRequest& request) {
     choice::ChoiceRequest all{
         .scene = request.scene, .rows = catalogue_beside(request.row), .requirement = request.requirement};
     all.limit = request.limit;
@@ -224,7 +224,7 @@ std::vector<Ranked> ranked_catalogue(const MendRequest& request) {
     return ranked;
 }
 
-std::vector<choice::GrowthMargin> margins_of_tape(const MendRequest& request, const Tape& tape) {
+std::vector<choice::GrowthMargin> margins_of_tape(const RepairRequest& request, const Tape& tape) {
     choice::ChoiceRequest asked{.scene = request.scene, .rays = request.rays, .requirement = request.requirement};
     asked.limit = request.limit;
     const tape::TapeForm form(*request.row.form, request.row.format, tape, "mended", "");

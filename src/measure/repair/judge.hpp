@@ -17,7 +17,7 @@ namespace lostbits::measure::repair {
 using choice::Requirement;
 using choice::RowQuality;
 
-struct MendRequest {
+struct RepairRequest {
     const scene::file::Scene* scene = nullptr;
     const choice::FileRays* rays = nullptr;  ///< in place of a scene; their sample is searched on
     evaluate::TestedForm row;                ///< in f32 or f64
@@ -41,11 +41,11 @@ using MovedRays = std::variant<scene::rays::RayGroup, choice::IdealRays>;
 /// for more rays it is found again in every call.
 class Judge {
 public:
-    explicit Judge(const MendRequest& request) : Judge(request, request.scene) {}
+    explicit Judge(const RepairRequest& request) : Judge(request, request.scene) {}
     /// Uses the request's row and requirement, but the rays of this scene.
-    Judge(const MendRequest& request, const scene::file::Scene& scene) : Judge(request, &scene) {}
+    Judge(const RepairRequest& request, const scene::file::Scene& scene) : Judge(request, &scene) {}
     /// The same with these rays.
-    Judge(const MendRequest& request, const MovedRays& rays);
+    Judge(const RepairRequest& request, const MovedRays& rays);
     ~Judge();
     Judge(const Judge&) = delete;
     Judge& operator=(const Judge&) = delete;
@@ -63,12 +63,12 @@ public:
 
 private:
     class Part;
-    Judge(const MendRequest& request, const scene::file::Scene* scene);
+    Judge(const RepairRequest& request, const scene::file::Scene* scene);
     std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& rows, const evaluate::ShowRows& show,
                                        const std::vector<std::unique_ptr<tape::TapeForm>>& tapes);
     void each_part(const std::function<void(const Part&)>& act);
 
-    const MendRequest& request_;
+    const RepairRequest& request_;
     const scene::file::Scene* scene_;
     std::unique_ptr<culling::Culler> culler_;
     std::vector<std::unique_ptr<Part>> kept_;
@@ -79,10 +79,10 @@ private:
 bool is_more_accurate(const RowQuality& a, const RowQuality& b);
 
 /// Worth of the form itself. InputError where its tape answers differently on some ray.
-RowQuality own_quality(const MendRequest& request, const Tape& tape, Judge& judge);
+RowQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& judge);
 
 /// Tells if a form with the contract of the request's form answers on all its rays as a tape does, to the bit.
-bool answers_as(const evaluate::TestedForm& form, const Tape& tape, const MendRequest& request, Judge& judge);
+bool answers_as(const evaluate::TestedForm& form, const Tape& tape, const RepairRequest& request, Judge& judge);
 
 /// All forms of the catalogue for the same primitives and format. Under matrices, every form is taken through the
 /// transform method of the row, and the form itself through all methods.
@@ -93,12 +93,12 @@ struct Ranked {
     RowQuality quality;
 };
 /// The forms of `catalogue_beside` with their worth on the request's rays, the most accurate first.
-std::vector<Ranked> ranked_catalogue(const MendRequest& request);
+std::vector<Ranked> ranked_catalogue(const RepairRequest& request);
 
 /// Number of rays on which `margins_of_tape` and probes measure, at most.
 inline constexpr int few_rays = 4096;
 
 /// Ranges in which a form holds that has the contract of the request's form and does what the tape does.
-std::vector<choice::GrowthMargin> margins_of_tape(const MendRequest& request, const Tape& tape);
+std::vector<choice::GrowthMargin> margins_of_tape(const RepairRequest& request, const Tape& tape);
 
 }  // namespace lostbits::measure::repair

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "measure/metric/statistics.hpp"
-#include "measure/repair/mend.hpp"
+#include "measure/repair/repair.hpp"
 #include "measure/truth/lost_bits.hpp"
 
 namespace lostbits::measure::repair {
@@ -52,8 +52,8 @@ RowQuality RaySample::exact_quality(const Tape& tape, const std::vector<std::vec
     }
     quality.kept_bits = format.precision - lost.quantile(requirement_.quantile);
     const bool mostly_hits = 2 * false_hits > quality.wrong;
-    if (quality.wrong > 0) quality.first = mostly_hits ? answer::Outcome::false_hit : answer::Outcome::false_miss;
-    quality.of_first = mostly_hits ? false_hits : quality.wrong - false_hits;
+    if (quality.wrong > 0) quality.main_fault = mostly_hits ? answer::Outcome::false_hit : answer::Outcome::false_miss;
+    quality.main_fault_count = mostly_hits ? false_hits : quality.wrong - false_hits;
     return quality;
 }
 

@@ -16,7 +16,7 @@
 #include "intersect/source_text/source_tokens.hpp"
 #include "measure/attribution/operation.hpp"
 #include "measure/choice/candidates.hpp"
-#include "measure/repair/mend.hpp"
+#include "measure/repair/repair.hpp"
 #include "measure/repair/shared_nodes.hpp"
 #include "measure/repair/source_words.hpp"
 #include "measure/repair/text_change.hpp"
@@ -154,7 +154,7 @@ bool is_identifier(const std::string& text) {
 
 class Patcher::Writer {
 public:
-    Writer(const MendRequest& request, const Tape& own, const UserFunction& function)
+    Writer(const RepairRequest& request, const Tape& own, const UserFunction& function)
         : request_(request), own_(own), function_(function), text_(function.source), tokens_(text_) {
         for (std::size_t at = 0; at != std::string::npos && at < text_.size();) {
             lines_.push_back(at);
@@ -251,7 +251,7 @@ private:
     bool computes(const std::string& text, const Tape& now);
     [[nodiscard]] bool is_double(const Tape& tape, NodeId i) const { return tape.format_of(i) == binary64; }
 
-    const MendRequest& request_;
+    const RepairRequest& request_;
     const Tape& own_;
     const UserFunction& function_;
     const std::string& text_;
@@ -434,7 +434,7 @@ bool Patcher::Writer::computes(const std::string& text, const Tape& now) {
     }
 }
 
-Patcher::Patcher(const MendRequest& request, const Tape& own) {
+Patcher::Patcher(const RepairRequest& request, const Tape& own) {
     if (const UserFunction* const f = intersect::function::function_of(*request.row.form->info))
         writer_ = std::make_unique<Writer>(request, own, *f);
 }

@@ -19,7 +19,7 @@ struct Patch {
 class Patcher {
 public:
     /// `own`: the tape of the form.
-    Patcher(const MendRequest& request, const Tape& own);
+    Patcher(const RepairRequest& request, const Tape& own);
     ~Patcher();
     Patcher(const Patcher&) = delete;
     Patcher& operator=(const Patcher&) = delete;

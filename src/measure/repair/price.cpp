@@ -131,7 +131,7 @@ void write(const fs::path& file, const std::string& text) {
 }
 
 /// Runs the compiler. EnvironmentError with its output where it fails.
-void run_compiler(const intersect::process::ProgramArguments& words, const MendRequest& request) {
+void run_compiler(const intersect::process::ProgramArguments& words, const RepairRequest& request) {
     intersect::process::Child child(
         words, {.who = words.front(), .timeout_advice = "", .seconds = 600, .stop = request.limit.stop});
     const auto ended = child.read_to_end();
@@ -177,7 +177,7 @@ speed::TimedWork alone(speed::TimedWork work) {
 
 }  // namespace
 
-std::vector<intersect::external::Formula> compile_and_load(const MendRequest& request,
+std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& request,
                                                            const std::vector<RepairedSource>& forms,
                                                            const CompilerSetup& setup) {
     if (!fs::exists(setup.flags / "form.flags"))
@@ -204,7 +204,7 @@ std::vector<intersect::external::Formula> compile_and_load(const MendRequest& re
                         : load_compiled(library, external::load_formulas);
     for (std::size_t k = 0; k < forms.size(); ++k) {
         const evaluate::TestedForm& from = forms[k].from;
-        MendRequest asked = request;
+        RepairRequest asked = request;
         asked.row = from;
         Judge judge(asked);
         const evaluate::TestedForm own{.form = &formulas[k].row, .format = from.format, .judged = from.judged};
@@ -215,7 +215,7 @@ std::vector<intersect::external::Formula> compile_and_load(const MendRequest& re
     return formulas;
 }
 
-std::vector<Price> prices_of(const MendRequest& request, const std::vector<evaluate::TestedForm>& rows,
+std::vector<Price> prices_of(const RepairRequest& request, const std::vector<evaluate::TestedForm>& rows,
                              const speed::TimingPlan& plan) {
     auto on_rays = request.scene ? speed::SceneWork(*request.scene, request.limit)
                                  : speed::SceneWork(request.rays->sample, request.limit);

@@ -34,12 +34,12 @@ struct Price {
 /// Compiles all forms into one library, also in packs of the current width, and loads it. The library stays loaded.
 /// Only the scene and the limit of the request are used. Throws EnvironmentError with the compiler's output if it
 /// fails, and std::logic_error if a compiled form gives other bits than its tape for any ray of the scene.
-std::vector<intersect::external::Formula> compile_and_load(const MendRequest& request,
+std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& request,
                                                            const std::vector<RepairedSource>& forms,
                                                            const CompilerSetup& setup);
 
 /// Times all rows in one run, on rays of the scene, as `lostbits trade SCENE` does.
-std::vector<Price> prices_of(const MendRequest& request, const std::vector<evaluate::TestedForm>& rows,
+std::vector<Price> prices_of(const RepairRequest& request, const std::vector<evaluate::TestedForm>& rows,
                              const speed::TimingPlan& plan);
 
 }  // namespace lostbits::measure::repair

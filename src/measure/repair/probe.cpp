@@ -86,7 +86,7 @@ struct GivenRays {
     std::optional<FloatFormat> format;
 };
 
-std::optional<GivenRays> given_rays(const MendRequest& request, int rays) {
+std::optional<GivenRays> given_rays(const RepairRequest& request, int rays) {
     const std::size_t primitives = request.scene                 ? request.scene->primitive_count()
                                    : request.rays->sample.paired ? 1
                                                                  : request.rays->sample.primitives.size();
@@ -106,7 +106,7 @@ std::optional<GivenRays> given_rays(const MendRequest& request, int rays) {
 
 }  // namespace
 
-std::vector<std::unique_ptr<Probe>> probes_of(const MendRequest& request, int rays) {
+std::vector<std::unique_ptr<Probe>> probes_of(const RepairRequest& request, int rays) {
     std::vector<std::unique_ptr<Probe>> probes;
     const auto given = given_rays(request, rays);
     if (!given) return probes;

@@ -52,7 +52,7 @@ std::optional<Primitive<Real>> mapped(const Primitive<Real>& primitive, const Is
 /// One of the isometries, and the rays there.
 class Probe {
 public:
-    Probe(const Isometry& by, const MendRequest& request, const MovedRays& rays) : by_(&by), judge_(request, rays) {}
+    Probe(const Isometry& by, const RepairRequest& request, const MovedRays& rays) : by_(&by), judge_(request, rays) {}
     [[nodiscard]] const Isometry& isometry() const { return *by_; }
     [[nodiscard]] Judge& judge() { return judge_; }
 
@@ -64,7 +64,7 @@ private:
 /// Probes of a request that apply: on at most `rays` of its rays, fewer if there are many primitives. None for a flake
 /// or more than 1024 primitives. Forms that count one side of a primitive are not asked in a mirror, where rays meet
 /// the other one.
-std::vector<std::unique_ptr<Probe>> probes_of(const MendRequest& request, int rays = few_rays);
+std::vector<std::unique_ptr<Probe>> probes_of(const RepairRequest& request, int rays = few_rays);
 
 /// Groups of operations that are the same expression up to an exchange of x, y and z; every operation is in one group.
 /// `like`: a primitive of the form, with its way of storing a matrix. A partial sum that no exchange maps to an

@@ -1,4 +1,4 @@
-#include "measure/repair/mend.hpp"
+#include "measure/repair/repair.hpp"
 
 #include <algorithm>
 #include <array>
@@ -41,7 +41,7 @@ struct Candidate {
 
 class RewriteSearch {
 public:
-    RewriteSearch(const MendRequest& request, const Tape& form, const RowQuality& own, Judge& judge,
+    RewriteSearch(const RepairRequest& request, const Tape& form, const RowQuality& own, Judge& judge,
                   const SearchLimit& limit)
         : request_(request), limit_(limit), form_(form), terms_(form), judge_(judge), sample_(request) {
         if (request.row.form->info->direction == intersect::Direction::unit) unit_ = direction_of(terms_);
@@ -114,7 +114,7 @@ private:
         std::vector<Candidate> made;
         for (const auto& [loss, k] : order) {
             if (made.size() == limit_.places) break;
-            const TapeOutputs outputs = terms_.with(from.outputs, rewrites[k].replaced);
+            const TapeOutputs outputs = terms_.with_replaced(from.outputs, rewrites[k].replaced);
             if (!seen_.insert(identity::all_of(outputs)).second) continue;
             made.push_back({.outputs = outputs, .rules = from.rules});
             made.back().rules.push_back(rewrites[k].rule);
@@ -151,7 +151,7 @@ private:
         return found;
     }
 
-    const MendRequest& request_;
+    const RepairRequest& request_;
     SearchLimit limit_;
     const Tape& form_;
     Terms terms_;
@@ -179,7 +179,7 @@ Tape filled(Tape tape, const std::vector<double>& inputs, bool rounds) {
     return tape;
 }
 
-RaySample::RaySample(const MendRequest& request, int rays)
+RaySample::RaySample(const RepairRequest& request, int rays)
     : row_(request.row), requirement_(request.requirement), limit_(request.limit) {
     const evaluate::TestedForm& row = request.row;
     std::optional<scene::file::Scene> thin;
@@ -230,7 +230,7 @@ std::size_t work_of(const Tape& tape) {
     return work;
 }
 
-Rewriting rewrite(const MendRequest& request, const Tape& form, const RowQuality& own, Judge& judge,
+Rewriting rewrite(const RepairRequest& request, const Tape& form, const RowQuality& own, Judge& judge,
                   const SearchLimit& limit) {
     return RewriteSearch(request, form, own, judge, limit).done();
 }

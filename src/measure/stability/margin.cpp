@@ -106,9 +106,9 @@ std::optional<SpanDecision> met_exactly(const S& span, const RangeOfSpan<E>* ran
 /// 0. Between t₀ and t₁, where P is given to be positive, it lies above its tangent at t₀, or, for a < 0, above its
 /// chord.
 bool stays_positive(const QuadraticAt<Near>& at, const Near& a, const Near& step) {
-    const double s = std::max(0.0, -at.slope.lowest()), value = at.value.lowest();
+    const double s = std::max(0.0, -at.half_slope.lowest()), value = at.value.lowest();
     if (s * s * (1 + 0x1p-40) < a.lowest() * value) return true;
-    return Near(at.value + (at.slope + at.slope) * step).lowest() > 0;
+    return Near(at.value + (at.half_slope + at.half_slope) * step).lowest() > 0;
 }
 
 /// True if no line of all problems meets the part of a quadric between the planes. Where the line runs along its axis,
@@ -116,7 +116,7 @@ bool stays_positive(const QuadraticAt<Near>& at, const Near& a, const Near& step
 bool misses(const CappedSpan<Near>& s) {
     if (!s.crossed.is_yes() || !(s.at_entry.value.lowest() > 0 && s.at_exit.value.lowest() > 0)) return false;
     const Near step = s.exit.n - s.entry.n;
-    const QuadraticAt<Near> back{s.at_exit.value, -s.at_exit.slope};
+    const QuadraticAt<Near> back{s.at_exit.value, -s.at_exit.half_slope};
     return stays_positive(s.at_entry, s.side.a, step) || stays_positive(back, s.side.a, step);
 }
 /// A tube is missed too by lines that run inside of it from plane to plane.

@@ -58,7 +58,7 @@ double value_of(const Tape& tape, NodeId i) {
     if (is_decision(n.op)) return holds(n.op, values) ? 1 : 0;
     if (kind_of(n.op) == OperationKind::choice) return tape[side_taken(n, values)].value;
     if (n.op == TapeOp::call) {
-        const auto exact = called<DeepExact>(tape, i, [&](NodeId k) { return DeepExact::lift(tape[k].value); });
+        const auto exact = result_of_call<DeepExact>(tape, i, [&](NodeId k) { return DeepExact::lift(tape[k].value); });
         return exact ? DeepExact::round_to(*exact, tape.format_of(i)) : n.value;
     }
     std::array<double, 3> x{};

@@ -100,9 +100,8 @@ struct StepOfWords {
     }
 };
 
-/// The bounded numbers of an instruction. The compiler knows those that are exact, one word each, from the bits of
-/// `exact`.
-template <class W, unsigned exact, std::size_t count>
+/// The bounded numbers of an instruction. If bit k of `exact_mask` is set, operand k is exact and takes one word.
+template <class W, unsigned exact_mask, std::size_t count>
 struct BoundedOperands {
     using E = Running<W>;
     using P = typename E::P;
@@ -110,7 +109,7 @@ struct BoundedOperands {
 
     static constexpr std::size_t index_of(std::size_t operand) {
         std::size_t place = 0;
-        for (std::size_t k = 0; k < operand; ++k) place += (exact >> k & 1) != 0 ? 1 : has_two ? 3 : 2;
+        for (std::size_t k = 0; k < operand; ++k) place += (exact_mask >> k & 1) != 0 ? 1 : has_two ? 3 : 2;
         return place;
     }
     /// Number of columns, for operands and results.
@@ -120,7 +119,7 @@ struct BoundedOperands {
     template <std::size_t k, class Cursor>
     [[gnu::always_inline]] static E load(const Cursor& c) {
         constexpr std::size_t at = index_of(k);
-        if constexpr ((exact >> k & 1) != 0) return E(W(c.word(at)), P(0));
+        if constexpr ((exact_mask >> k & 1) != 0) return E(W(c.word(at)), P(0));
         else if constexpr (has_two) return E(W(c.word(at), c.word(at + 1)), c.word(at + 2));
         else return E(c.word(at), c.word(at + 1));
     }
@@ -153,11 +152,11 @@ template <ColumnOperation operation, class E, class... Es>
     else if constexpr (operation == ColumnOperation::square_sum) return sum_of_squares(a, more...);
 }
 
-template <ColumnOperation operation, unsigned exact, class W>
+template <ColumnOperation operation, unsigned exact_mask, class W>
 struct BoundedStep {
     static constexpr std::size_t count = bounded_operands(operation);
     static constexpr bool decides = operation == ColumnOperation::is_less || operation == ColumnOperation::is_at_most;
-    using Operands = BoundedOperands<W, exact, count>;
+    using Operands = BoundedOperands<W, exact_mask, count>;
     static constexpr std::size_t columns = Operands::columns(decides);
 
     template <class Cursor>
@@ -179,11 +178,12 @@ void fill_kernels(ColumnKernels::OfOperation& kernels) {
     if constexpr (operands == 0) {
         kernels.fill(run<P, StepOfWords<operation, P>>);
     } else {
-        [&]<std::size_t... exact>(std::index_sequence<exact...>) {
-            const auto fill = [&]<std::size_t one>() {
-                if constexpr (known_exact(one, operands) == one) kernels[one] = run<P, BoundedStep<operation, one, W>>;
+        [&]<std::size_t... masks>(std::index_sequence<masks...>) {
+            const auto fill = [&]<std::size_t mask>() {
+                if constexpr (known_exact(mask, operands) == mask)
+                    kernels[mask] = run<P, BoundedStep<operation, mask, W>>;
             };
-            (fill.template operator()<exact>(), ...);
+            (fill.template operator()<masks>(), ...);
         }
         (std::make_index_sequence<std::size_t{1} << operands>());
     }

@@ -76,9 +76,9 @@ SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s, const Ran
     const auto outside = begin.value > zero, inside = begin.value < zero;
     const auto near_in = entry_in_time(end.near_root(), range), far_in = in_time(end.far_root(), range);
     const auto far = inside.yes() && far_in.yes();
-    const auto near = outside.yes() && (begin.slope < zero).yes() && near_in.yes();
+    const auto near = outside.yes() && (begin.half_slope < zero).yes() && near_in.yes();
     const auto hit = (s.q > zero).yes() && (near || far);
-    const auto missed = (outside.yes() && ((begin.slope >= zero).yes() || (s.q < zero).yes() || near_in.no())) ||
+    const auto missed = (outside.yes() && ((begin.half_slope >= zero).yes() || (s.q < zero).yes() || near_in.no())) ||
                         (inside.yes() && far_in.no());
     const auto none = P(0) < P(0);
     if (is_unset(hit)) return {hit, missed, none, zero};

@@ -74,7 +74,8 @@ SweepRequest for_events(SweepRequest request) {
     std::ranges::replace_if(
         request.metrics,
         [](const Metric* m) {
-            return m->over != metric::MetricDomain::marches && m->over != metric::MetricDomain::pairs && !is_step(*m);
+            return m->domain != metric::MetricDomain::marches && m->domain != metric::MetricDomain::pairs &&
+                   !is_step(*m);
         },
         metric::find_metric("lost_bits"));
     return request;

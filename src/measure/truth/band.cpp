@@ -244,18 +244,18 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
         if (!in.index) in.candidates = std::make_shared<culling::CandidateLists>(*index, in.rays);
     }
     find_reach(in, needs);
-    if (needs.own_truth && !in.ideal) {
-        if (culler_) in.own_index = culler_->for_own_truth(shape, in.primitives);
-        find_truths(RaysAndPrimitives<double>{in.rays, in.primitives, in.own_index.get(), paired_}, limit_,
-                    in.own_truth);
+    if (needs.stored_truth && !in.ideal) {
+        if (culler_) in.truth_index = culler_->for_stored_truth(shape, in.primitives);
+        find_truths(RaysAndPrimitives<double>{in.rays, in.primitives, in.truth_index.get(), paired_}, limit_,
+                    in.stored_truth);
     }
     return in;
 }
 
-Truth FormatInputs::own(std::size_t i, Convention convention) const {
-    const Truth closed = own_truth[i];
+Truth FormatInputs::find_stored_truth(std::size_t i, Convention convention) const {
+    const Truth closed = stored_truth[i];
     if (!convention.is_special() && !matters(convention, closed.touches, closed.on_surface)) return closed;
-    return find_among({own_index.get(), paired}, i, rays[i], primitives, {.stop = stop}, convention, rays.range(i));
+    return find_among({truth_index.get(), paired}, i, rays[i], primitives, {.stop = stop}, convention, rays.range(i));
 }
 
 namespace {

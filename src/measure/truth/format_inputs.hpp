@@ -25,8 +25,8 @@ struct FormatInputs {
     /// Directions normalised and rounded to the format; empty unless a form asks for them.
     scene::rays::RayBlock unit_rays = {};
     /// Truth of these inputs; empty if they are the ideal ones, or if no metric needs it.
-    RayTruths own_truth = {};
-    std::shared_ptr<const culling::PrimitiveIndex> own_index = {};  ///< index by which it was found; null: none
+    RayTruths stored_truth = {};
+    std::shared_ptr<const culling::PrimitiveIndex> truth_index = {};  ///< index by which it was found; null: none
     /// Reach by `Perturbed` and `Length`, of the closed primitive's truth, see `truth::reach`; empty unless requested.
     std::array<std::array<std::vector<double>, 2>, 2> reach = {};
     bool ideal = false;   ///< the inputs are exactly those of the truth
@@ -37,7 +37,7 @@ struct FormatInputs {
     std::shared_ptr<const culling::CandidateLists> candidates = {};
     intersect::process::StopToken stop = {};  ///< the band's token, for code that runs forms on the inputs
 
-    [[nodiscard]] Truth own(std::size_t i, intersect::Convention convention) const;
+    [[nodiscard]] Truth find_stored_truth(std::size_t i, intersect::Convention convention) const;
     [[nodiscard]] const scene::rays::RayBlock& rays_for(const intersect::Info& info) const {
         return info.direction == intersect::Direction::unit ? unit_rays : rays;
     }
@@ -63,7 +63,7 @@ struct FormatInputs {
 
 struct BandNeeds {
     bool unit_rays = false;
-    bool own_truth = false;
+    bool stored_truth = false;
     bool no_forms = false;  ///< all answers are given, so that no form is asked about candidates
     std::array<std::array<bool, 2>, 2> reach = {};  ///< by `Perturbed` and `Length`
 

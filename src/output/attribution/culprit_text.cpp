@@ -41,7 +41,7 @@ std::string amplifier_text(const Explanation& x, const OperationView& words) {
         const NodeId operand = *place;
         if (std::find(operands.begin(), place, operand) != place) continue;  // already named, as in fma(b, b, c)
         if (operand == no_node || words.of(operand).error == 0 || x.tape[operand].op == TapeOp::constant) continue;
-        const std::string off = ulps_or_nothing(std::fabs(words.own_ulps(operand, words.of(operand).error)));
+        const std::string off = ulps_or_nothing(std::fabs(words.ulps_of_value(operand, words.of(operand).error)));
         if (!off.empty()) text += fmt::format("; {} was already off by {}", words.text().operand(operand), off);
     }
     return text + ". ";
@@ -124,7 +124,7 @@ namespace {
 std::string own_error(const Explanation& x, const OperationView& words) {
     const NodeId culprit = x.attribution.culprit;
     const measure::attribution::OperationError& e = words.of(culprit);
-    const std::string ulps = ulps_or_nothing(std::fabs(words.own_ulps(culprit, e.rounding)));
+    const std::string ulps = ulps_or_nothing(std::fabs(words.ulps_of_value(culprit, e.rounding)));
     const char* const what = e.turned                                                  ? "wrong choice"
                              : measure::attribution::is_on_purpose(x.tape[culprit].op) ? "step"
                                                                                        : "rounding";
@@ -200,7 +200,7 @@ std::string culprit_sentence(const Explanation& x) {
 std::string counterfactual_sentence(const Explanation& x) {
     if (!x.culprit_alone || x.attribution.subject == no_node) return "";
     const OperationView words(x);
-    const auto& [mended, alone] = *x.culprit_alone;
+    const auto& [only_exact, only_rounded] = *x.culprit_alone;
     const NodeId culprit = x.attribution.culprit;
     const bool steps = measure::attribution::is_on_purpose(x.tape[culprit].op);
     const std::string what = words.text().operand(culprit), without = steps ? "Without" : "With",
@@ -208,15 +208,16 @@ std::string counterfactual_sentence(const Explanation& x) {
     if (x.attribution.subject != x.tape.outputs.t) {
         const auto decides = [](bool hit) { return hit ? "hits" : "misses"; };
         return fmt::format("{} {}{} the form {}{}; with {}{} it {}.", without, what, exact,
-                           mended.hit == x.hit ? "still " : "", decides(mended.hit), what, rounded, decides(alone.hit));
+                           only_exact.hit == x.hit ? "still " : "", decides(only_exact.hit), what, rounded,
+                           decides(only_rounded.hit));
     }
     const auto off = [&](std::string_view cause, const measure::attribution::Counterfactual& c) {
         if (!c.hit) return std::string("the form misses");
         return std::isfinite(c.error) ? fmt::format("{} puts t {:.4g} ulp off", cause, std::fabs(c.error / words.ulp()))
                                       : "t is not finite";
     };
-    return fmt::format("{} {}{}, {}; with {}{}, {}.", without, what, exact, off("rounding", mended), what, rounded,
-                       off("it", alone));
+    return fmt::format("{} {}{}, {}; with {}{}, {}.", without, what, exact, off("rounding", only_exact), what, rounded,
+                       off("it", only_rounded));
 }
 
 }  // namespace lostbits::output::attribution

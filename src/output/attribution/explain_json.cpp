@@ -55,7 +55,7 @@ Json form_result_json(const measure::attribution::FormResult& s) {
             {"t", json_number(s.t)},
             {"ulp_error", if_any(s.ulps)},
             {"lost_bits", if_any(s.lost)},
-            {"lost_bits_around", if_any(s.around)}};
+            {"lost_bits_around", if_any(s.lost_nearby)}};
 }
 
 }  // namespace
@@ -95,8 +95,8 @@ std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& ma
         return Json{{"hit", c.hit}, {"error", c.hit ? json_number(c.error) : Json(nullptr)}};
     };
     const bool runs = x.culprit_alone && verdict.culprit != no_node;
-    j["culprit_alone_exact"] = runs ? counterfactual(x.culprit_alone->mended) : Json(nullptr);
-    j["culprit_alone_rounded"] = runs ? counterfactual(x.culprit_alone->alone) : Json(nullptr);
+    j["culprit_alone_exact"] = runs ? counterfactual(x.culprit_alone->only_exact) : Json(nullptr);
+    j["culprit_alone_rounded"] = runs ? counterfactual(x.culprit_alone->only_rounded) : Json(nullptr);
     j["equals"] = Json::array();
     for (const NodeId i : a.equals) j["equals"].push_back(text.name(i));
     const auto of_subject = [&a](double v) { return a.subject == no_node ? Json(nullptr) : json_number(v); };
@@ -110,7 +110,7 @@ std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& ma
                         {"shadow_bits", a.exact_bits}};
     j["operations"] = Json::array();
     for (NodeId i = 0; i < x.tape.size(); ++i) j["operations"].push_back(operation(x, text, i));
-    j["lost_bits_around"] = if_any(x.result.around);
+    j["lost_bits_around"] = if_any(x.result.lost_nearby);
     j["better"] = Json::array();
     for (const measure::attribution::FormResult& s : x.better) j["better"].push_back(form_result_json(s));
     return file::json_text(j);

@@ -211,7 +211,7 @@ std::string condition_phrase(double condition) {
 
 bool another_does_better(const Explanation& x) {
     return std::ranges::any_of(x.better, [&](const measure::attribution::FormResult& s) {
-        return x.result.around - s.around >= worth_saying && s.lost < x.result.lost;
+        return x.result.lost_nearby - s.lost_nearby >= worth_saying && s.lost < x.result.lost;
     });
 }
 

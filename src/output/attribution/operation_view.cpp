@@ -68,7 +68,7 @@ OperationView::OperationView(const Explanation& x)
     }
 }
 
-double OperationView::own_ulps(NodeId i, double error) const {
+double OperationView::ulps_of_value(NodeId i, double error) const {
     return error /
            measure::attribution::ulp_at(of(i).exact == 0 ? x_.tape[i].value : of(i).exact, x_.tape.format_of(i));
 }
@@ -132,10 +132,10 @@ OperationRow row_of(const Explanation& x, const OperationView& words, NodeId i, 
     row.on_purpose = measure::attribution::is_on_purpose(n.op) && e.rounding != 0;
     if (decides) return row;
     const auto number = [](double ulps) { return std::isfinite(ulps) ? short_number(ulps) : ""; };
-    row.error_ulps = number(words.own_ulps(i, e.error));
+    row.error_ulps = number(words.ulps_of_value(i, e.error));
     row.cancelled = words.cancellation(i);
     if (e.local_bits != 0) row.local = fmt::format("{:.1f}", e.local_bits);
-    if (e.rounding != 0) row.rounding_ulps = number(words.own_ulps(i, e.rounding));
+    if (e.rounding != 0) row.rounding_ulps = number(words.ulps_of_value(i, e.rounding));
     if (e.live && e.rounding != 0) row.contribution_ulps = number(words.contribution(i));
     return row;
 }

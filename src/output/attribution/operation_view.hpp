@@ -30,7 +30,7 @@ public:
     [[nodiscard]] const measure::attribution::OperationError& of(NodeId i) const { return x_.attribution[i]; }
     [[nodiscard]] const TapeText& text() const { return text_; }
     /// `error` in ulps of the format at the value itself.
-    [[nodiscard]] double own_ulps(NodeId i, double error) const;
+    [[nodiscard]] double ulps_of_value(NodeId i, double error) const;
     /// Contribution of an operation in ulps of the subject.
     [[nodiscard]] double contribution(NodeId i) const { return of(i).contribution / ulp_; }
     /// `24 catastrophic`

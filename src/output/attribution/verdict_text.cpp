@@ -221,7 +221,7 @@ std::string outcome_text(const measure::attribution::FormResult& s) {
 /// Forms named with `--beside` that are not already listed as better.
 std::string beside_sentences(const Explanation& x, const std::vector<const intersect::table::Intersector*>& told) {
     std::string text;
-    for (const measure::attribution::FormResult& s : x.beside) {
+    for (const measure::attribution::FormResult& s : x.compared) {
         const auto& name = s.form->info->name;
         if (s.other_question)
             text += fmt::format(
@@ -229,9 +229,9 @@ std::string beside_sentences(const Explanation& x, const std::vector<const inter
                 outcome_text(s));
         else if (std::ranges::find(told, s.form) == told.end())
             text += fmt::format("{} does no better on this ray and around it{}: {}.\n", name,
-                                s.around < x.result.around ? ", by a bit or more" : "", outcome_text(s));
+                                s.lost_nearby < x.result.lost_nearby ? ", by a bit or more" : "", outcome_text(s));
     }
-    for (const auto* form : x.unasked)
+    for (const auto* form : x.not_comparable)
         text += !(form->shapes() == x.form->shapes())
                     ? fmt::format("{} is a form for another shape, so it was not tried.\n", form->info->name)
                     : fmt::format("{} does not exist in {}, so it was not tried.\n", form->info->name, x.format.name);
@@ -250,15 +250,15 @@ std::string better_sentences(const Explanation& x) {
                                    : fmt::format("{} rays around it, with each number within an ulp of its own value",
                                                  measure::attribution::neighbours);
     for (const measure::attribution::FormResult& s : x.better) {
-        if (x.result.is_right() && !(x.result.around - s.around >= worth_saying)) continue;
+        if (x.result.is_right() && !(x.result.lost_nearby - s.lost_nearby >= worth_saying)) continue;
         const bool named =
-            std::ranges::find(x.beside, s.form, &measure::attribution::FormResult::form) != x.beside.end();
+            std::ranges::find(x.compared, s.form, &measure::attribution::FormResult::form) != x.compared.end();
         if (told.size() >= most && !named) {
             ++left;
             continue;
         }
         text += fmt::format("{} {} ({}, {:.1f} around)", told.empty() ? "" : ",", s.form->info->name, outcome_text(s),
-                            s.around);
+                            s.lost_nearby);
         told.push_back(s.form);
     }
     if (told.empty())
@@ -268,7 +268,7 @@ std::string better_sentences(const Explanation& x) {
         text = fmt::format(
             "Better on this ray and around it:{}{}.\nOn {}, {} loses {:.1f} bits on average; a wrong decision counts "
             "as all {}.\n",
-            text, left > 0 ? fmt::format(" and {} more", left) : "", around, x.form->info->name, x.result.around,
+            text, left > 0 ? fmt::format(" and {} more", left) : "", around, x.form->info->name, x.result.lost_nearby,
             x.format.parameters.precision);
     return text + beside_sentences(x, told);
 }

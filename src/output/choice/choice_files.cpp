@@ -46,16 +46,16 @@ Table<CandidateRow> candidate_table() {
     table.add({{"distance_error", "length",
                 "distance of the hit point from the true one along the ray, at the same share; missing: the "
                 "requirement has no tolerance",
-                or_missing([](const R& r) { return r.quality->off; })},
+                or_missing([](const R& r) { return r.quality->distance_error; })},
                {"meets", "true if it meets the requirement", &R::meets},
                {"chosen", "true for the cheapest that meets the requirement", &R::chosen},
                {"mended", "the form that was repaired, and how; missing for a form as it is",
-                [](const R& r) { return r.mended ? r.mended->how : ""; }}});
+                [](const R& r) { return r.repair ? r.repair->how : ""; }}});
     return table;
 }
 
 Table<GrowthMargin> margin_table() {
-    using measure::choice::End;
+    using measure::choice::MarginEnd;
     Table<GrowthMargin> table{
         {"way", "the quantity that grows: distance, radius, offset or view",
          [](const GrowthMargin& r) { return measure::choice::growth_names[static_cast<std::size_t>(r.growth)]; }},
@@ -68,14 +68,14 @@ Table<GrowthMargin> margin_table() {
         {"end",
          "state at that factor: fails (the requirement), nothing_hit, other_scene (rounding stores another scene), "
          "none (as far as was tried)",
-         [](const GrowthMargin& r) { return measure::choice::end_names[static_cast<std::size_t>(r.end)]; }}};
+         [](const GrowthMargin& r) { return measure::choice::margin_end_names[static_cast<std::size_t>(r.end)]; }}};
     return table.add<RowQuality>(
         {{"wrong", "rays decided wrongly at the failing factor", &RowQuality::wrong},
          {"rays", "number of rays at the failing factor", &RowQuality::rays},
          {"kept_bits", "bits", "bits kept at the failing factor", or_missing(&RowQuality::kept_bits)},
          {"distance_error", "length", "distance error at the failing factor; missing: the requirement has no tolerance",
           or_missing(&RowQuality::off)}},
-        [](const GrowthMargin& r) { return r.end == End::fails ? &r.broken : nullptr; });
+        [](const GrowthMargin& r) { return r.end == MarginEnd::fails ? &r.broken : nullptr; });
 }
 
 namespace {
@@ -193,7 +193,7 @@ std::vector<CandidateRow> candidate_rows(const ChoiceResult& chosen) {
                         &c.quality,
                         c.quality.meets(requirement),
                         chosen.meets == k,
-                        chosen.mended_as(form)});
+                        chosen.repair_of(form)});
     }
     if (!chosen.request.rays || !chosen.request.rays->answers) return rows;
     const auto& [name, format, quality] = *chosen.request.rays->answers;

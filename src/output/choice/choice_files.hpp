@@ -27,11 +27,11 @@ using measure::choice::RequirementMap;
 using measure::choice::RowQuality;
 
 /// A candidate made by repairing a form (`lostbits mend`) that does not meet the requirement.
-struct MendedCandidate {
-    std::string name;  ///< name of the candidate's form
-    std::string how;   ///< `sphere.half_b, 3 of its 20 operations in double: c, disc`
-    RowQuality apart;  ///< on rays of the scene that the search did not use
-    std::string file;  ///< file that holds it as C++
+struct RepairedCandidate {
+    std::string name;     ///< name of the candidate's form
+    std::string how;      ///< `sphere.half_b, 3 of its 20 operations in double: c, disc`
+    RowQuality held_out;  ///< on rays of the scene that the search did not use
+    std::string file;     ///< file that holds it as C++
 };
 
 /// All results of a choice.
@@ -39,18 +39,18 @@ struct ChoiceResult {
     const measure::choice::ChoiceRequest& request;
     const std::vector<Candidate>& all;
     measure::choice::TimedRays timed;
-    std::optional<std::size_t> meets;                          ///< index of the cheapest that meets the requirement
-    std::vector<GrowthMargin> margins = {};                    ///< margins of the chosen one
-    std::optional<measure::choice::SafeOffsets> offsets = {};  ///< of the chosen one, if measured
-    std::optional<Obstacle> obstacle = {};                     ///< if nothing meets the requirement
-    std::optional<RequirementMap> requirement_map = {};        ///< for each pixel of a scene
-    std::optional<std::vector<MendedCandidate>> mended = {};   ///< if they were asked for
+    std::optional<std::size_t> meets;                             ///< index of the cheapest that meets the requirement
+    std::vector<GrowthMargin> margins = {};                       ///< margins of the chosen one
+    std::optional<measure::choice::SafeOffsets> offsets = {};     ///< of the chosen one, if measured
+    std::optional<Obstacle> obstacle = {};                        ///< if nothing meets the requirement
+    std::optional<RequirementMap> requirement_map = {};           ///< for each pixel of a scene
+    std::optional<std::vector<RepairedCandidate>> repaired = {};  ///< if they were asked for
 
     /// The repair behind a candidate; null for a candidate that is a form as it is.
-    [[nodiscard]] const MendedCandidate* mended_as(std::string_view form) const {
-        if (!mended) return nullptr;
-        const auto found = std::ranges::find(*mended, form, &MendedCandidate::name);
-        return found == mended->end() ? nullptr : &*found;
+    [[nodiscard]] const RepairedCandidate* repair_of(std::string_view form) const {
+        if (!repaired) return nullptr;
+        const auto found = std::ranges::find(*repaired, form, &RepairedCandidate::name);
+        return found == repaired->end() ? nullptr : &*found;
     }
 };
 
@@ -89,7 +89,7 @@ struct CandidateRow {
     const measure::speed::Timing* time;  ///< null: unknown
     const RowQuality* quality;
     bool meets, chosen;
-    const MendedCandidate* mended;  ///< null: the form as it is
+    const RepairedCandidate* repair;  ///< null: the form as it is
 };
 table::Table<CandidateRow> candidate_table();
 /// The rows of choose.csv, cheapest first.

@@ -12,8 +12,8 @@
 
 namespace lostbits::output::choice {
 
-using measure::choice::End;
 using measure::choice::Growth;
+using measure::choice::MarginEnd;
 
 namespace {
 
@@ -66,7 +66,7 @@ std::string kept(const RowQuality& quality, int precision, const Requirement& re
     return std::isnan(quality.kept_bits)
                ? "no hit to keep bits of"
                : fmt::format("{} of {} bits{}", bits_text_near(quality.kept_bits, requirement), precision,
-                             off_text(quality.off, requirement));
+                             off_text(quality.distance_error, requirement));
 }
 
 std::string decisions(const RowQuality& quality) {
@@ -91,12 +91,12 @@ std::string times(double factor) { return fmt::format("{:.2f} times", factor); }
 
 std::string broken_by(const GrowthMargin& margin, const Requirement& requirement, int precision) {
     if (!margin.broken.decides(requirement)) {
-        const std::string_view first = measure::answer::wrong_decision_phrase(margin.broken.first.value());
+        const std::string_view first = measure::answer::wrong_decision_phrase(margin.broken.main_fault.value());
         const std::string rays = scene::toml::counted(margin.broken.rays, "ray");
-        if (margin.broken.of_first == margin.broken.wrong)
+        if (margin.broken.main_fault_count == margin.broken.wrong)
             return fmt::format("{} ({} of {})", first, margin.broken.wrong, rays);
         return fmt::format("wrong decisions ({} of {}; most often, {} times, {})", margin.broken.wrong, rays,
-                           margin.broken.of_first, first);
+                           margin.broken.main_fault_count, first);
     }
     return std::isnan(margin.broken.kept_bits) ? "no hit on which form and truth agree"
                                                : "keeping " + kept(margin.broken, precision, requirement);
@@ -205,13 +205,13 @@ std::string nothing_meets(const ChoiceResult& chosen) {
 
 /// Results of repairing the forms that do not meet the requirement.
 std::string mended_text(const ChoiceResult& chosen) {
-    if (!chosen.mended) return "";
-    if (chosen.mended->empty())
+    if (!chosen.repaired) return "";
+    if (chosen.repaired->empty())
         return "The repair gave no new form: each form here already meets the requirement, or cannot be repaired to "
                "meet it.\n";
     const Requirement& requirement = chosen.request.requirement;
     std::string text;
-    for (const MendedCandidate& one : *chosen.mended) {
+    for (const RepairedCandidate& one : *chosen.repaired) {
         const auto found =
             std::ranges::find(chosen.all, one.name, [](const Candidate& c) { return c.row.form->info->name; });
         const int precision = found->row.format.parameters.precision;
@@ -219,8 +219,8 @@ std::string mended_text(const ChoiceResult& chosen) {
             fmt::format("{} is {}: {}, {}; {:.2f} ns.\n", one.name, one.how,
                         kept(found->quality, precision, requirement), decisions(found->quality), nanoseconds(*found));
         text += fmt::format("  On rays that the search did not use: {}, {}{}. Its file: {}\n",
-                            kept(one.apart, precision, requirement), decisions(one.apart),
-                            one.apart.meets(requirement) ? "" : ", which does not meet the requirement", one.file);
+                            kept(one.held_out, precision, requirement), decisions(one.held_out),
+                            one.held_out.meets(requirement) ? "" : ", which does not meet the requirement", one.file);
     }
     return text;
 }
@@ -230,12 +230,12 @@ std::string mended_text(const ChoiceResult& chosen) {
 std::string margin_end_text(const GrowthMargin& margin, const measure::choice::FileRays* rays,
                             const std::string& broken) {
     switch (margin.end) {
-        case End::fails: return broken;
-        case End::nothing_hit: return "; beyond that no ray hits anything";
-        case End::other_scene:
+        case MarginEnd::fails: return broken;
+        case MarginEnd::nothing_hit: return "; beyond that no ray hits anything";
+        case MarginEnd::other_scene:
             return fmt::format("; beyond that, the scene rounded to {} is another scene",
                                rays ? rays->format.name : "binary32");
-        case End::none: break;
+        case MarginEnd::none: break;
     }
     return ", the largest change that was tried";
 }

@@ -20,7 +20,7 @@ std::string bits(double kept, const Requirement& requirement, double off = measu
 
 /// Bits kept, and the wrong decisions if the requirement does not allow them.
 std::string kept_and_wrong(const RowQuality& quality, const Requirement& requirement) {
-    const std::string kept = bits(quality.kept_bits, requirement, quality.off);
+    const std::string kept = bits(quality.kept_bits, requirement, quality.distance_error);
     if (quality.decides(requirement)) return kept;
     return fmt::format("{} and decides {} of {} wrongly", kept, quality.wrong,
                        scene::toml::counted(quality.rays, "ray"));
@@ -42,7 +42,7 @@ std::string required_inputs_text(const ChoiceResult& chosen, const Candidate& ne
     const Obstacle& found = *chosen.obstacle;
     const Requirement& requirement = chosen.request.requirement;
     const Shape shape = near.row.form->shape;
-    const std::string_view places = is_primitive(shape) ? row_of(shape).words.places : "centres";
+    const std::string_view places = is_primitive(shape) ? row_of(shape).texts.places : "centres";
     const auto form_in_f64 = [&near, &requirement](const InputTrial& trial) {
         return trial.form ? fmt::format("; {} in f64 keeps {}", near.row.form->info->name,
                                         kept_and_wrong(*trial.form, requirement))

@@ -80,8 +80,10 @@ std::string picture_of(const SceneSubject& on, const ShownSubject& shown) {
                                               .metrics = {measure::metric::find_metric("lost_bits")},
                                               .limit = {.stop = shown.run.stop}};
     const std::string file = scene.id + ".png";
-    map::MapFiles sheet(
-        request, {.folder = {}, .drawn = request.metrics, .named = scene.id, .sheet_alone = picture_path(shown, file)});
+    map::MapFiles sheet(request, {.folder = {},
+                                  .drawn = request.metrics,
+                                  .scene_arguments = scene.id,
+                                  .sheet_alone = picture_path(shown, file)});
     sheet.finish(measure::evaluate::run_map(request, sheet.show()));
     return picture_link(shown, scene.title, file);
 }

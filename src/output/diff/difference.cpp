@@ -98,11 +98,11 @@ std::optional<PairVerdict> judge_far(const CellValue& x, const CellValue& y, con
     const CellValue& larger = y.digits.empty() || (!x.digits.empty() && magnitude(x) > magnitude(y)) ? x : y;
     PairVerdict v{.differs = true, .measured = true, .absolute = std::fabs(larger.approximate()), .relative = 1};
     if (tolerance == nullptr) return v;
-    const CellValue& most = tolerance->absolute;
+    const CellValue& absolute = tolerance->absolute;
     const double relative = tolerance->relative.approximate();
     // With the magnitude m of the larger number, |a − b| lies between 10^(m − 2) and 10^(m + 1).
-    const bool below = most.digits.empty() || magnitude(most) <= magnitude(larger) - 2;
-    const bool above = !most.digits.empty() && magnitude(most) >= magnitude(larger) + 2;
+    const bool below = absolute.digits.empty() || magnitude(absolute) <= magnitude(larger) - 2;
+    const bool above = !absolute.digits.empty() && magnitude(absolute) >= magnitude(larger) + 2;
     if (!above && relative < 2 && !(below && relative < 0.5)) return {};
     v.differs = below && relative < 0.5;
     return v;
@@ -114,16 +114,16 @@ PairVerdict judge_cells(std::string_view a, std::string_view b, const Tolerance*
     const CellValue x = file::read_cell(a), y = file::read_cell(b);
     if (x.kind != Kind::number || y.kind != Kind::number) {
         const bool both_text = x.kind == Kind::text && y.kind == Kind::text;
-        return {.differs = !(x == y), .kinds = !both_text};
+        return {.differs = !(x == y), .not_finite = !both_text};
     }
     if (const auto far = judge_far(x, y, tolerance)) return *far;
     const Exact p(x), q(y), apart = distance(p, q);
-    const bool first = at_most({abs(q.n), q.exponent}, {abs(p.n), p.exponent});
-    const Exact larger = first ? Exact(abs(p.n), p.exponent) : Exact(abs(q.n), q.exponent);
+    const bool first_is_larger = at_most({abs(q.n), q.exponent}, {abs(p.n), p.exponent});
+    const Exact larger = first_is_larger ? Exact(abs(p.n), p.exponent) : Exact(abs(q.n), q.exponent);
     PairVerdict v{.measured = true, .absolute = apart.approximate()};
     if (larger.n != 0) {
         // Scaled to the larger number, so that neither leaves the range of a double.
-        const int size = magnitude(first ? x : y);
+        const int size = magnitude(first_is_larger ? x : y);
         v.relative = apart.approximate(size) / larger.approximate(size);
     }
     if (tolerance == nullptr) {
@@ -144,7 +144,7 @@ double number_in(std::string_view cell) {
 PairVerdict judge_samples(float a, float b, const std::optional<std::pair<double, double>>& tolerance) {
     if (std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) || (std::isnan(a) && std::isnan(b)))
         return {};
-    if (!std::isfinite(a) || !std::isfinite(b)) return {.differs = true, .kinds = true};
+    if (!std::isfinite(a) || !std::isfinite(b)) return {.differs = true, .not_finite = true};
     const double x = a, y = b, apart = std::fabs(x - y), larger = std::max(std::fabs(x), std::fabs(y));
     const bool tolerated = tolerance && (apart <= tolerance->first || apart <= tolerance->second * larger);
     return {.differs = !tolerated, .measured = true, .absolute = apart, .relative = larger == 0 ? 0 : apart / larger};

@@ -56,7 +56,7 @@ struct Largest {
 struct ColumnDifference {
     std::string name;
     std::uint64_t count = 0;  ///< number of cells or samples that differ
-    std::uint64_t kinds =
+    std::uint64_t not_finite =
         0;             ///< those of them where a number meets NaN, infinity, nothing or text, or two of these meet
     Largest absolute;  ///< largest |a − b| over all pairs of unequal finite numbers, tolerated or not
     Largest relative;  ///< largest |a − b| / max(|a|, |b|) over the same pairs
@@ -131,6 +131,6 @@ struct DifferenceTexts {
 /// Writes the picture. The ends of the ramp are the largest difference, at least one bit. Throws InputError if the
 /// sizes differ.
 void draw_difference(const std::filesystem::path& path, const PixelField& a, const PixelField& b,
-                     const DifferenceTexts& words);
+                     const DifferenceTexts& texts);
 
 }  // namespace lostbits::output::diff

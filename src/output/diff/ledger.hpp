@@ -13,8 +13,8 @@ namespace lostbits::output::diff {
 /// Relation of two cells or samples that are not the same.
 struct PairVerdict {
     bool differs = false;
-    bool kinds = false;     ///< at least one of them is not a finite number
-    bool measured = false;  ///< both are finite numbers, and these are their distances
+    bool not_finite = false;  ///< at least one of them is not a finite number
+    bool measured = false;    ///< both are finite numbers, and these are their distances
     double absolute = 0, relative = 0;
 };
 
@@ -50,7 +50,7 @@ struct Ledger {
 /// Records a verdict under its column; returns true if it is a difference.
 inline bool record_verdict(ColumnDifference& column, const PairVerdict& v, const auto& make_place) {
     column.count += v.differs;
-    column.kinds += v.differs && v.kinds;
+    column.not_finite += v.differs && v.not_finite;
     const auto raise = [&](Largest& largest, double value) {
         if (largest.at.empty() || value > largest.value) largest = {value, make_place()};
     };

@@ -98,7 +98,7 @@ std::vector<Rgb8> difference_ramp() {
 }
 
 void draw_difference(const std::filesystem::path& path, const PixelField& a, const PixelField& b,
-                     const DifferenceTexts& words) {
+                     const DifferenceTexts& texts) {
     if (a.width != b.width || a.height != b.height)
         throw InputError(fmt::format("{}: {}x{} pixels in {}, {}x{} in {}; make both maps with the same --size",
                                      words.title, a.width, a.height, words.first, b.width, b.height, words.second));

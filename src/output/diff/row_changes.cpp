@@ -244,7 +244,7 @@ RowChanges compare_rows(const CsvTable& a, const CsvTable& b, const std::string&
             if (before == after) continue;
             const bool place = is_place(x->name);
             const PairVerdict v = judge_cells(before, after, tolerance, tolerance == nullptr && place);
-            if (!v.differs || (two_forms && (place || (!v.measured && !v.kinds)))) continue;
+            if (!v.differs || (two_forms && (place || (!v.measured && !v.not_finite)))) continue;
             differs = true;
             ++found.count;
             if (is_outcome(x->name)) {

@@ -96,7 +96,7 @@ std::string kind_of(const std::string& command) {
 }  // namespace
 
 std::optional<Provenance> ResultFolder::last_run_in(const fs::path& folder) {
-    const auto all = listed_runs(folder);
+    const auto all = manifest_runs(folder);
     if (all.empty()) return {};
     return all.front().by;
 }
@@ -120,11 +120,11 @@ ResultFolder::ResultFolder(fs::path folder, Provenance made_by, Rules rules)
     if (!fs::is_directory(folder_, ignored))
         throw EnvironmentError(fmt::format("{}: cannot create the folder: {}; choose another -o", folder.string(),
                                            error ? error.message() : "a file has that name"));
-    for (ListedRun& run : listed_runs(folder_)) {
+    for (ManifestRun& run : manifest_runs(folder_)) {
         if (rules_.shared && kind_of(run.by.command) != kind_of(made_by_.command)) others_.push_back(std::move(run));
         else earlier_.merge(run.files);
     }
-    refuse_strange_list();
+    refuse_strange_manifest();
     if (!rules_.keep) refuse_lasting_results();
     if (!rules_.force && !rules_.shared) refuse_strange_results();
     if (!rules_.keep) {
@@ -158,7 +158,8 @@ void ResultFolder::refuse_strange_results() const {
     std::vector<std::string> strange;
     std::error_code ignored;
     for (auto at = fs::recursive_directory_iterator(folder_, ignored); at != fs::end(at); at.increment(ignored)) {
-        if (at->is_directory(ignored) && fs::exists(at->path() / list_name, ignored)) at.disable_recursion_pending();
+        if (at->is_directory(ignored) && fs::exists(at->path() / manifest_name, ignored))
+            at.disable_recursion_pending();
         if (!at->is_regular_file(ignored) || !looks_like_a_result(at->path())) continue;
         const std::string name = name_in(folder_, at->path());
         if (!earlier_.contains(name)) strange.push_back(name);
@@ -169,15 +170,15 @@ void ResultFolder::refuse_strange_results() const {
     throw InputError(fmt::format(
         "{}: holds results that are not in its {}: {}{}; they would be mixed with the results of this run; choose "
         "another -o, move them away, or add --force to leave them there",
-        folder_.string(), list_name, strange.front(), more));
+        folder_.string(), manifest_name, strange.front(), more));
 }
 
 /// Throws InputError if a file that is not our list has its name: without a list the owner of a file is unknown.
-void ResultFolder::refuse_strange_list() const {
+void ResultFolder::refuse_strange_manifest() const {
     std::error_code ignored;
-    const fs::path list = folder_ / list_name;
+    const fs::path list = folder_ / manifest_name;
     const auto status = fs::symlink_status(list, ignored);
-    if (!fs::exists(status) || (fs::is_regular_file(status) && !listed_runs(folder_).empty())) return;
+    if (!fs::exists(status) || (fs::is_regular_file(status) && !manifest_runs(folder_).empty())) return;
     throw InputError(
         list.string() +
         ": is not a list of results, and this run would replace it with its own; move it away, or choose another "
@@ -191,14 +192,14 @@ void ResultFolder::refuse_strange(const std::string& name) {
     if (!fs::exists(status)) return;
     const bool elsewhere =
         name_in(fs::canonical(folder_, ignored), fs::weakly_canonical(path.parent_path(), ignored) / "x").empty();
-    const auto lists = [&name](const ListedRun& run) { return run.files.contains(name); };
+    const auto lists = [&name](const ManifestRun& run) { return run.files.contains(name); };
     const std::lock_guard lock(mutex_);
     const bool own = earlier_.contains(name) || files_.contains(name) || std::ranges::any_of(others_, lists);
     if (own && !elsewhere && !fs::is_symlink(status)) return;
     throw InputError(fmt::format(
         "{}: {}, and a result of this run would replace it; move it away, or choose another -o", path.string(),
         elsewhere || fs::is_symlink(status) ? "is a link, or is reached through one"
-                                            : fmt::format("is not in the {} of its folder", list_name)));
+                                            : fmt::format("is not in the {} of its folder", manifest_name)));
 }
 
 namespace {
@@ -287,26 +288,26 @@ void ResultFolder::note(const std::string& name) {
     const std::lock_guard lock(mutex_);
     if (!begun_) begin();
     begun_ = true;
-    if (files_.insert(name).second) write_list();
+    if (files_.insert(name).second) write_manifest();
 }
 
 void ResultFolder::forget(const std::string& name) {
     const std::lock_guard lock(mutex_);
-    if (files_.erase(name) > 0) write_list();
+    if (files_.erase(name) > 0) write_manifest();
 }
 
-void ResultFolder::write_list() {
-    for (ListedRun& other : others_) {
+void ResultFolder::write_manifest() {
+    for (ManifestRun& other : others_) {
         for (const std::string& name : files_) other.files.erase(name);
     }
-    write_file(folder_ / list_name, list_text({made_by_, files_}, others_));
+    write_file(folder_ / manifest_name, manifest_text({made_by_, files_}, others_));
 }
 
 ResultFolder* ResultFolder::owner_of(const fs::path& path, std::string& name) {
     const std::lock_guard lock(owned().mutex);
     for (ResultFolder* folder : owned().folders) {
         name = name_in(folder->folder_, path);
-        if (!name.empty() && name != list_name) return folder;
+        if (!name.empty() && name != manifest_name) return folder;
     }
     return nullptr;
 }

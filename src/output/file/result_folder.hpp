@@ -43,7 +43,7 @@ class ResultFolder {
 public:
     using Rules = ResultFolderRules;
     /// The files of one run.
-    struct ListedRun {
+    struct ManifestRun {
         Provenance by;
         std::set<std::string> files;
     };
@@ -77,11 +77,11 @@ private:
     friend std::vector<std::string> figures_in(const std::filesystem::path& path);
     static ResultFolder* owner_of(const std::filesystem::path& path, std::string& name);
     void refuse_strange_results() const;
-    void refuse_strange_list() const;
+    void refuse_strange_manifest() const;
     void refuse_strange(const std::string& name);
     void note(const std::string& name);
     void forget(const std::string& name);
-    void write_list();
+    void write_manifest();
     void begin();
     [[nodiscard]] int remove_marker() noexcept;
     void refuse_lasting_results() const;
@@ -92,7 +92,7 @@ private:
     Rules rules_;
     std::vector<std::filesystem::path> created_;  // folders that were not there, deepest first
     std::set<std::string> earlier_, files_;
-    std::vector<ListedRun> others_;  // files of other commands, if the folder is shared
+    std::vector<ManifestRun> others_;  // files of other commands, if the folder is shared
     std::mutex mutex_;
     bool begun_ = false;
     int lock_ = -1, marker_ = -1;
@@ -100,13 +100,13 @@ private:
 };
 
 /// Name of the list that a run leaves in its folder: its files and the command that made them.
-inline constexpr const char* list_name = "manifest.json";
+inline constexpr const char* manifest_name = "manifest.json";
 /// The runs and files on the list of a folder, the last run first; nothing if there is no list or it is not one of
 /// ours.
-[[nodiscard]] std::vector<ResultFolder::ListedRun> listed_runs(const std::filesystem::path& folder);
+[[nodiscard]] std::vector<ResultFolder::ManifestRun> manifest_runs(const std::filesystem::path& folder);
 /// The contents of a list.
-[[nodiscard]] std::string list_text(const ResultFolder::ListedRun& last,
-                                    const std::vector<ResultFolder::ListedRun>& others);
+[[nodiscard]] std::string manifest_text(const ResultFolder::ManifestRun& last,
+                                        const std::vector<ResultFolder::ManifestRun>& others);
 
 /// Called by AtomicFile when a file is about to get its final name.
 void note_result(const std::filesystem::path& path);

@@ -147,8 +147,8 @@ void Canvas::fill(int x, int y, int width, int height, Rgb8 colour) {
     if (box.width == 0 || box.height == 0) return;
     CanvasMark* const last = marks_.empty() ? nullptr : &marks_.back();
     auto* const same = last ? std::get_if<CanvasMark::Fill>(&last->shape) : nullptr;
-    if (same && last->colour == colour && last->data == about_) same->boxes.push_back(box);
-    else marks_.push_back({CanvasMark::Fill{{box}}, colour, bounds(), about_});
+    if (same && last->colour == colour && last->data == mark_data_) same->boxes.push_back(box);
+    else marks_.push_back({CanvasMark::Fill{{box}}, colour, bounds(), mark_data_});
 }
 
 void Canvas::frame(int x, int y, int width, int height, Rgb8 colour) {
@@ -159,17 +159,17 @@ void Canvas::frame(int x, int y, int width, int height, Rgb8 colour) {
 }
 
 void Canvas::text(int x, int y, const TextBitmap& text, Rgb8 colour) {
-    if (text.width > 0) marks_.push_back({CanvasMark::Line{x, y, text}, colour, bounds(), about_});
+    if (text.width > 0) marks_.push_back({CanvasMark::Line{x, y, text}, colour, bounds(), mark_data_});
 }
 
 void Canvas::field(const PixelBox& box, int columns, std::vector<Rgb8> samples) {
     if (box.width > 0 && box.height > 0)
-        marks_.push_back({CanvasMark::Field{box, columns, std::move(samples)}, {}, bounds(), about_});
+        marks_.push_back({CanvasMark::Field{box, columns, std::move(samples)}, {}, bounds(), mark_data_});
 }
 
 void Canvas::coat(const PixelBox& box, std::vector<Figure> figures, Rgb8 colour, double opacity) {
     if (!figures.empty())
-        marks_.push_back({CanvasMark::Coat{std::move(figures), opacity}, colour, common(box, bounds()), about_});
+        marks_.push_back({CanvasMark::Coat{std::move(figures), opacity}, colour, common(box, bounds()), mark_data_});
 }
 
 namespace {

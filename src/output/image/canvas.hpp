@@ -97,8 +97,8 @@ public:
     /// Blends `colour` into the pixels of the box that the figures cover.
     void coat(const PixelBox& box, std::vector<Figure> figures, Rgb8 colour, double opacity = 1);
     /// The marks that follow show this, until the next call.
-    void about(MarkData data) { about_ = std::make_shared<const MarkData>(std::move(data)); }
-    void about_nothing() { about_ = nullptr; }
+    void set_mark_data(MarkData data) { mark_data_ = std::make_shared<const MarkData>(std::move(data)); }
+    void clear_mark_data() { mark_data_ = nullptr; }
     /// Draws the marks of `other`, cut off at its edges, without its paper.
     void picture(int x, int y, const Canvas& other);
 
@@ -108,7 +108,7 @@ private:
     int width_, height_;
     Rgb8 paper_;
     std::vector<CanvasMark> marks_;
-    std::shared_ptr<const MarkData> about_;
+    std::shared_ptr<const MarkData> mark_data_;
 };
 
 /// One coat of one colour. Figures are collected and painted together, so that a line that crosses itself and the joint

@@ -168,7 +168,7 @@ void draw_figures(cairo_t* pen, std::span<const Figure> figures) {
 }  // namespace
 
 TextBitmap cairo_text(std::string_view utf8, int size, bool bold) {
-    const KeepsFloatingPoint same;
+    const FloatingPointGuard guard;
     const std::lock_guard lock(font_mutex);
     // The box of DejaVu Sans in em. A common line box keeps the baselines of different words level. Digits are 0.73 em
     // high, so raised digits stay inside.
@@ -207,7 +207,7 @@ TextBitmap cairo_text(std::string_view utf8, int size, bool bold) {
 }
 
 std::vector<std::uint8_t> cairo_coverage(std::span<const Figure> figures, const PixelBox& box) {
-    const KeepsFloatingPoint same;
+    const FloatingPointGuard guard;
     const Paper paper(box.width, box.height);
     cairo_t* const pen = paper.pen();
     cairo_translate(pen, -box.x, -box.y);
@@ -355,7 +355,7 @@ private:
 }  // namespace
 
 void cairo_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& words) {
-    const KeepsFloatingPoint same;
+    const FloatingPointGuard guard;
     const std::lock_guard lock(font_mutex);
     const PdfPage page(sink, canvas, words);
 }

@@ -52,7 +52,7 @@ fs::path find_module() {
 
 ImageBackend& load() {
     const fs::path path = find_module();
-    const intersect::process::KeepsFloatingPoint same;
+    const intersect::process::FloatingPointGuard guard;
     // Never closed, because the library behind it starts threads and registers exit handlers.
     // Lazy, because resolving all 168 000 symbols of the library and its dependencies at once takes a tenth of a
     // second.

@@ -128,7 +128,7 @@ public:
     OiioPng& operator=(const OiioPng&) = delete;
 
     void write_rows(int rows, std::span<const Rgb8> pixels) override {
-        const KeepsFloatingPoint same;
+        const FloatingPointGuard guard;
         if (!out_) throw std::logic_error(path_ + ": rows after close");
         if (rows < 0 || rows > height_ - next_ ||
             pixels.size() != static_cast<std::size_t>(width_) * static_cast<std::size_t>(rows))
@@ -141,7 +141,7 @@ public:
     }
 
     void close() override {
-        const KeepsFloatingPoint same;
+        const FloatingPointGuard guard;
         if (!out_) throw std::logic_error(path_ + ": closed twice");
         if (next_ != height_) {
             throw std::logic_error(path_ + ": closed after " + std::to_string(next_) + " of " +
@@ -168,7 +168,7 @@ private:
 class OiioBackend final : public ImageBackend {
 public:
     OiioBackend() {
-        const KeepsFloatingPoint same;
+        const FloatingPointGuard guard;
         // The caller spreads files over its own threads, and the library's pools would compete with them.
         OIIO::attribute("threads", 1);
         OIIO::attribute("exr_threads", -1);
@@ -181,7 +181,7 @@ public:
                              "'; try viridis, inferno, magma, plasma or turbo");
         }
         if (steps < 2) throw std::logic_error("a colour ramp of fewer than two steps");
-        const KeepsFloatingPoint same;
+        const FloatingPointGuard guard;
         OIIO::ImageBuf positions(OIIO::ImageSpec(steps, 1, 1, OIIO::TypeDesc::FLOAT));
         for (int i = 0; i < steps; ++i) {
             const float p = static_cast<float>(i) / static_cast<float>(steps - 1);
@@ -218,7 +218,7 @@ protected:
 };
 
 std::vector<std::string> OiioBackend::exr_parts(const std::filesystem::path& path) {
-    const KeepsFloatingPoint same;
+    const FloatingPointGuard guard;
     static_cast<void>(ExrHeads(path));
     const auto in = open_input(path, "openexr");
     std::vector<std::string> names;
@@ -228,7 +228,7 @@ std::vector<std::string> OiioBackend::exr_parts(const std::filesystem::path& pat
 }
 
 ExrImage OiioBackend::read_exr(const std::filesystem::path& path, std::size_t part) {
-    const KeepsFloatingPoint same;
+    const FloatingPointGuard guard;
     static_cast<void>(ExrHeads(path));
     const auto in = open_input(path, "openexr");
     const int place = static_cast<int>(part);
@@ -283,7 +283,7 @@ ExrImage OiioBackend::read_exr(const std::filesystem::path& path, std::size_t pa
 }
 
 PngImage OiioBackend::read_png(const std::filesystem::path& path) {
-    const KeepsFloatingPoint same;
+    const FloatingPointGuard guard;
     const auto in = open_input(path, "png");
     const OIIO::ImageSpec& spec = in->spec();
     if (spec.nchannels != 3 || spec.format != OIIO::TypeDesc::UINT8) {

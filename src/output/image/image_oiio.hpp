@@ -21,7 +21,7 @@
 namespace lostbits::output::image {
 
 /// Guard for every call of the library.
-using intersect::process::KeepsFloatingPoint;
+using intersect::process::FloatingPointGuard;
 
 /// Implementations of ImageBackend::render_text, cover and write_pdf.
 [[nodiscard]] TextBitmap cairo_text(std::string_view utf8, int size, bool bold);

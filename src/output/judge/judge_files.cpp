@@ -176,9 +176,9 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
     }
     p.map.emplace(p.map_request, map::MapFilesOptions{.folder = p.options.folder,
                                                       .drawn = p.options.drawn,
-                                                      .singles = p.options.singles,
-                                                      .named = "",
-                                                      .also = tables,
+                                                      .single_pictures = p.options.single_pictures,
+                                                      .scene_arguments = "",
+                                                      .other_tables = tables,
                                                       .name_of_ray = name_of,
                                                       .listed = !request.picture,
                                                       .keep = p.keep_of_map(),

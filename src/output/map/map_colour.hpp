@@ -106,10 +106,10 @@ public:
     [[nodiscard]] std::string widest_caption(std::uint64_t pixels) const;
 
 private:
-    [[nodiscard]] bool is_of_hits() const { return metric_->over == measure::metric::MetricDomain::agreed_hits; }
+    [[nodiscard]] bool is_of_hits() const { return metric_->domain == measure::metric::MetricDomain::agreed_hits; }
     /// True for a distance between two forms, which exists where both hit.
     [[nodiscard]] bool is_distance() const {
-        return metric_->over == measure::metric::MetricDomain::pairs && look_.scale;
+        return metric_->domain == measure::metric::MetricDomain::pairs && look_.scale;
     }
     [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const pixel::CategoryCounts& all) const;
     [[nodiscard]] std::vector<image::LegendEntry> widest_culprit_legend(std::uint64_t pixels) const;

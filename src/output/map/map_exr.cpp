@@ -96,8 +96,8 @@ pixel::ExrLayers<MapStrip> layers_of(const MapExrRequest& request, const TestedF
         const auto& answers = *strip.result->answers;
         return answers.hit[i] != 0 ? answers.t[i] : missing;
     });
-    layers.add_count("class.outcome", [](const MapStrip& strip, std::size_t i) { return strip.result->outcomes[i]; });
-    layers.add_count("class.object", [](const MapStrip& strip, std::size_t i) {
+    layers.add_uint("class.outcome", [](const MapStrip& strip, std::size_t i) { return strip.result->outcomes[i]; });
+    layers.add_uint("class.object", [](const MapStrip& strip, std::size_t i) {
         const auto& answers = *strip.result->answers;
         return answers.hit[i] != 0 ? answers.object[i] + 1 : 0;
     });

@@ -74,7 +74,7 @@ MapFiles::MapFiles(const MapStudy& request, const MapFilesOptions& options)
     : parts_(new Parts{.request = request, .options = options}) {
     Parts& p = *parts_;
     // Check before an hour of work is spent.
-    const std::size_t of_row = (options.singles ? options.drawn.size() : 0) + (options.pixels_csv ? 1 : 0);
+    const std::size_t of_row = (options.single_pictures ? options.drawn.size() : 0) + (options.pixels_csv ? 1 : 0);
     file::require_open_files(request.rows.size() * of_row + options.drawn.size() + 2, options.folder.string(),
                              "select fewer forms, formats or metrics");
     const bool tabled = !options.keep && options.sheet_alone.empty();
@@ -91,7 +91,7 @@ MapFiles::MapFiles(const MapStudy& request, const MapFilesOptions& options)
 
 MapFiles::~MapFiles() = default;
 
-measure::evaluate::ShowRows MapFiles::show() { return measure::evaluate::shown_to_each(parts_->rows); }
+measure::evaluate::ShowRows MapFiles::show() { return measure::evaluate::show_to_each(parts_->rows); }
 
 void MapFiles::put(std::size_t row, pixel::Piece&& piece) { parts_->rows.at(row).put(piece); }
 
@@ -100,15 +100,17 @@ void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::
     p.pictures->finish(summaries);
     if (!p.summary) return;
     const auto name_of = [&p](const measure::evaluate::WorstRay& ray) {
-        return p.options.name_of_ray ? p.options.name_of_ray(ray)
-                                     : attribution::name_of_pixel(p.options.named, static_cast<int>(ray.x), ray.y);
+        return p.options.name_of_ray
+                   ? p.options.name_of_ray(ray)
+                   : attribution::name_of_pixel(p.options.scene_arguments, static_cast<int>(ray.x), ray.y);
     };
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         p.summary->add_all(summary_rows(r, p.request.rows[r], summaries[r], groups, name_of));
         if (p.culprits) p.culprits->add_all(culprits_of(p.request.metrics, p.request.rows[r], summaries[r]));
     }
     if (p.options.exr) p.options.exr->close();
-    table::close_tables(p.options.folder, p.request.scene->title, *p.summary, p.culprits, p.rows, p.options.also);
+    table::close_tables(p.options.folder, p.request.scene->title, *p.summary, p.culprits, p.rows,
+                        p.options.other_tables);
 }
 
 }  // namespace lostbits::output::map

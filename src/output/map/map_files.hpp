@@ -19,20 +19,21 @@ struct MapFilesOptions {
     std::filesystem::path folder;  ///< folder of the scene; created if missing
     std::vector<const Metric*>
         drawn;  ///< metrics on sheets; those that are drawn alike share one. The first is also that of the preview
-    bool singles = false;     ///< also a picture of each metric of each row
-    bool pixels_csv = false;  ///< a row per pixel in `<form>.<format>.csv`
-    std::string named;        ///< names the scene to `lostbits explain`: an id and perhaps options
-    std::string explained_by =
+    bool single_pictures = false;  ///< also a picture of each metric of each row
+    bool pixels_csv = false;       ///< a row per pixel in `<form>.<format>.csv`
+    std::string scene_arguments;   ///< names the scene to `lostbits explain`: an id and perhaps options
+    std::string explaining_sheet =
         {};  ///< the sheet of this run that explains p99, orders and worst pixels; empty: this one
     /// Draws lost bits in a paler colour where the problem explains them (`inside_envelope`). Needs `excess_bits`.
     bool envelope = false;
     MapExr* exr = nullptr;  ///< for the same request; filled, and closed before summary.csv; null: no EXR is written
-    std::vector<file::DataResource> also = {};  ///< tables that others write into the folder, for datapackage.json
-    NameOfRay name_of_ray = {};                 ///< replaces `named` if the rays come from a file
-    bool listed = false;                        ///< the rays are a list and not a picture, so none is drawn
-    std::optional<BarRange> range = {};         ///< for every colour bar; absent: what fits each format
-    pixel::KeepPiece keep = {};                 ///< receives the pieces of a shard
-    std::string by = {};                        ///< column whose values group the rays; empty: none
+    std::vector<file::DataResource> other_tables =
+        {};                              ///< tables that others write into the folder, for datapackage.json
+    NameOfRay name_of_ray = {};          ///< replaces `scene_arguments` if the rays come from a file
+    bool listed = false;                 ///< the rays are a list and not a picture, so none is drawn
+    std::optional<BarRange> range = {};  ///< for every colour bar; absent: what fits each format
+    pixel::KeepPiece keep = {};          ///< receives the pieces of a shard
+    std::string by = {};                 ///< column whose values group the rays; empty: none
     /// If set, the only file: the sheet of lost bits, and nothing else is drawn. Its legend leaves out correct hits
     /// without a value.
     std::filesystem::path sheet_alone = {};

@@ -61,7 +61,7 @@ pixel::Pages MapPictures::pages() {
     for (MapSheet& sheet : sheets_) pages.push_back(page_of(sheet));
     return {.scene = *request_.scene,
             .sheets = std::move(pages),
-            .singles = options_.singles ? options_.folder : "",
+            .single_picture_folder = options_.single_pictures ? options_.folder : "",
             .stop = request_.limit.stop,
             .opened = !options_.keep};
 }
@@ -84,18 +84,19 @@ pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
         &sheet == sheets_.data() ? "contact.png" : fmt::format("contact.{}.png", file_word(*sheet.metrics.front()));
     const scene::file::Scene& scene = *request_.scene;
     const auto said_of = options_.listed ? std::span<const TestedForm>() : request_.rows;
-    return {alone ? options_.sheet_alone : options_.folder / name,
-            {.title = scene.title,
-             .subtitle = sheet_subtitle({scene, options_.named, said_of, sheet.paint, several, zooms(sheet.paint),
-                                         &sheet == sheets_.data() ? options_.explained_by : "contact"}),
-             .forms = sheet.forms,
-             .formats = sheet.lines,
-             .scales = std::move(scales),
-             .unit = alone ? "lost bits" : std::string(sheet.paint.metric().unit),
-             .categories = !sheet.paint.scale(),
-             .note_lines = cell_note_lines,
-             .collapses = !alone,
-             .zooms = zooms(sheet.paint)}};
+    return {
+        alone ? options_.sheet_alone : options_.folder / name,
+        {.title = scene.title,
+         .subtitle = sheet_subtitle({scene, options_.scene_arguments, said_of, sheet.paint, several, zooms(sheet.paint),
+                                     &sheet == sheets_.data() ? options_.explaining_sheet : "contact"}),
+         .forms = sheet.forms,
+         .formats = sheet.lines,
+         .scales = std::move(scales),
+         .unit = alone ? "lost bits" : std::string(sheet.paint.metric().unit),
+         .categories = !sheet.paint.scale(),
+         .note_lines = cell_note_lines,
+         .collapses = !alone,
+         .zooms = zooms(sheet.paint)}};
 }
 
 bool MapPictures::zooms(const MetricPaint& paint) const {
@@ -131,7 +132,7 @@ MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
         .file = row_name(row) + (options_.drawn.size() == 1 ? "" : "." + file_word(m)) + ".png",
         .title = fmt::format(
             "{} in {}: {}{}", row.form->info->name, row.format.name, m.name,
-            m.over == measure::metric::MetricDomain::pairs ? fmt::format(" {}", row.against->info->name) : ""),
+            m.domain == measure::metric::MetricDomain::pairs ? fmt::format(" {}", row.against->info->name) : ""),
         .subtitle = {title_of(*row.form->info), drawing.paint->note()},
         .look = std::make_shared<const pixel::Look>(look_of(drawing)),
         .places = {drawing.place},
@@ -172,10 +173,10 @@ std::string MapPictures::worst_pixel_text(const Drawing& drawing, const measure:
     if (!drawing.paint->names_worst()) return "";
     const TestedForm& row = request_.rows[drawing.row];
     const std::string place = fmt::format("; worst pixel {},{}", worst.x, worst.y);
-    if (!row.form->record || options_.named.empty()) return place;
+    if (!row.form->record || options_.scene_arguments.empty()) return place;
     return place + ": " +
-           attribution::explain_command(attribution::name_of_pixel(options_.named, static_cast<int>(worst.x), worst.y),
-                                        row);
+           attribution::explain_command(
+               attribution::name_of_pixel(options_.scene_arguments, static_cast<int>(worst.x), worst.y), row);
 }
 
 pixel::SheetEnd MapPictures::end_of(std::size_t sheet, const std::vector<FormSummary>& summaries) const {
@@ -220,13 +221,13 @@ std::string input_note(const scene::file::Scene& scene, std::span<const TestedFo
 }
 
 std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {
-    const auto& [scene, named, rows, paint, several, zooms, explained_by] = sheet;
+    const auto& [scene, scene_arguments, rows, paint, several, zooms, explaining_sheet] = sheet;
     std::vector<std::string> lines{fmt::format("{}, {} x {} rays{}", scene.id, scene.width, scene.height,
                                                paint.metric().by_run ? "" : "; percentages are of all rays"),
-                                   paint.note(several), explained_by.empty() ? paint.quantile_note() : "",
+                                   paint.note(several), explaining_sheet.empty() ? paint.quantile_note() : "",
                                    rows.empty() ? "" : input_note(scene, rows)};
-    if (!explained_by.empty()) {
-        lines.push_back(fmt::format("p99, the order of forms and worst pixels: as explained in {}", explained_by));
+    if (!explaining_sheet.empty()) {
+        lines.push_back(fmt::format("p99, the order of forms and worst pixels: as explained in {}", explaining_sheet));
     } else {
         if (!rows.empty())
             lines.push_back(
@@ -234,11 +235,11 @@ std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {
                             rows.front().format.name));
         if (paint.names_worst())
             lines.push_back(
-                named.empty()
+                scene_arguments.empty()
                     ? "worst pixel: summary.csv has the command that explains its ray, in the column worst_explain"
                     : fmt::format("worst pixel X,Y: lostbits explain {} --pixel X,Y -i FORM -f FORMAT{} shows how its "
                                   "answer came about{}",
-                                  named, attribution::plugin_options(),
+                                  scene_arguments, attribution::plugin_options(),
                                   zooms ? "; the inset enlarges its surroundings" : ""));
     }
     std::erase(lines, "");

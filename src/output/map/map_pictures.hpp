@@ -30,12 +30,12 @@ using measure::evaluate::MapStudy;
 /// Properties of a contact sheet that the lines below its title tell.
 struct SheetSubject {
     const scene::file::Scene& scene;
-    std::string named;                 ///< see `MapFilesOptions`; empty for rays of a file
+    std::string scene_arguments;       ///< see `MapFilesOptions`; empty for rays of a file
     std::span<const TestedForm> rows;  ///< without rows nothing is said about inputs
     const MetricPaint& paint;
-    bool several = false;           ///< it has several colour bars
-    bool zooms = false;             ///< its cells enlarge the worst pixel
-    std::string explained_by = {};  ///< see `MapFilesOptions`
+    bool several = false;               ///< it has several colour bars
+    bool zooms = false;                 ///< its cells enlarge the worst pixel
+    std::string explaining_sheet = {};  ///< see `MapFilesOptions`
 };
 [[nodiscard]] std::vector<std::string> sheet_subtitle(const SheetSubject& sheet);
 

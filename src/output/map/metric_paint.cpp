@@ -74,8 +74,8 @@ std::string lost_and_kept(double lost, int precision) {
 /// Colour of a value that is one of the metric's categories.
 Rgb8 category_colour(const Metric& metric, std::size_t category) {
     if (metric.categories.data() == intersect::stop_names.data()) return image::stop_colours[category];
-    if (metric.over == MetricDomain::pairs) return image::against_colours[category];
-    if (metric.over == MetricDomain::agreed_hits) return image::distinct_colour(category);  // slate is taken
+    if (metric.domain == MetricDomain::pairs) return image::against_colours[category];
+    if (metric.domain == MetricDomain::agreed_hits) return image::distinct_colour(category);  // slate is taken
     return category == 0 ? no_culprit : image::distinct_colour(category - 1);
 }
 
@@ -99,26 +99,27 @@ MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, const 
     // Nothing is wrong if two forms do not both hit, so this colour recedes.
     categories.push_back(
         {is_distance() ? not_both_hit : "",
-         pixel::colour_of(metric.over == MetricDomain::pairs ? Outcome::agree_miss : Outcome::not_a_number)});
+         pixel::colour_of(metric.domain == MetricDomain::pairs ? Outcome::agree_miss : Outcome::not_a_number)});
     // Correct hits without a value come last of the outcomes in legends.
     std::rotate(categories.begin() + static_cast<std::ptrdiff_t>(values_),
                 categories.begin() + static_cast<std::ptrdiff_t>(values_) + 1, categories.end() - 1);
 }
 
 bool MetricPaint::applies_to(const TestedForm& row) const {
-    if (metric_->over == MetricDomain::pairs)  // distances exist only between values of t with the same meaning
+    if (metric_->domain == MetricDomain::pairs)  // distances exist only between values of t with the same meaning
         return row.against != nullptr &&
                (!metric_->categories.empty() || measure::answer::are_comparable(*row.form->info, *row.against->info));
     const bool machine = row.format.engine != Format::Engine::rounded;
     if ((metric_->needs & measure::metric::needs_bound) && (row.form->bounded == nullptr || !machine)) return false;
-    if ((metric_->needs & measure::metric::needs_filter_arithmetic) && row.form->way == nullptr) return false;
-    return metric_->over != MetricDomain::marches || !is_primitive(row.form->shape);
+    if ((metric_->needs & measure::metric::needs_filter_arithmetic) && row.form->filter_arithmetic == nullptr)
+        return false;
+    return metric_->domain != MetricDomain::marches || !is_primitive(row.form->shape);
 }
 
 bool MetricPaint::shares_with(const Metric& other) const {
     const Metric& m = *metric_;
     return m.unit == other.unit && m.ramp == other.ramp && m.low == other.low && m.high == other.high &&
-           m.over == other.over && m.categories.data() == other.categories.data();
+           m.domain == other.domain && m.categories.data() == other.categories.data();
 }
 
 pixel::PixelValue MetricPaint::pixel(Outcome outcome, double value) const {
@@ -126,8 +127,8 @@ pixel::PixelValue MetricPaint::pixel(Outcome outcome, double value) const {
         if (!look_.scale) return {static_cast<std::size_t>(value)};
         return {0, is_of_hits() ? std::fabs(value) : value};
     }
-    const bool by_outcome =
-        is_of_hits() || metric_->over == MetricDomain::blamed || (metric_->over == MetricDomain::every && look_.scale);
+    const bool by_outcome = is_of_hits() || metric_->domain == MetricDomain::blamed ||
+                            (metric_->domain == MetricDomain::every && look_.scale);
     return {by_outcome ? index_of(outcome) : look_.categories.size() - 1};
 }
 

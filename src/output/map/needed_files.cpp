@@ -62,7 +62,7 @@ NeededColumns pictures_of(const NeededStudy& request, const NeededFilesOptions& 
                  [](const NeededBand& band, std::size_t i) { return pixel_of(band.needed[i]); })});
     return {{.scene = request.scene,
              .sheets = {},
-             .singles = options.folder,
+             .single_picture_folder = options.folder,
              .stop = request.limit.stop,
              .opened = !options.keep},
             std::move(columns)};

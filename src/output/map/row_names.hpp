@@ -22,8 +22,8 @@ using measure::evaluate::TestedForm;
 /// `unified` for `sphere.unified`, if all forms have one shape. Forms outside the catalogue and sets keep their whole
 /// names.
 [[nodiscard]] inline std::string short_name(const Info& info) {
-    const bool is_alone = is_of_catalogue(info) && info.name.find('.') == info.name.rfind('.');
-    return std::string(info.name.substr(is_alone ? info.name.find('.') + 1 : 0));
+    const bool is_single_form = is_of_catalogue(info) && info.name.find('.') == info.name.rfind('.');
+    return std::string(info.name.substr(is_single_form ? info.name.find('.') + 1 : 0));
 }
 
 /// Title of a form for captions; a form from outside need not have one.

@@ -23,7 +23,7 @@ std::size_t look_of(const Strategy* strategy) {
 
 }  // namespace
 
-AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, Along along)
+AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, SceneAxis along)
     : folder_(folder),
       study_(study),
       along_(along),
@@ -57,7 +57,7 @@ plot::Series AlongFiles::series_of(std::size_t row, Side side, const std::functi
                         .x = steps_,
                         .dashed = strategy == nullptr,
                         .look = look_of(strategy)};
-    for (const auto& step : summaries_) series.y.push_back(value(step[row].on(side)));
+    for (const auto& step : summaries_) series.y.push_back(value(step[row].side_summary(side)));
     return series;
 }
 

@@ -162,7 +162,7 @@ pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::
 std::vector<study::Note> OffsetView::notes(const OffsetStudy& study, const std::vector<OffsetSummary>& summaries) {
     std::vector<study::Note> notes;
     for (std::size_t r = 0; r < summaries.size(); ++r)
-        for (const Side side : both_sides) add_notes(study, line_of(r, side), summaries[r].on(side), notes);
+        for (const Side side : both_sides) add_notes(study, line_of(r, side), summaries[r].side_summary(side), notes);
     return notes;
 }
 
@@ -227,22 +227,24 @@ std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r, 
     const OffsetRow& row = study.rows[r];
     const std::string of = fmt::format("{} {} {}", row.row.form->info->name, row.row.format.name, name_of(row.point));
     for (const Side side : measure::offset::both_sides) {
-        const measure::offset::SideSummary& on = summary.on(side);
+        const measure::offset::SideSummary& side_summary = summary.side_summary(side);
         std::string right;
         for (std::size_t k = 0; k < study.strategies.size(); ++k) {
-            if (on.strategies[k].bad > 0) continue;
+            if (side_summary.strategies[k].bad > 0) continue;
             right += fmt::format("{}{}", right.empty() ? "" : ", ", short_name(*study.strategies[k]));
         }
-        const double largest = on.safe.quantile(1);
+        const double largest = side_summary.safe.quantile(1);
         const std::string safe =
             std::isnan(largest)
-                ? fmt::format("no offset is safe at any of {}", scene::toml::counted(on.never_safe, "point"))
+                ? fmt::format("no offset is safe at any of {}", scene::toml::counted(side_summary.never_safe, "point"))
                 : fmt::format("smallest safe offset up to {}{}", file::short_decimal(largest, 3),
-                              on.never_safe == 0   ? ""
-                              : on.never_safe == 1 ? " (1 point has none)"
-                                                   : fmt::format(" ({} points have none)", on.never_safe));
+                              side_summary.never_safe == 0 ? ""
+                              : side_summary.never_safe == 1
+                                  ? " (1 point has none)"
+                                  : fmt::format(" ({} points have none)", side_summary.never_safe));
         lines.push_back(fmt::format("{} {}: {}; right for all {}: {}", of, name_of(side), safe,
-                                    scene::toml::counted(on.rays, "ray"), right.empty() ? "no strategy" : right));
+                                    scene::toml::counted(side_summary.rays, "ray"),
+                                    right.empty() ? "no strategy" : right));
     }
     const auto safe =
         measure::offset::safe_strategies(summary, study.strategies, row.row.form->shape, measure::offset::both_sides);

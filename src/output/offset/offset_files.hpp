@@ -14,10 +14,10 @@
 
 namespace lostbits::output::offset {
 
-using measure::offset::Along;
 using measure::offset::OffsetRow;
 using measure::offset::OffsetStudy;
 using measure::offset::OffsetSummary;
+using measure::offset::SceneAxis;
 using measure::offset::Side;
 using measure::offset::Strategy;
 
@@ -76,7 +76,7 @@ struct AlongRow {
 class AlongFiles {
 public:
     /// Opens the table. `study`, for the unchanged scene, must outlive it.
-    AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, Along along);
+    AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, SceneAxis along);
 
     void add(double k, std::vector<OffsetSummary> summaries);
     /// Draws the plots and gives the table its final name.
@@ -96,7 +96,7 @@ private:
 
     std::filesystem::path folder_;
     const OffsetStudy& study_;
-    Along along_;
+    SceneAxis along_;
     table::TableFile<AlongRow> table_;
     std::vector<double> steps_;
     std::vector<std::vector<OffsetSummary>> summaries_;  ///< one per step

@@ -188,9 +188,9 @@ Json metric_json(const Metric& m, std::span<const TestedForm> rows) {
     Json json{{"name", m.name},
               {"unit", m.unit},
               {"meaning", m.meaning},
-              {"marches", m.over == measure::metric::MetricDomain::marches},
-              {"every_ray", m.over == measure::metric::MetricDomain::every},
-              {"blamed", m.over == measure::metric::MetricDomain::blamed},
+              {"marches", m.domain == measure::metric::MetricDomain::marches},
+              {"every_ray", m.domain == measure::metric::MetricDomain::every},
+              {"blamed", m.domain == measure::metric::MetricDomain::blamed},
               {"kind", is_inherent(m)    ? "hits"
                        : is_derived(m)   ? "derived"
                        : is_condition(m) ? "shared"

@@ -13,7 +13,7 @@
 #include "output/choice/choice_files.hpp"
 #include "output/claim/claim_files.hpp"
 #include "output/page/map_data.hpp"
-#include "output/repair/mend_files.hpp"
+#include "output/repair/repair_files.hpp"
 
 namespace lostbits::output::page {
 
@@ -129,7 +129,7 @@ struct Report {
 /// Table of the form, its repairs and the best form of the catalogue: wider operations, bits kept and wrong decisions
 /// on the scene and on rays that the search did not use, and times if they were measured. Each number carries the CSV's
 /// own decimal.
-[[nodiscard]] std::string mend_table(const repair::MendResult& result);
+[[nodiscard]] std::string mend_table(const repair::RepairSummary& result);
 
 /// One table per side: the share of rays that each strategy gets wrong, in which way, and by how much the offset is too
 /// large.

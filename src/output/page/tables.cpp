@@ -10,7 +10,7 @@
 #include "output/offset/offset_files.hpp"
 #include "output/page/page.hpp"
 #include "output/page/text.hpp"
-#include "output/repair/mend_files.hpp"
+#include "output/repair/repair_files.hpp"
 
 namespace lostbits::output::page {
 
@@ -106,12 +106,12 @@ std::string choice_table(const choice::ChoiceResult& chosen) {
     return text + end_table;
 }
 
-std::string mend_table(const repair::MendResult& r) {
+std::string mend_table(const repair::RepairSummary& r) {
     const auto& requirement = r.request.requirement;
     const auto proposals = proposals_of(r);
     const repair::Proposal* const best = best_of(proposals, r);
     std::vector<std::string> names{
-        "form",       "rounding operations",  "of them in " + repair::name_of_wider(r.mended.wider),
+        "form",       "rounding operations",  "of them in " + repair::name_of_wider(r.repair.wider),
         "bits kept",  "rays wrong",           "on other rays: bits kept",
         "rays wrong", "meets the requirement"};
     if (!r.prices.empty()) names.insert(names.end(), {"ns per ray and primitive in packs", "ns alone", "front"});
@@ -123,7 +123,7 @@ std::string mend_table(const repair::MendResult& r) {
         text += fmt::format("<tr{}><th scope=\"row\">{}</th>", is_best ? " class=\"chosen\"" : "", html(row.name));
         add(is_known ? static_cast<double>(row.operations) : NAN);
         add(is_known ? static_cast<double>(row.wide) : NAN);
-        for (const auto* const quality : {row.quality, row.apart}) {
+        for (const auto* const quality : {row.quality, row.held_out}) {
             add(quality ? quality->kept_bits : NAN);
             add(quality ? static_cast<double>(quality->wrong) : NAN);
         }

@@ -46,15 +46,15 @@ pixel::ExrLayers<RenderBand> RenderView::layers(const RenderStudy& study) {
     }
     layers.add_number("normal.angle", [](const RenderBand& band, std::size_t i) { return band.normal_angle[i]; });
     layers.add_number("point.residual", [](const RenderBand& band, std::size_t i) { return band.residual[i]; });
-    layers.add_count("class.seen", [](const RenderBand& band, std::size_t i) { return band.seen[i]; });
-    layers.add_count("class.shadow", [](const RenderBand& band, std::size_t i) {
+    layers.add_uint("class.seen", [](const RenderBand& band, std::size_t i) { return band.seen[i]; });
+    layers.add_uint("class.shadow", [](const RenderBand& band, std::size_t i) {
         return band.shadow.empty() ? measure::picture::Shadow{} : band.shadow[i];
     });
-    layers.add_count("class.object", [](const RenderBand& band, std::size_t i) {
+    layers.add_uint("class.object", [](const RenderBand& band, std::size_t i) {
         return band.answers.hit[i] != 0 ? band.answers.object[i] + 1 : 0;
     });
-    layers.add_count("class.true_object",
-                     [](const RenderBand& band, std::size_t i) { return band.truth_object[i] + 1; });
+    layers.add_uint("class.true_object",
+                    [](const RenderBand& band, std::size_t i) { return band.truth_object[i] + 1; });
     return layers;
 }
 

@@ -27,6 +27,11 @@ using SharedLook = std::shared_ptr<const Look>;
 
 constexpr Rgb8 nan_colour{255, 0, 255}, lit{255, 255, 125};
 
+/// Categories of a picture, in the order of `picture_look`.
+namespace picture_category {
+constexpr std::size_t not_a_number = 1, not_proved = 2;  // 0: the pixel has a colour
+}
+
 /// A difference map of numbers. Pixels on which the two see different things show classes instead.
 struct ErrorMap {
     const char* title;
@@ -59,7 +64,8 @@ PixelValue shadow_of(Seen seen, Shadow shadow) {
 }
 
 PixelValue certified(const measure::picture::TrueColour& c) {
-    return c.certain ? PixelValue{.colour = Rgb8{c.byte[0], c.byte[1], c.byte[2]}} : PixelValue{2};
+    return c.certain ? PixelValue{.colour = Rgb8{c.byte[0], c.byte[1], c.byte[2]}}
+                     : PixelValue{picture_category::not_proved};
 }
 
 constexpr const char* glance_means =
@@ -189,7 +195,8 @@ const Look& picture_look() {
 }
 
 PixelValue pixel_of(const measure::picture::Painted& p) {
-    if (std::isnan(p.colour.x) || std::isnan(p.colour.y) || std::isnan(p.colour.z)) return {1};
+    if (std::isnan(p.colour.x) || std::isnan(p.colour.y) || std::isnan(p.colour.z))
+        return {picture_category::not_a_number};
     return {.colour = Rgb8{p.byte[0], p.byte[1], p.byte[2]}};
 }
 

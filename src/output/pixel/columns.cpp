@@ -12,7 +12,7 @@ using image::LegendEntry;
 ColumnWriter::ColumnWriter(Pages pages, std::vector<ColumnSpec> columns)
     : width_(static_cast<std::size_t>(pages.scene.width)),
       pixels_(pages.scene.pixels()),
-      has_singles_(!pages.singles.empty()),
+      has_single_pictures_(!pages.single_picture_folder.empty()),
       columns_(std::move(columns)),
       captions_(columns_.size()) {
     for (const ColumnSpec& column : columns_) counts_.emplace_back(column.look->categories.size());
@@ -23,7 +23,7 @@ ColumnWriter::ColumnWriter(Pages pages, std::vector<ColumnSpec> columns)
         sheets_.push_back(std::make_unique<image::ContactSheet>(file, std::move(spec)));
     }
     for (const ColumnSpec& column : columns_) {
-        if (!has_singles_) break;
+        if (!has_single_pictures_) break;
         pages.stop.check();  // opening sixty pictures of a large scene takes twenty seconds
         open_single(pages, column);
     }
@@ -31,8 +31,8 @@ ColumnWriter::ColumnWriter(Pages pages, std::vector<ColumnSpec> columns)
 
 void ColumnWriter::open_single(const Pages& pages, const ColumnSpec& column) {
     const scene::file::Scene& scene = pages.scene;
-    const auto path = pages.singles / column.file;
-    Single& single = singles_.emplace_back();
+    const auto path = pages.single_picture_folder / column.file;
+    Single& single = single_pictures_.emplace_back();
     if (column.bare) {
         single.bare = image::image_backend().open_png(path, scene.width, scene.height);
         return;
@@ -57,8 +57,8 @@ void ColumnWriter::put(std::size_t column, int y0, const Strip& strip) {
     for (std::size_t k = 0; k < counts_[column].size(); ++k) counts_[column][k] += strip.counts.at(k);
     for (const auto& [across, down, sheet] : columns_[column].places)
         sheets_[sheet]->add_rows(across, down, y0, strip.colours);
-    if (singles_.empty()) return;
-    const Single& single = singles_[column];
+    if (single_pictures_.empty()) return;
+    const Single& single = single_pictures_[column];
     if (single.heatmap) single.heatmap->write_rows(strip.colours);
     else single.bare->write_rows(static_cast<int>(strip.colours.size() / width_), strip.colours);
 }
@@ -99,13 +99,15 @@ std::vector<LegendEntry> ColumnWriter::sheet_legend(std::size_t sheet) const {
 }
 
 void ColumnWriter::finish_single(std::size_t c) {
-    if (singles_[c].heatmap) singles_[c].heatmap->finish(look(c).legend(counts_[c], pixels_), captions_[c]);
-    else singles_[c].bare->close();
+    if (single_pictures_[c].heatmap)
+        single_pictures_[c].heatmap->finish(look(c).legend(counts_[c], pixels_), captions_[c]);
+    else single_pictures_[c].bare->close();
 }
 
 void ColumnWriter::finish(const std::vector<SheetEnd>& ends) {
     // In parallel: each picture has its own legend and its own file.
-    intersect::process::in_parallel(std::size_t{0}, singles_.size(), [this](std::size_t c) { finish_single(c); });
+    intersect::process::in_parallel(std::size_t{0}, single_pictures_.size(),
+                                    [this](std::size_t c) { finish_single(c); });
     for (std::size_t s = 0; s < sheets_.size(); ++s) {
         const SheetEnd end = ends.empty() ? SheetEnd{} : ends[s];
         auto legend = sheet_legend(s);

@@ -53,17 +53,19 @@ struct Sheet {
 
 /// Selects the files that are written for a scene, and their folder.
 struct SceneFilesOptions {
-    std::filesystem::path folder;               ///< the folder of this scene; made if missing
-    bool pixels_csv = false;                    ///< also a table with one row per pixel
-    std::string command = {};                   ///< the command that makes these files again, for the header of an EXR
-    bool singles = false;                       ///< also a picture of its own for each cell of the sheet
-    std::vector<file::DataResource> also = {};  ///< further tables in the folder
-    std::filesystem::path sheet_alone = {};     ///< a file: only the sheet is written, to this file; `folder` is empty
+    std::filesystem::path folder;  ///< the folder of this scene; made if missing
+    bool pixels_csv = false;       ///< also a table with one row per pixel
+    std::string command = {};      ///< the command that makes these files again, for the header of an EXR
+    bool single_pictures = false;  ///< also a picture of its own for each cell of the sheet
+    std::vector<file::DataResource> other_tables = {};  ///< further tables in the folder
+    std::filesystem::path sheet_alone = {};  ///< a file: only the sheet is written, to this file; `folder` is empty
 
     [[nodiscard]] std::filesystem::path sheet() const {
         return sheet_alone.empty() ? folder / "contact.png" : sheet_alone;
     }
-    [[nodiscard]] std::filesystem::path folder_of_singles() const { return singles ? folder : std::filesystem::path(); }
+    [[nodiscard]] std::filesystem::path folder_of_single_pictures() const {
+        return single_pictures ? folder : std::filesystem::path();
+    }
 };
 
 /// Properties of a sheet that are known only at the end.
@@ -77,7 +79,7 @@ struct SheetEnd {
 struct Pages {
     const scene::file::Scene& scene;
     std::vector<Sheet> sheets;
-    std::filesystem::path singles = {};  ///< folder of the columns' own pictures; empty: they have none
+    std::filesystem::path single_picture_folder = {};  ///< folder of the columns' own pictures; empty: they have none
     intersect::process::StopToken stop = {};
     bool opened = true;  ///< false: no file is opened; strips are drawn here and written elsewhere
 };
@@ -90,7 +92,9 @@ public:
 
     [[nodiscard]] const Look& look(std::size_t column) const { return *columns_[column].look; }
     /// True if any file shows the column.
-    [[nodiscard]] bool shows(std::size_t column) const { return has_singles_ || !columns_[column].places.empty(); }
+    [[nodiscard]] bool shows(std::size_t column) const {
+        return has_single_pictures_ || !columns_[column].places.empty();
+    }
     [[nodiscard]] Strip strip(std::size_t column, std::size_t pixels) const;
     void put(std::size_t column, int y0, const Strip& strip);
     /// Number of pixels of each category that were written so far.
@@ -118,11 +122,11 @@ private:
     };
     std::size_t width_;
     std::uint64_t pixels_;
-    bool has_singles_;
+    bool has_single_pictures_;
     std::vector<ColumnSpec> columns_;
-    std::vector<CategoryCounts> counts_;  ///< one per column
-    std::vector<std::string> captions_;   ///< one per column
-    std::vector<Single> singles_;         ///< one per column, or empty
+    std::vector<CategoryCounts> counts_;   ///< one per column
+    std::vector<std::string> captions_;    ///< one per column
+    std::vector<Single> single_pictures_;  ///< one per column, or empty
     std::vector<std::unique_ptr<image::ContactSheet>> sheets_;
 };
 

@@ -39,7 +39,7 @@ public:
     }
     /// Adds a channel of type UINT: `of(band, i)`.
     template <class Of>
-    void add_count(std::string name, Of of) {
+    void add_uint(std::string name, Of of) {
         add({{std::move(name), image::Channel::Type::u32}}, [of](const Band& band, std::size_t i, std::uint32_t* at) {
             *at = static_cast<std::uint32_t>(of(band, i));
         });

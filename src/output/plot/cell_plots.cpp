@@ -107,7 +107,7 @@ Canvas matrix_plot(const MatrixPlotSpec& spec) {
     image::MarkData cells{spec.keys, {}};
     for (const int place : places) cells.x.insert(cells.x.end(), {x0 + place + 0.0, x0 + place + cell_width - 1.0});
     for (std::size_t r = 0; r <= spec.rows.size(); ++r) cells.y.push_back(y0 + static_cast<double>(r) * cell_height);
-    page.about(std::move(cells));
+    page.set_mark_data(std::move(cells));
     for (std::size_t r = 0; r < spec.rows.size(); ++r) {
         const int y = y0 + static_cast<int>(r) * cell_height;
         page.text(x0 - beside_label - row_labels[r].width, y + (cell_height - row_labels[r].height) / 2, row_labels[r],
@@ -115,7 +115,7 @@ Canvas matrix_plot(const MatrixPlotSpec& spec) {
         for (std::size_t k = 0; k < columns; ++k)
             draw_cell(page, x0 + places[k], y, cell_width, spec.cells[r * columns + k]);
     }
-    page.about_nothing();
+    page.clear_mark_data();
     page.picture(x0 + field_width + block_gap, y0, bar);
     page.picture(image::style::margin, below, legend.draw(spec.legend));
     return page;
@@ -255,9 +255,9 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
     image::MarkData cells{{}, {}};
     for (std::size_t i = 0; i < x_edges.size(); ++i) cells.x.push_back(column(i));
     for (std::size_t j = 0; j < y_edges.size(); ++j) cells.y.push_back(row(j));
-    page.about(std::move(cells));
+    page.set_mark_data(std::move(cells));
     page.field({frame.x, frame.y, frame.width, frame.height}, frame.width, field.pixels());
-    page.about_nothing();
+    page.clear_mark_data();
     outline(page, spec, column, row);
     axes.draw(page, frame);
     page.picture(frame.x + frame.width + 1 + image::style::gap, frame.y - 1, bar);

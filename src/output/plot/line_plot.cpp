@@ -34,7 +34,7 @@ constexpr double band_opacity = 0.12;
 constexpr std::array<double, 2> limit_dashes{2, 4};
 
 /// Counts of what could not be drawn, for the footnotes.
-struct Lacking {
+struct UndrawnCounts {
     int off_scale_x = 0, off_scale_y = 0, infinite_x = 0, infinite_y = 0, marks = 0;
 
     [[nodiscard]] std::vector<std::string> notes() const {
@@ -74,7 +74,7 @@ std::vector<double> values_of(const LinePlotSpec& spec, bool x_axis) {
     return out;
 }
 
-constexpr double reaches_the_end = 0.999;
+constexpr double least_end_position = 0.999;
 
 bool has_place(const AxisRange& x, double value) { return std::isfinite(value) && x.has_place(value); }
 
@@ -138,7 +138,7 @@ public:
         for (std::size_t k = 0; k < lines.size(); ++k) {
             const auto end = end_of(lines[k], x_, y_);
             const auto sample = legend.sample_of(k);
-            if (!end || !sample || end->first < reaches_the_end) continue;
+            if (!end || !sample || end->first < least_end_position) continue;
             const double y = frame_.up(end->second), right = frame_.x + frame_.width + 2.0;
             const std::array<Point, 3> way{
                 {{right, y}, {legend_x - 6.0, frame_.y + *sample}, {legend_x - 1.0, frame_.y + *sample}}};
@@ -228,13 +228,13 @@ public:
         return std::isfinite(series.x[i]) && x_.has_place(series.x[i]) && y_.has_place(series.y[i]);
     }
 
-    void count(const Series& series, Lacking& lacking) const {
+    void count(const Series& series, UndrawnCounts& undrawn) const {
         for (std::size_t i = 0; i < series.x.size(); ++i) {
             if (std::isnan(series.x[i]) || std::isnan(series.y[i])) continue;
-            lacking.infinite_x += std::isinf(series.x[i]);
-            lacking.off_scale_x += std::isfinite(series.x[i]) && !x_.has_place(series.x[i]);
-            lacking.off_scale_y += !y_.has_place(series.y[i]);
-            lacking.infinite_y += drawable(series, i) && std::isinf(series.y[i]);
+            undrawn.infinite_x += std::isinf(series.x[i]);
+            undrawn.off_scale_x += std::isfinite(series.x[i]) && !x_.has_place(series.x[i]);
+            undrawn.off_scale_y += !y_.has_place(series.y[i]);
+            undrawn.infinite_y += drawable(series, i) && std::isinf(series.y[i]);
         }
     }
 
@@ -271,7 +271,7 @@ private:
 Canvas without_plot(const LinePlotSpec& spec) {
     const int content = spec.width - 2 * image::style::margin;
     const Canvas head = image::heading(spec.title, spec.subtitle, content),
-                 sentence = image::heading({}, std::span(&spec.nothing, 1), content);
+                 sentence = image::heading({}, std::span(&spec.empty_text, 1), content);
     Canvas page(spec.width, 2 * image::style::margin + head.height() + image::style::gap + sentence.height());
     page.picture(image::style::margin, image::style::margin, head);
     page.picture(image::style::margin, image::style::margin + head.height() + image::style::gap, sentence);
@@ -308,27 +308,27 @@ Canvas line_plot(const LinePlotSpec& spec) {
 
     PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, frame_pad};
     frame.width = spec.width - image::style::margin - std::max(right, axes.right()) - 1 - frame.x;
-    Lacking lacking;
+    UndrawnCounts undrawn;
     std::vector<MarkLabels::Mark> marks;
     for (const auto& mark : spec.marks) {
         const double position = x.has_place(mark.x) && std::isfinite(mark.x) ? x.position(mark.x) : -1;
         if (position >= 0 && position <= 1) {
             marks.push_back({frame.across(position), mark.label});
         } else {
-            ++lacking.marks;
+            ++undrawn.marks;
         }
     }
     const MarkLabels labels(marks, spec.width - image::style::margin);
     frame.y = top + std::max(labels.height(), axes.above());
     Plot measured(spec, x, y, frame);
-    for (const auto& series : spec.series) measured.count(series, lacking);
-    if (spec.envelope) measured.count(*spec.envelope, lacking);
-    std::vector<std::string> said = lacking.notes();
+    for (const auto& series : spec.series) measured.count(series, undrawn);
+    if (spec.envelope) measured.count(*spec.envelope, undrawn);
+    std::vector<std::string> footnotes = undrawn.notes();
     if (lines.size() < spec.series.size())
-        said.push_back(fmt::format("{} for {} series: series with the same values share a line.",
-                                   scene::toml::counted(lines.size(), "line"), spec.series.size()));
-    said.insert(said.end(), spec.notes.begin(), spec.notes.end());
-    const Canvas notes = image::heading({}, said, content);
+        footnotes.push_back(fmt::format("{} for {} series: series with the same values share a line.",
+                                        scene::toml::counted(lines.size(), "line"), spec.series.size()));
+    footnotes.insert(footnotes.end(), spec.notes.begin(), spec.notes.end());
+    const Canvas notes = image::heading({}, footnotes, content);
     const int foot =
         1 + axes.below() + (notes.height() > 0 ? image::style::gap + notes.height() : 0) + image::style::margin;
     frame.height = std::max({spec.height - frame.y - foot, nominal / 2, legend.height()});
@@ -346,14 +346,14 @@ Canvas line_plot(const LinePlotSpec& spec) {
     // Draw dashed lines over solid ones, so that both are visible where they agree.
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return !lines[i].dashes.empty(); });
     for (const auto i : order) {
-        if (!lines[i].keys.empty()) page.about({lines[i].keys, {}});
+        if (!lines[i].keys.empty()) page.set_mark_data({lines[i].keys, {}});
         plot.line(page, lines[i], markers, i);
     }
-    page.about(plot.steps());
+    page.set_mark_data(plot.steps());
     axes.draw(page, frame);
-    page.about_nothing();
+    page.clear_mark_data();
     if (std::ranges::all_of(lines, [&](const PlotLine& line) { return !end_of(line, x, y); })) {
-        const auto text = image::image_backend().render_text(spec.nothing, image::style::text_size);
+        const auto text = image::image_backend().render_text(spec.empty_text, image::style::text_size);
         page.text(frame.x + (frame.width - text.width) / 2, frame.y + (frame.height - text.height) / 2, text,
                   image::style::soft_ink);
     }

@@ -44,7 +44,7 @@ struct LinePlotSpec {
     std::optional<Series> envelope = {};  ///< lower bound for any form: grey below it
     std::vector<PlotMark> marks = {};
     std::vector<PlotShade> shades = {};
-    std::string nothing = "no data";      ///< text in the middle if no line has a value, and without lines alone
+    std::string empty_text = "no data";   ///< text in the middle if no line has a value, and without lines alone
     std::vector<std::string> notes = {};  ///< sentences below the plot
     int width = 1100, height = 620;       ///< the height grows if legend or marks need it
 };

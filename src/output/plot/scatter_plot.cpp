@@ -117,14 +117,14 @@ public:
             if (p.faint != faint || !has_place(p, x_, y_)) continue;
             const Rgb8 colour = colour_of(p.colour, p.faint);
             const Point at = place(p.x, p.y);
-            if (!p.key.empty()) canvas.about({p.key, {at.x}, {at.y}});
+            if (!p.key.empty()) canvas.set_mark_data({p.key, {at.x}, {at.y}});
             if (!faint) {
                 const std::array<Point, 2> spread{place(p.x_low, p.y), place(p.x_high, p.y)};
                 stroke_.polyline(spread, 1);
                 stroke_.paint(canvas, colour);
             }
             paint_marker(canvas, stroke_, at, {p.marker, colour, p.hollow});
-            canvas.about_nothing();
+            canvas.clear_mark_data();
         }
     }
 
@@ -194,11 +194,11 @@ Canvas scatter_plot(const ScatterPlotSpec& spec) {
     const Canvas head = image::heading(spec.title, spec.subtitle, content);
     const Keys keys(spec.keys, content);
     const PlotAxes axes(x, y, content - 60, spec.height - 200);
-    const auto lacking = static_cast<int>(
+    const auto undrawn = static_cast<int>(
         std::ranges::count_if(spec.points, [&](const ScatterPoint& p) { return !has_place(p, x, y); }));
     std::vector<std::string> lines;
-    if (lacking > 0)
-        lines.push_back(scene::toml::counted(lacking, "point has no value and is not drawn.",
+    if (undrawn > 0)
+        lines.push_back(scene::toml::counted(undrawn, "point has no value and is not drawn.",
                                              "points have no value and are not drawn."));
     const Canvas notes = image::heading({}, lines, content);
 

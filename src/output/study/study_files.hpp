@@ -61,7 +61,7 @@ public:
           keep_(std::move(keep)),
           pictures_({.scene = study.scene,
                      .sheets = {View::sheet(study, options_.sheet())},
-                     .singles = options_.folder_of_singles(),
+                     .single_picture_folder = options_.folder_of_single_pictures(),
                      .stop = study.limit.stop,
                      .opened = !keep_},
                     View::columns(study)) {
@@ -84,7 +84,7 @@ public:
         pictures_.writer().finish();
         if (options_.folder.empty()) return;
         table_->add_all(View::summary_rows(study_, summaries));
-        table::close_tables(options_.folder, study_.scene.title, *table_, rows_, options_.also);
+        table::close_tables(options_.folder, study_.scene.title, *table_, rows_, options_.other_tables);
     }
 
 private:

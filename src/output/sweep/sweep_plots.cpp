@@ -65,7 +65,7 @@ struct Quantity {
     bool over_hits = false;                                   ///< a quantile over agreed hits, withheld if they are few
     std::string note = {};                                    ///< ends the subtitle
     bool (*shows)(const TestedForm&) = [](const TestedForm&) { return true; };
-    std::string nothing = {};  ///< reason why there is nothing to draw; empty: there is
+    std::string empty_text = {};  ///< reason why there is nothing to draw; empty: there is
 };
 
 bool marches(const TestedForm& row) { return !is_primitive(row.form->shape); }
@@ -104,9 +104,9 @@ image::Canvas lines_of(const MeasuredSweep& sweep, const Format& format, const Q
                 spec.envelope = std::move(envelope);
         }
     }
-    if (!quantity.nothing.empty()) {
+    if (!quantity.empty_text.empty()) {
         spec.series.clear();
-        spec.nothing = quantity.nothing;
+        spec.empty_text = quantity.empty_text;
         return plot::line_plot(spec);
     }
     shade_and_note(spec, sweep, format, quantity.over_hits);
@@ -160,7 +160,7 @@ image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, Outco
                               return std::ranges::any_of(step.rows, truly_misses);
                           });
     if (possible) quantity.note = "a line at 0, below the log scale, means no such ray in that step";
-    else quantity.nothing = "No ray of this sweep truly misses, so none can be a false hit.";
+    else quantity.empty_text = "No ray of this sweep truly misses, so none can be a false hit.";
     return lines_of(sweep, format, quantity, size);
 }
 
@@ -309,9 +309,9 @@ std::vector<Format> formats_of(const MeasuredSweep& sweep) {
     return formats;
 }
 
-void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, bool singles) {
+void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, bool single_pictures) {
     const SweepRequest& request = sweep.request;
-    if (request.sweep.axes.size() == 2) return write_planes(folder, request, sweep.steps, singles);
+    if (request.sweep.axes.size() == 2) return write_planes(folder, request, sweep.steps, single_pictures);
     for (const Format& format : formats_of(sweep)) {
         const SaveAs save = [&](const std::string& name, const image::Canvas& plot) {
             image::save_figure(folder / fmt::format("{}.{}.png", name, format.name), plot);

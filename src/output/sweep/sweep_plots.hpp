@@ -37,8 +37,8 @@ double wrong_share(const FormSummary& s);
 /// `false_hit.<format>.png` and `false_miss.<format>.png` with the shares of such rays, and the same for other wrong
 /// outcomes that occur; `culprit.<form>.<format>.png` if culprits are measured; and `steps.<form>.<format>.png` if
 /// steps of transforms are measured, with the value at which the median of each first reaches an ulp. For two axes see
-/// `write_planes`; `singles` matters only there.
-void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, bool singles = false);
+/// `write_planes`; `single_pictures` matters only there.
+void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep& sweep, bool single_pictures = false);
 
 /// Size of a picture in pixels.
 struct PlotSize {
@@ -77,13 +77,13 @@ inline constexpr const char* outlined_means =
 inline constexpr const char* nowhere_outlined =
     "Nowhere does the form lose a bit beyond what half an ulp in each input would cost";
 
-/// Writes `contact.png`: a plane of each form and format. With `singles` also each plane alone, as
+/// Writes `contact.png`: a plane of each form and format. With `single_pictures` also each plane alone, as
 /// `<form>.<format>.png`: the 99th percentile of lost bits, or the colour of the most frequent wrong outcome if most
 /// rays are wrong. It is outlined where the form loses the bits, and hatched where too few hits agree. In
 /// `<form>.<format>.exr` columns are the first axis's values in rising order, and rows the second's from the top, the
 /// highest first; the attributes hold the values.
 void write_planes(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
-                  bool singles);
+                  bool single_pictures);
 /// One of the single pictures.
 image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row);
 /// Writes the sheet. A step has one colour there. Cells that the outline would not enclose are paler instead

@@ -18,7 +18,7 @@ namespace lostbits::output::sweep {
 
 using measure::answer::Outcome;
 using measure::edges::NearestRay;
-using measure::edges::sought;
+using measure::edges::searched_outcomes;
 using measure::sweep::WorstRequest;
 using measure::sweep::WorstResult;
 using table::or_missing;
@@ -151,7 +151,7 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
 namespace {
 
 std::string sought_name(std::size_t outcome) {
-    return std::string(measure::answer::outcome_names[static_cast<std::size_t>(sought.at(outcome))]);
+    return std::string(measure::answer::outcome_names[static_cast<std::size_t>(searched_outcomes.at(outcome))]);
 }
 
 struct NearestRow {
@@ -203,9 +203,9 @@ table::Table<CensusRow> census_table() {
         {{"target", "what the rays are aimed at: points of an edge, or its ends (vertex)",
           [](const R& r) { return std::string(measure::edges::edge_target_names.at(r.target)); }},
          {"rays", "rays, from all distances of the search", [](const R& r) { return r.count.rays; }},
-         {"crack", "rays that the form lets through the surface", [](const R& r) { return r.count.with[0]; }},
+         {"crack", "rays that the form lets through the surface", [](const R& r) { return r.count.outcomes[0]; }},
          {"double_hit", "crossings that the form counts twice, without rays that truly meet two triangles at one t",
-          [](const R& r) { return r.count.with[1]; }}});
+          [](const R& r) { return r.count.outcomes[1]; }}});
     return table;
 }
 
@@ -235,7 +235,7 @@ void NearestFiles::write(const std::filesystem::path& folder) const {
     table::TableFile<NearestRow> csv(
         folder, "worst.csv", "One row per form, format and outcome: the nearest ray found at an edge", nearest_table());
     for (std::size_t r = 0; r < found.size(); ++r) {
-        for (std::size_t k = 0; k < sought.size(); ++k) {
+        for (std::size_t k = 0; k < searched_outcomes.size(); ++k) {
             const auto& nearest = found[r].nearest.at(k);
             csv.add(
                 {request.rows[r], sought_name(k), found[r].rays.at(k), nearest, nearest ? explain(r, *nearest) : ""});
@@ -255,7 +255,7 @@ std::string NearestFiles::sentence(std::size_t r) const {
     std::string text = fmt::format("{} in {}:", request.rows[r].form->info->name, request.rows[r].format.name);
     const std::string counts = census_phrase(found[r]);
     if (!counts.empty()) text += " " + counts + ";";
-    for (std::size_t k = 0; k < sought.size(); ++k) {
+    for (std::size_t k = 0; k < searched_outcomes.size(); ++k) {
         const std::string what = map::in_words(sought_name(k));
         const auto& nearest = found[r].nearest.at(k);
         text += nearest ? fmt::format("{} the nearest {} of {} rays is {:.4g} edge lengths away", k > 0 ? "," : "",

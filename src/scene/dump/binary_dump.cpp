@@ -31,7 +31,7 @@ BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& opt
     std::vector<std::string> names;
     for (const BinaryColumn& c : record_layout_.columns) names.push_back(c.name);
     layout_.emplace(std::move(names), [this](std::size_t, const std::string& why) {
-        throw InputError(record_layout_.blamed + ": " + why);
+        throw InputError(record_layout_.error_source + ": " + why);
     });
     settle(options, *layout_, own_format(*layout_, record_layout_.columns));
     records_ = record_layout_.records;
@@ -40,7 +40,7 @@ BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& opt
     const std::uint64_t bytes = *source_.size() - std::min(*source_.size(), record_layout_.begin);
     const std::uint64_t whole = bytes / record_layout_.record_size;
     if (records_ ? whole < *records_ : bytes % record_layout_.record_size != 0)
-        fail_short(whole, bytes - (record_layout_.apart ? 0 : whole * record_layout_.record_size));
+        fail_short(whole, bytes - (record_layout_.column_major ? 0 : whole * record_layout_.record_size));
     if (records_ && bytes > *records_ * record_layout_.record_size)
         throw InputError(
             fmt::format("{}: byte {}: {} the last of the {} that the header names; is "
@@ -52,7 +52,7 @@ BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& opt
 }
 
 void BinaryDump::fail_short(std::uint64_t record, std::uint64_t bytes) const {
-    if (record_layout_.apart)
+    if (record_layout_.column_major)
         throw InputError(
             fmt::format("{}: has {} of numbers, but its header names {} of {} bytes each; it "
                         "was cut short, so write it again",
@@ -71,7 +71,7 @@ bool BinaryDump::next(std::size_t most, Records& records) {
     if (records_) most = static_cast<std::size_t>(std::min<std::uint64_t>(most, *records_ - record_));
     if (most == 0) return false;
     std::size_t got = 0;
-    if (record_layout_.apart) {
+    if (record_layout_.column_major) {
         for (const BinaryColumn& c : record_layout_.columns)
             got += source_.read_at(record_layout_.begin + c.offset + record_ * c.type.size, records.bytes,
                                    most * c.type.size);
@@ -156,13 +156,13 @@ Chunk BinaryDump::decode(const Records& records) const {
     for (std::size_t c = 0; c < record_layout_.columns.size(); ++c) {
         const BinaryColumn& column = record_layout_.columns[c];
         const LayoutColumn& means = layout_->columns()[c];
-        const std::size_t offset = record_layout_.apart ? begin : column.offset;
+        const std::size_t offset = record_layout_.column_major ? begin : column.offset;
         begin += records.count * column.type.size;
         const bool kept = !means.slot && !means.skipped && terms().keep;
         if (!means.slot && !kept) continue;
         readers.push_back(
             {records.bytes.data() + offset,
-             record_layout_.apart ? column.type.size : static_cast<std::size_t>(record_layout_.record_size),
+             record_layout_.column_major ? column.type.size : static_cast<std::size_t>(record_layout_.record_size),
              column.type, means.slot, kept});
     }
     ChunkWriter writer(*layout_, terms(), records.count, chunk);
@@ -232,7 +232,7 @@ RecordLayout read_raw(toml::ByteSource& source, const DumpOptions& options) {
         throw InputError(source.name() +
                          ": raw numbers have no header; name them and their types with "
                          "--columns ox:f32,oy,oz,dx,dy,dz,hit:u8,t:f32");
-    RecordLayout raw{.columns = read_columns(options.columns), .begin = options.skip, .blamed = "--columns"};
+    RecordLayout raw{.columns = read_columns(options.columns), .begin = options.skip, .error_source = "--columns"};
     for (const BinaryColumn& c : raw.columns) raw.record_size += c.type.size;
     if (source.size() && *source.size() < options.skip)
         throw InputError(fmt::format("{}: --skip {} is beyond its end: it has {} bytes", source.name(), options.skip,

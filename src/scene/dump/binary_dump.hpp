@@ -23,9 +23,9 @@ struct RecordLayout {
     std::uint64_t begin = 0;                    ///< of the first record, in bytes; the source is at this position
     std::uint64_t record_size = 0;              ///< in bytes
     std::optional<std::uint64_t> records = {};  ///< from the header; nothing: as many as there are
-    bool apart = false;                         ///< column after column; `records` is known then
+    bool column_major = false;                  ///< column after column; `records` is known then
     std::optional<std::pair<int, int>> picture = {};
-    std::string blamed = {};  ///< what errors name if the columns are not those of rays
+    std::string error_source = {};  ///< what errors name if the columns are not those of rays
 };
 using LayoutReader = RecordLayout (*)(toml::ByteSource& source, const DumpOptions& options);
 

@@ -18,7 +18,7 @@ ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& terms, std::s
       answers_(layout.answers()),
       shape_(layout.primitive()),
       decides_(layout.has_answers()) {
-    if (layout.has_matrix() && terms.under) shape_ = terms.under->shape;
+    if (layout.has_matrix() && terms.under_matrix) shape_ = terms.under_matrix->shape;
     rays::RayBlock& rays = chunk.rays;
     for (auto* column : rays.numbers()) column->reserve(records);
     if (layout.has(slot::tmin)) rays.tmin.reserve(records);
@@ -30,7 +30,7 @@ ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& terms, std::s
     if (answers_ > AnswerKind::first_hit) chunk.counts.reserve(records);
 }
 
-std::string ChunkWriter::called(std::size_t slot) const {
+std::string ChunkWriter::slot_name(std::size_t slot) const {
     return layout_.has(slot) ? layout_.columns()[layout_.index_of(slot)].name : std::string(name_of_slot(slot, shape_));
 }
 
@@ -51,11 +51,11 @@ std::string beyond_the_last(std::size_t primitives) {
 std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
     const auto& x = numbers_;
     const auto bad = [&](std::size_t slot, std::string_view why) {
-        const std::string value = is_there(slot) ? fmt::format("is {}", x[slot]) : "is empty";
-        return Fault{slot, fmt::format("{} {}; {}", called(slot), value, why)};
+        const std::string value = is_present(slot) ? fmt::format("is {}", x[slot]) : "is empty";
+        return Fault{slot, fmt::format("{} {}; {}", slot_name(slot), value, why)};
     };
     for (std::size_t s = slot::origin; s < (layout_.are_points() ? slot::direction : slot::tmax); ++s) {
-        if (!is_there(s) || !std::isfinite(x[s]))
+        if (!is_present(s) || !std::isfinite(x[s]))
             return bad(
                 s, layout_.are_points()
                        ? "a point has three finite numbers; leave this point out"
@@ -64,14 +64,14 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
     }
     if (!layout_.are_points() && x[3] == 0 && x[4] == 0 && x[5] == 0)
         return Fault{slot::direction, "the direction is 0,0,0, so this record is not a ray; leave the record out"};
-    if (is_there(slot::tmax) && std::isnan(x[slot::tmax]))
+    if (is_present(slot::tmax) && std::isnan(x[slot::tmax]))
         return bad(slot::tmax, "write where the ray ends, or inf (or nothing) for a ray without end");
-    if (is_there(slot::tmin) && !(x[slot::tmin] >= 0 && x[slot::tmin] < HUGE_VAL))
+    if (is_present(slot::tmin) && !(x[slot::tmin] >= 0 && x[slot::tmin] < HUGE_VAL))
         return bad(slot::tmin,
                    "a ray looks ahead, and its range begins at a finite t of 0 or more; write that, or nothing for 0");
     if (const Range<double> range = this->range(); !range.holds_any()) {
         // With open ends, a range is empty if its ends are equal.
-        const std::size_t s = is_there(slot::tmax) ? slot::tmax : slot::tmin;
+        const std::size_t s = is_present(slot::tmax) ? slot::tmax : slot::tmin;
         return bad(s, fmt::format("the range of this ray begins at tmin = {} and ends at tmax = {}, and no t lies "
                                   "between; write a tmax above tmin, or leave this ray out",
                                   range.tmin, range.tmax));
@@ -80,7 +80,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
         const std::size_t count = row_of(*shape_).numbers;
         for (std::size_t s = slot::primitive; s < slot::primitive + count; ++s) {
             if (!layout_.has(s)) continue;  // the column is optional, and the number 0
-            if (!is_there(s) || !std::isfinite(x[s]))
+            if (!is_present(s) || !std::isfinite(x[s]))
                 return bad(s,
                            fmt::format("{} has {} finite numbers; leave this ray out", with_article(*shape_), count));
         }
@@ -94,31 +94,31 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
                 return bad(s, fmt::format("{} {}; or leave this ray out", broken->key->name,
                                           limit_phrase(*shape_, *broken->key)));
             const std::size_t before = s - broken->key->count();
-            return bad(before, fmt::format("it is above {}, which is {}; {} has {} in each component", called(s), x[s],
-                                           name, order_phrase(*broken->key)));
+            return bad(before, fmt::format("it is above {}, which is {}; {} has {} in each component", slot_name(s),
+                                           x[s], name, order_phrase(*broken->key)));
         }
     }
     for (std::size_t s = slot::matrix; layout_.has_matrix() && s < slot::count; ++s) {
-        if (!is_there(s) || !std::isfinite(x[s]))
+        if (!is_present(s) || !std::isfinite(x[s]))
             return bad(s, "a matrix has twelve finite numbers; leave this ray out");
     }
     if (layout_.has_matrix() && !primitive().placed->is_proper())
         return Fault{slot::matrix, fmt::format("the matrix {}, or leave this ray out", singular_words)};
     const double object = x[slot::object];
-    if (is_there(slot::object) && !(object >= -1 && object < 0x1p31 && object == std::floor(object)))
+    if (is_present(slot::object) && !(object >= -1 && object < 0x1p31 && object == std::floor(object)))
         return bad(slot::object,
                    "write the number of the primitive that was hit, from 0, or -1 or nothing if none was");
-    if (is_there(slot::object) && terms_.primitives && object >= static_cast<double>(*terms_.primitives))
+    if (is_present(slot::object) && terms_.primitives && object >= static_cast<double>(*terms_.primitives))
         return bad(slot::object, beyond_the_last(*terms_.primitives));
     if (answers_ > AnswerKind::first_hit) return find_fault_of_count();
     if (!decides_) return std::nullopt;
     if (const auto fault = find_fault_of_answer()) return fault;
     const bool is_told = layout_.has(slot::object) && !shape_;  // otherwise the primitive is the record's own
-    if (hits_ && is_told && !(is_there(slot::object) && object >= 0))
+    if (hits_ && is_told && !(is_present(slot::object) && object >= 0))
         return bad(slot::object,
                    fmt::format("{} says that the ray hits; write the number of the primitive that it hit, from 0, "
                                "or say that it misses",
-                               called(layout_.has(slot::hit) ? slot::hit : slot::t)));
+                               slot_name(layout_.has(slot::hit) ? slot::hit : slot::t)));
     return std::nullopt;
 }
 
@@ -126,18 +126,19 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
     const double t = numbers_[slot::t];
     if (layout_.has(slot::hit)) {
         const double hit = numbers_[slot::hit];
-        if (!is_there(slot::hit) || !(hit == 0 || hit == 1)) {
-            const std::string value = is_there(slot::hit) ? fmt::format("is {}", hit) : "is empty";
-            return Fault{slot::hit, fmt::format("{} {}; write 1 for a hit and 0 for a miss", called(slot::hit), value)};
+        if (!is_present(slot::hit) || !(hit == 0 || hit == 1)) {
+            const std::string value = is_present(slot::hit) ? fmt::format("is {}", hit) : "is empty";
+            return Fault{slot::hit,
+                         fmt::format("{} {}; write 1 for a hit and 0 for a miss", slot_name(slot::hit), value)};
         }
         hits_ = hit == 1;
-        if (hits_ && layout_.has(slot::t) && !is_there(slot::t))
+        if (hits_ && layout_.has(slot::t) && !is_present(slot::t))
             return Fault{slot::t, fmt::format("{} is empty, but {} is 1; write the t of the hit, nan if it is not a "
                                               "number, or 0 as {}",
-                                              called(slot::t), called(slot::hit), called(slot::hit))};
+                                              slot_name(slot::t), slot_name(slot::hit), slot_name(slot::hit))};
         return {};
     }
-    hits_ = is_there(slot::t) && std::isfinite(t);
+    hits_ = is_present(slot::t) && std::isfinite(t);
     if (!hits_) return {};
     switch (terms_.miss.kind) {
         case MissRule::Kind::never: return {};
@@ -149,35 +150,36 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
     return Fault{slot::t, fmt::format("{} is {}, and no column says whether that is a hit; add a column hit, or write "
                                       "--miss {} if this number means a miss, --miss negative if every negative "
                                       "one does, --miss never if it is an answer",
-                                      called(slot::t), t, t)};
+                                      slot_name(slot::t), t, t)};
 }
 
 std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_count() {
     if (answers_ == AnswerKind::all_hits) return find_fault_of_hit_index();
     const std::size_t s = slot_of(answers_);
     const double count = numbers_[s], most = answers_ == AnswerKind::crossings ? 0x1p31 - 1 : 1;
-    if (is_there(s) && count >= 0 && count <= most && count == std::floor(count)) return {};
-    return Fault{s, fmt::format("{} {}; write {}", called(s), is_there(s) ? fmt::format("is {}", count) : "is empty",
-                                answers_ == AnswerKind::crossings ? "how often the ray crosses the surface, from 0"
-                                : answers_ == AnswerKind::parity
-                                    ? "1 if the ray crosses the surface an odd number of times, else 0"
-                                    : "1 for a point inside and 0 for one outside")};
+    if (is_present(s) && count >= 0 && count <= most && count == std::floor(count)) return {};
+    return Fault{
+        s,
+        fmt::format("{} {}; write {}", slot_name(s), is_present(s) ? fmt::format("is {}", count) : "is empty",
+                    answers_ == AnswerKind::crossings ? "how often the ray crosses the surface, from 0"
+                    : answers_ == AnswerKind::parity ? "1 if the ray crosses the surface an odd number of times, else 0"
+                                                     : "1 for a point inside and 0 for one outside")};
 }
 
 std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_hit_index() {
-    const double index = is_there(slot::hit_index) ? numbers_[slot::hit_index] : -1;
+    const double index = is_present(slot::hit_index) ? numbers_[slot::hit_index] : -1;
     const auto bad = [this, index](const std::string& why) {
-        return Fault{slot::hit_index, fmt::format("{} is {}; {}", called(slot::hit_index), index, why)};
+        return Fault{slot::hit_index, fmt::format("{} is {}; {}", slot_name(slot::hit_index), index, why)};
     };
     if (!(index >= -1 && index < 0x1p31 && index == std::floor(index)))
         return bad("write 0 for the first hit of a ray, 1 for the next and so on, and -1 or nothing for no hit");
     hits_ = index >= 0;
-    if (!hits_ && is_there(slot::object) && numbers_[slot::object] >= 0)
-        return Fault{
-            slot::hit_index,
-            fmt::format("{} says that the ray has no hit, but {} is {}; write 0 for its first "
-                        "hit, or leave {} empty",
-                        called(slot::hit_index), called(slot::object), numbers_[slot::object], called(slot::object))};
+    if (!hits_ && is_present(slot::object) && numbers_[slot::object] >= 0)
+        return Fault{slot::hit_index,
+                     fmt::format("{} says that the ray has no hit, but {} is {}; write 0 for its first "
+                                 "hit, or leave {} empty",
+                                 slot_name(slot::hit_index), slot_name(slot::object), numbers_[slot::object],
+                                 slot_name(slot::object))};
     if (const auto before = chunk_.counts.empty() ? std::optional<std::int32_t>() : chunk_.counts.back();
         index > 0 && before) {
         if (index != *before + 1.0)
@@ -190,24 +192,24 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_hit_index() {
             if (ray.origin[k] != numbers_[k] || ray.direction[k] != numbers_[k + 3])
                 return bad("the record before it is of another ray; write the same ray in all records of its hits");
     }
-    if (hits_ && !(is_there(slot::object) && numbers_[slot::object] >= 0))
+    if (hits_ && !(is_present(slot::object) && numbers_[slot::object] >= 0))
         return Fault{slot::object, fmt::format("{} is {}; write the number of the triangle that is hit, from 0",
-                                               called(slot::hit_index), index)};
-    if (hits_ && layout_.has(slot::t) && !is_there(slot::t))
+                                               slot_name(slot::hit_index), index)};
+    if (hits_ && layout_.has(slot::t) && !is_present(slot::t))
         return Fault{slot::t, fmt::format("{} is empty, but {} is {}; write the t of the hit, or nan if it is not a "
                                           "number",
-                                          called(slot::t), called(slot::hit_index), index)};
+                                          slot_name(slot::t), slot_name(slot::hit_index), index)};
     return {};
 }
 
 Range<double> ChunkWriter::range() const {
-    return {is_there(slot::tmin) ? numbers_[slot::tmin] : 0, is_there(slot::tmax) ? numbers_[slot::tmax] : HUGE_VAL,
+    return {is_present(slot::tmin) ? numbers_[slot::tmin] : 0, is_present(slot::tmax) ? numbers_[slot::tmax] : HUGE_VAL,
             terms_.open};
 }
 
 Primitive<double> ChunkWriter::primitive() const {
-    Primitive<double> primitive = terms_.under.value_or(Primitive<double>(*shape_));
-    for (std::size_t k = 0; !terms_.under && k < primitive.used().size(); ++k)
+    Primitive<double> primitive = terms_.under_matrix.value_or(Primitive<double>(*shape_));
+    for (std::size_t k = 0; !terms_.under_matrix && k < primitive.used().size(); ++k)
         primitive.numbers[k] = numbers_[slot::primitive + k];
     if (!layout_.has_matrix()) return primitive;
     std::array<double, Affine<double>::numbers> matrix;
@@ -227,14 +229,14 @@ void ChunkWriter::keep() {
     }
     if (decides_) {
         chunk_.hit.push_back(hits_ ? 1 : 0);
-        chunk_.t.push_back(hits_ && is_there(slot::t) ? x[slot::t] : 0);
+        chunk_.t.push_back(hits_ && is_present(slot::t) ? x[slot::t] : 0);
     }
     if (answers_ == AnswerKind::all_hits)
         chunk_.counts.push_back(hits_ ? static_cast<std::int32_t>(x[slot::hit_index]) : -1);
     else if (answers_ > AnswerKind::first_hit) chunk_.counts.push_back(static_cast<std::int32_t>(x[slot_of(answers_)]));
     if (layout_.has(slot::object))
-        chunk_.object.push_back(is_there(slot::object) ? static_cast<std::int32_t>(x[slot::object]) : -1);
-    there_ = 0;
+        chunk_.object.push_back(is_present(slot::object) ? static_cast<std::int32_t>(x[slot::object]) : -1);
+    present_ = 0;
 }
 
 }  // namespace lostbits::scene::dump

@@ -33,7 +33,7 @@ struct ReadSettings {
     OpenEnds open = {};                   ///< for the ranges of all rays
     /// The one primitive for all rays that the matrix of each record is applied to. Absent if records have no matrices,
     /// or have primitives of their own.
-    std::optional<Primitive<double>> under = {};
+    std::optional<Primitive<double>> under_matrix = {};
     /// The number of primitives for all rays; absent: unknown.
     std::optional<std::size_t> primitives = {};
 };
@@ -52,7 +52,7 @@ struct Chunk {
     std::vector<std::int32_t> counts = {};
     std::vector<std::string> kept = {};  ///< the user's own columns, record by record, if they are kept
     std::uint64_t rounded = 0;           ///< count of numbers that were rounded, since the format lacks them
-    int digits = 0;                      ///< largest number of decimal digits of a number, see `NumberParser::Word`
+    int digits = 0;                      ///< largest number of decimal digits of a number, see `NumberParser::Parsed`
     std::uint64_t decimals = 0;          ///< count of numbers that are written with decimal digits
 
     [[nodiscard]] std::size_t size() const { return rays.size(); }
@@ -63,12 +63,12 @@ class ChunkWriter {
 public:
     ChunkWriter(const Layout& layout, const ReadSettings& terms, std::size_t records, Chunk& chunk);
 
-    /// Stores a number of this record, already rounded to the format; `held` is false if rounding changed it. A cell
-    /// without a stored number is empty.
-    void put(std::size_t slot, double value, bool held, int digits = 0) {
+    /// Stores a number of this record, already rounded to the format; `representable` is false if rounding changed it.
+    /// A cell without a stored number is empty.
+    void put(std::size_t slot, double value, bool representable, int digits = 0) {
         numbers_[slot] = value;
-        there_ |= std::uint64_t{1} << slot;
-        chunk_.rounded += held ? 0 : 1;
+        present_ |= std::uint64_t{1} << slot;
+        chunk_.rounded += representable ? 0 : 1;
         chunk_.digits = std::max(chunk_.digits, digits);
         chunk_.decimals += digits > 0 ? 1 : 0;
     }
@@ -93,15 +93,15 @@ private:
     [[nodiscard]] Primitive<double> primitive() const;  ///< of this record
     [[nodiscard]] Range<double> range() const;          ///< of this record's ray
     void keep();
-    [[nodiscard]] bool is_there(std::size_t slot) const { return (there_ >> slot & 1) != 0; }
-    [[nodiscard]] std::string called(std::size_t slot) const;
+    [[nodiscard]] bool is_present(std::size_t slot) const { return (present_ >> slot & 1) != 0; }
+    [[nodiscard]] std::string slot_name(std::size_t slot) const;
 
     const Layout& layout_;
     const ReadSettings& terms_;
     Chunk& chunk_;
     AnswerKind answers_;
     double numbers_[slot::count] = {};
-    std::uint64_t there_ = 0;
+    std::uint64_t present_ = 0;
     std::optional<Shape> shape_;  ///< shape of each record's own primitive, or of the one that its matrix applies to
     bool decides_ = false;        ///< records have answers
     bool hits_ = false;           ///< the answer of this record is a hit

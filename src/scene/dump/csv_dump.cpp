@@ -87,7 +87,7 @@ CsvDump::CsvDump(const std::filesystem::path& path, const DumpOptions& options)
     : Dump(path), source_(path, options.stop) {
     read_header(options);
     settle(options, *layout_, *find_format("f64"));
-    words_.emplace(terms().format);
+    parser_.emplace(terms().format);
 }
 
 std::string CsvDump::place(std::uint64_t line, std::size_t column) const {
@@ -210,15 +210,15 @@ Chunk CsvDump::decode(const Records& records) const {
 
 std::string CsvDump::put(std::string_view word, std::size_t slot, ChunkWriter& writer) const {
     if (word.empty()) return {};
-    const NumberParser::Word read = words_->read(word);
+    const NumberParser::Parsed read = parser_->read(word);
     switch (read.kind) {
-        case NumberParser::Kind::number: writer.put(slot, read.value, read.held, read.digits); return {};
+        case NumberParser::Kind::number: writer.put(slot, read.value, read.representable, read.digits); return {};
         case NumberParser::Kind::too_large:
             return fmt::format(
                 "is larger than the largest number of {}; name the format that the answers were computed "
                 "in with --answer-format",
                 format().name);
-        case NumberParser::Kind::not_a_number_word: break;
+        case NumberParser::Kind::not_numeric: break;
     }
     const bool decides = slot == slot::hit || slot == slot::parity || slot == slot::inside;
     if (decides && (word == "true" || word == "True" || word == "TRUE")) writer.put(slot, 1, true);

@@ -29,7 +29,7 @@ private:
 
     toml::ByteSource source_;
     std::optional<Layout> layout_;
-    std::optional<NumberParser> words_;
+    std::optional<NumberParser> parser_;
     std::string buffer_;
     std::size_t used_ = 0;  ///< number of bytes of the buffer that were returned
     bool ended_ = false;    ///< the buffer holds the last bytes of the file

@@ -66,7 +66,7 @@ public:
     [[nodiscard]] virtual Chunk decode(const Records& records) const = 0;
     /// Puts one primitive under the matrix of each record, for a file with matrices and no primitives. Its numbers
     /// must be of the format. Call it before any record is read.
-    virtual void put_under_matrices(const Primitive<double>& primitive) { terms_.under = primitive; }
+    virtual void put_under_matrices(const Primitive<double>& primitive) { terms_.under_matrix = primitive; }
     /// Sets the number of primitives at which the rays are aimed. No record may name a larger index. Call it before
     /// any record is read.
     virtual void number_primitives(std::size_t count) { terms_.primitives = count; }

@@ -20,7 +20,7 @@ std::uint64_t bits_of(const char* from, std::size_t size, bool big_endian) {
     return std::bit_cast<std::uint64_t>(bytes);
 }
 
-double half_of(std::uint64_t bits) {
+double binary16_value(std::uint64_t bits) {
     const double sign = (bits & 0x8000) != 0 ? -1 : 1;
     const int exponent = static_cast<int>(bits >> 10 & 31);
     const auto fraction = static_cast<double>(bits & 1023);
@@ -40,7 +40,7 @@ std::string shortest_float(double value, bool narrow) {
     return narrow ? shortest(static_cast<float>(value)) : shortest(value);
 }
 
-std::int64_t with_sign(std::uint64_t bits, std::size_t size) {
+std::int64_t sign_extended(std::uint64_t bits, std::size_t size) {
     const auto unused = static_cast<int>(64 - 8 * size);
     return static_cast<std::int64_t>(bits << unused) >> unused;
 }
@@ -56,11 +56,11 @@ ItemType::Item ItemType::read(const char* from) const {
     const std::uint64_t bits = bits_of(from, size, big_endian);
     switch (kind) {
         case Kind::floating:
-            if (size == 2) return {half_of(bits), true};
+            if (size == 2) return {binary16_value(bits), true};
             if (size == 4) return {std::bit_cast<float>(static_cast<std::uint32_t>(bits)), true};
             return {std::bit_cast<double>(bits), true};
         case Kind::signed_integer: {
-            const std::int64_t whole = with_sign(bits, size);
+            const std::int64_t whole = sign_extended(bits, size);
             return {static_cast<double>(whole),
                     size < 8 || (whole >= -(std::int64_t{1} << 53) && whole <= std::int64_t{1} << 53)};
         }
@@ -74,7 +74,7 @@ std::string ItemType::text(const char* from) const {
     const std::uint64_t bits = bits_of(from, size, big_endian);
     switch (kind) {
         case Kind::floating: return shortest_float(read(from).value, size == 4);
-        case Kind::signed_integer: return shortest(with_sign(bits, size));
+        case Kind::signed_integer: return shortest(sign_extended(bits, size));
         case Kind::unsigned_integer: return shortest(bits);
         case Kind::boolean: break;
     }

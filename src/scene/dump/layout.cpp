@@ -171,11 +171,11 @@ void Layout::find_slots(const Complain& complain) {
                      fmt::format("\"{}\" is a number of {}, but other columns are of {}; a file has primitives of one "
                                  "shape; leave one of the two out",
                                  columns_[c].name, with_article(*known->shape), with_article(*primitive_)));
-        if (places_[known->slot])
+        if (column_of_slot_[known->slot])
             complain(c, fmt::format("\"{}\" has the same meaning as column \"{}\"; rename one of the two",
-                                    columns_[c].name, columns_[*places_[known->slot]].name));
+                                    columns_[c].name, columns_[*column_of_slot_[known->slot]].name));
         if (known->shape) primitive_ = known->shape;
-        places_[known->slot] = c;
+        column_of_slot_[known->slot] = c;
         columns_[c].slot = known->slot;
     }
     // A typing error: only for words of three letters and more, and only for columns that are missing. The letters of
@@ -188,7 +188,7 @@ void Layout::find_slots(const Complain& complain) {
         if (known.slot > slot::hit_index && known.slot < slot::matrix &&
             (has_answer || directions == (known.slot == slot::inside)))
             continue;
-        if (known.name.size() >= (known.shape ? 4 : 3) && !places_[known.slot]) missing.push_back(known.name);
+        if (known.name.size() >= (known.shape ? 4 : 3) && !column_of_slot_[known.slot]) missing.push_back(known.name);
     }
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         if (columns_[c].slot || found[c].known != nullptr || columns_[c].name.size() < 3) continue;
@@ -273,7 +273,7 @@ void Layout::require_whole(const Complain& complain) const {
 }
 
 bool Layout::has_any_of_matrix() const {
-    return std::ranges::any_of(std::span(places_).subspan(slot::matrix),
+    return std::ranges::any_of(std::span(column_of_slot_).subspan(slot::matrix),
                                [](const auto& place) { return place.has_value(); });
 }
 

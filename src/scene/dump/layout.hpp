@@ -61,9 +61,9 @@ public:
     Layout(std::vector<std::string> names, const Complain& complain);
 
     [[nodiscard]] const std::vector<LayoutColumn>& columns() const { return columns_; }
-    [[nodiscard]] bool has(std::size_t slot) const { return places_.at(slot).has_value(); }
+    [[nodiscard]] bool has(std::size_t slot) const { return column_of_slot_.at(slot).has_value(); }
     /// Index of the column of a number that is present.
-    [[nodiscard]] std::size_t index_of(std::size_t slot) const { return places_.at(slot).value(); }
+    [[nodiscard]] std::size_t index_of(std::size_t slot) const { return column_of_slot_.at(slot).value(); }
     /// Shape of the primitive that each record has; nothing if records have none.
     [[nodiscard]] std::optional<Shape> primitive() const { return primitive_; }
     /// True if each record has the matrix of its primitive.
@@ -84,7 +84,7 @@ private:
     [[nodiscard]] bool has_any_of_matrix() const;
 
     std::vector<LayoutColumn> columns_;
-    std::array<std::optional<std::size_t>, slot::count> places_;
+    std::array<std::optional<std::size_t>, slot::count> column_of_slot_;
     std::optional<Shape> primitive_;
 };
 

@@ -14,7 +14,7 @@ namespace lostbits::scene::dump {
 
 namespace {
 
-using Word = NumberParser::Word;
+using Parsed = NumberParser::Parsed;
 using Kind = NumberParser::Kind;
 
 std::string_view unsigned_part(std::string_view text) {
@@ -67,15 +67,15 @@ bool read_whole(std::string_view text, F& value) {
 NumberParser::NumberParser(const Format& format)
     : format_(format), digits_(static_cast<int>(std::ceil(1 + format.parameters.precision * std::log10(2.0)))) {}
 
-Word NumberParser::read(std::string_view text) const {
+Parsed NumberParser::read(std::string_view text) const {
     const std::string_view magnitude = unsigned_part(text);
-    if (magnitude.empty()) return {Kind::not_a_number_word};
+    if (magnitude.empty()) return {Kind::not_numeric};
     const char first = magnitude.front();
     if (first == 'n' || first == 'N' || first == 'i' || first == 'I') {
         const double sign = text.front() == '-' ? -1 : 1;
         if (is_word(magnitude, "nan")) return {Kind::number, std::numeric_limits<double>::quiet_NaN()};
         if (is_word(magnitude, "inf") || is_word(magnitude, "infinity")) return {Kind::number, sign * HUGE_VAL};
-        return {Kind::not_a_number_word};
+        return {Kind::not_numeric};
     }
     const bool hexadecimal =
         magnitude.size() > 1 && magnitude[0] == '0' && (magnitude[1] == 'x' || magnitude[1] == 'X');
@@ -85,30 +85,30 @@ Word NumberParser::read(std::string_view text) const {
     if (format_.engine == Format::Engine::native32) {
         float narrow = 0;
         if (!read_whole(text, narrow)) return read_slowly(text);
-        Word word{Kind::number, narrow};
+        Parsed parsed{Kind::number, narrow};
         const int digits = significant_digits(magnitude);
         double wide = 0;
         if (digits < digits_) {
-            const bool exact = digits < 2 || (read_whole(text, wide) && wide == word.value && is_exactly(text, wide));
-            word.digits = exact ? 0 : digits;
-            return word;
+            const bool exact = digits < 2 || (read_whole(text, wide) && wide == parsed.value && is_exactly(text, wide));
+            parsed.digits = exact ? 0 : digits;
+            return parsed;
         }
-        word.digits = digits;
-        word.held = digits == digits_ || (read_whole(text, wide) && wide == word.value);
-        return word;
+        parsed.digits = digits;
+        parsed.representable = digits == digits_ || (read_whole(text, wide) && wide == parsed.value);
+        return parsed;
     }
     if (const int digits = significant_digits(magnitude);
         format_.engine == Format::Engine::native64 && digits <= digits_) {
-        Word word;
-        if (read_whole(text, word.value)) {
-            word.digits = digits < digits_ && (digits < 2 || is_exactly(text, word.value)) ? 0 : digits;
-            return word;
+        Parsed parsed;
+        if (read_whole(text, parsed.value)) {
+            parsed.digits = digits < digits_ && (digits < 2 || is_exactly(text, parsed.value)) ? 0 : digits;
+            return parsed;
         }
     }
     return read_slowly(text);
 }
 
-Word NumberParser::read_hexadecimal(std::string_view text) const {
+Parsed NumberParser::read_hexadecimal(std::string_view text) const {
     // A text of at most 53 bits is exactly a double, except for the smallest numbers.
     const std::string_view digits = unsigned_part(text).substr(2);
     double exact = 0;
@@ -124,19 +124,19 @@ Word NumberParser::read_hexadecimal(std::string_view text) const {
     return {Kind::number, value, value == exact, digits_};
 }
 
-Word NumberParser::read_slowly(std::string_view text) const {
-    const auto parsed = toml::parse_number(text);
-    if (const auto* const fault = std::get_if<toml::NumberFault>(&parsed))
-        return {fault->too_large ? Kind::too_large : Kind::not_a_number_word};
-    const Real& exact = std::get<Real>(parsed);
-    Word word{Kind::number, toml::round_to_format(exact, format_.parameters)};
-    if (std::isinf(word.value)) return {Kind::too_large};
+Parsed NumberParser::read_slowly(std::string_view text) const {
+    const auto exact_or_fault = toml::parse_number(text);
+    if (const auto* const fault = std::get_if<toml::NumberFault>(&exact_or_fault))
+        return {fault->too_large ? Kind::too_large : Kind::not_numeric};
+    const Real& exact = std::get<Real>(exact_or_fault);
+    Parsed parsed{Kind::number, toml::round_to_format(exact, format_.parameters)};
+    if (std::isinf(parsed.value)) return {Kind::too_large};
     const std::string_view magnitude = unsigned_part(text);
     const bool hexadecimal = magnitude.size() > 1 && (magnitude[1] == 'x' || magnitude[1] == 'X');
     const int digits = hexadecimal ? digits_ : significant_digits(magnitude);
-    word.held = exact == Real(word.value) || (!hexadecimal && digits <= digits_);
-    word.digits = exact == Real(word.value) && digits < digits_ ? 0 : digits;
-    return word;
+    parsed.representable = exact == Real(parsed.value) || (!hexadecimal && digits <= digits_);
+    parsed.digits = exact == Real(parsed.value) && digits < digits_ ? 0 : digits;
+    return parsed;
 }
 
 bool is_float_in_decimal(double x) {

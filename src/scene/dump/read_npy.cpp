@@ -239,7 +239,7 @@ RecordLayout read_npy(toml::ByteSource& source, const DumpOptions& options) {
     const std::string& file = source.name();
     const NpyHeader header = read_npy_header(text, file);
     std::vector<std::uint64_t> rays = header.shape;
-    RecordLayout array{.columns = {}, .begin = begin, .blamed = file};
+    RecordLayout array{.columns = {}, .begin = begin, .error_source = file};
     if (header.structured) {
         if (!options.columns.empty())
             throw InputError(file +
@@ -268,14 +268,14 @@ RecordLayout read_npy(toml::ByteSource& source, const DumpOptions& options) {
     }
     if (header.fortran && rays.size() > 1)
         throw InputError(file + ": has more than two axes in Fortran order; write numpy.ascontiguousarray(a)");
-    array.apart = header.fortran && !header.structured;
+    array.column_major = header.fortran && !header.structured;
     for (std::size_t c = 0; !header.structured && c < array.columns.size(); ++c) {
         const std::uint64_t size = array.columns[c].type.size;
-        array.columns[c].offset = array.apart ? c * *array.records * size : c * size;
+        array.columns[c].offset = array.column_major ? c * *array.records * size : c * size;
         array.record_size += size;
     }
     if (array.record_size == 0) throw InputError(file + ": its records are empty");
-    if (array.apart && !source.size())
+    if (array.column_major && !source.size())
         throw InputError(file +
                          ": is in Fortran order, which cannot be read from a pipe; write numpy.ascontiguousarray(a)");
     constexpr auto most = static_cast<std::uint64_t>(std::numeric_limits<int>::max());

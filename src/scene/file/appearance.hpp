@@ -35,9 +35,9 @@ struct ShadowRule {
     /// along the normal by `epsilon` world units, or by `ulps` units in the last place of its largest coordinate.
     enum class Offset : std::uint8_t { none, epsilon, ulp };
 
-    bool half_diffuse = false;      ///< in shadow keep half of the diffuse light, instead of ambient light alone
-    Real background = Real(1) / 2;  ///< the part of the background's colour that is left in shadow
-    bool own = false;               ///< also test the sphere that the point lies on
+    bool half_diffuse = false;       ///< in shadow keep half of the diffuse light, instead of ambient light alone
+    Real background = Real(1) / 2;   ///< the part of the background's colour that is left in shadow
+    bool tests_left_sphere = false;  ///< also test the sphere that the point lies on
     Offset offset = Offset::none;
     Real epsilon = Real(0);
     int ulps = 0;

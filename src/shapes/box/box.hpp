@@ -21,7 +21,7 @@ struct Box {
     static constexpr std::string_view name = "box", plural = "boxes";
     static constexpr bool takes_tmax = true, inside_returns_zero = true, usually_unit = false, round = false,
                           edges = true;
-    static constexpr ShapeTexts words{.plainest = "a box from -2 to 2 in each component",
+    static constexpr ShapeTexts texts{.plainest = "a box from -2 to 2 in each component",
                                       .touching = "a ray in the plane of a face",
                                       .point = "a box that is a point",
                                       .places = "corners"};

@@ -23,7 +23,7 @@ struct Capsule {
     static constexpr std::string_view name = "capsule", plural = "capsules";
     static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
                           edges = false;
-    static constexpr ShapeTexts words{.plainest = "a capsule of radius 1 along the z axis, from -2 to 2",
+    static constexpr ShapeTexts texts{.plainest = "a capsule of radius 1 along the z axis, from -2 to 2",
                                       .touching = "a ray that touches",
                                       .point = "a radius of 0",
                                       .places = "ends of axes"};

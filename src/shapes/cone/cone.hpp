@@ -26,7 +26,7 @@ struct Cone {
     static constexpr std::string_view name = "cone", plural = "cones";
     static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
                           edges = false;
-    static constexpr ShapeTexts words{.plainest = "a cone along the z axis, from radius 2 at -2 to radius 1 at 2",
+    static constexpr ShapeTexts texts{.plainest = "a cone along the z axis, from radius 2 at -2 to radius 1 at 2",
                                       .touching = "a ray along its side",
                                       .point = "a radius of 0 at the base",
                                       .places = "ends of axes"};

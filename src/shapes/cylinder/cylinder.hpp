@@ -24,7 +24,7 @@ struct Cylinder {
     static constexpr std::string_view name = "cylinder", plural = "cylinders";
     static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
                           edges = false;
-    static constexpr ShapeTexts words{.plainest = "a cylinder of radius 2 along the z axis, from -2 to 2",
+    static constexpr ShapeTexts texts{.plainest = "a cylinder of radius 2 along the z axis, from -2 to 2",
                                       .touching = "a ray along its side",
                                       .point = "a radius of 0",
                                       .places = "ends of axes"};

@@ -26,7 +26,7 @@ struct Disc {
     static constexpr std::string_view name = "disc", plural = "discs";
     static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
                           edges = false;
-    static constexpr ShapeTexts words{.plainest = "a disc of radius 2 in the plane z = -2",
+    static constexpr ShapeTexts texts{.plainest = "a disc of radius 2 in the plane z = -2",
                                       .touching = "a ray through its rim",
                                       .point = "an outer radius of 0",
                                       .places = "centres"};

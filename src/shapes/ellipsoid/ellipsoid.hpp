@@ -22,7 +22,7 @@ struct Ellipsoid {
     static constexpr std::string_view name = "ellipsoid", plural = "ellipsoids";
     static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
                           edges = false;
-    static constexpr ShapeTexts words{.plainest = "an ellipsoid of radii 2 around the origin",
+    static constexpr ShapeTexts texts{.plainest = "an ellipsoid of radii 2 around the origin",
                                       .touching = "a ray that touches",
                                       .point = "radii of 0",
                                       .places = "centres"};

@@ -22,7 +22,7 @@ struct Plane {
     static constexpr std::string_view name = "plane", plural = "planes";
     static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
                           edges = false;
-    static constexpr ShapeTexts words{.plainest = "a plane through (0, 0, -2), across the z axis",
+    static constexpr ShapeTexts texts{.plainest = "a plane through (0, 0, -2), across the z axis",
                                       .touching = "a ray along it",
                                       .point = "a normal of 0",
                                       .places = "points"};

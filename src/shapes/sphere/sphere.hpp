@@ -21,7 +21,7 @@ struct Sphere {
     static constexpr std::string_view name = "sphere", plural = "spheres";
     static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = true,
                           edges = false;
-    static constexpr ShapeTexts words{.plainest = "a sphere of radius 2 around the origin",
+    static constexpr ShapeTexts texts{.plainest = "a sphere of radius 2 around the origin",
                                       .touching = "a ray that touches",
                                       .point = "a radius of 0",
                                       .places = "centres"};

@@ -26,7 +26,7 @@ struct Torus {
     static constexpr std::string_view name = "torus", plural = "tori";
     static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
                           edges = false;
-    static constexpr ShapeTexts words{.plainest = "a torus in the plane y = 0, of the radii 1.25 and 0.75",
+    static constexpr ShapeTexts texts{.plainest = "a torus in the plane y = 0, of the radii 1.25 and 0.75",
                                       .touching = "a ray along its top",
                                       .point = "a minor radius of 0",
                                       .places = "centres"};

@@ -25,7 +25,7 @@ struct Triangle {
     static constexpr std::string_view name = "triangle", plural = "triangles";
     static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = false, round = false,
                           edges = false;
-    static constexpr ShapeTexts words{.plainest = "a triangle in the plane z = -2, from -2 to 2 in x and y",
+    static constexpr ShapeTexts texts{.plainest = "a triangle in the plane z = -2, from -2 to 2 in x and y",
                                       .touching = "a ray through an edge",
                                       .point = "a triangle without area",
                                       .places = "vertices"};

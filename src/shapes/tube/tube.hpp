@@ -25,7 +25,7 @@ struct Tube {
     static constexpr std::string_view name = "tube", plural = "tubes";
     static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
                           edges = false;
-    static constexpr ShapeTexts words{.plainest = "a tube of radius 2 along the x axis, from -2 to 2",
+    static constexpr ShapeTexts texts{.plainest = "a tube of radius 2 along the x axis, from -2 to 2",
                                       .touching = "a ray through an open end's rim",
                                       .point = "a radius of 0",
                                       .places = "ends of axes"};

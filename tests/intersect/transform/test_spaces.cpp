@@ -7,8 +7,8 @@
 #include "catch.hpp"
 #include "intersect/simd/packed.hpp"
 #include "intersect/transform/transformed_form.hpp"
-#include "measure/answer/self.hpp"
 #include "measure/answer/steps.hpp"
+#include "measure/answer/without_rounding.hpp"
 #include "measure/seeded.hpp"
 
 namespace test_spaces {

@@ -220,7 +220,7 @@ TEST_CASE("a form without a bound over ranges reports why", "[apriori]") {
     const auto scene = scene_named("near-benign");
     CHECK_THROWS_WITH(bound_of("sphere.filtered", scene), Catch::Contains("filters"));
     RangesRequest request{.rays = scene, .form = &form_named("sphere.press"), .format = *find_format("f32")};
-    request.asked = {{"d.w", {0, 1}}};
+    request.given_ranges = {{"d.w", {0, 1}}};
     CHECK_THROWS_WITH(bound_over_ranges(request), Catch::Contains("no input of that name"));
 }
 

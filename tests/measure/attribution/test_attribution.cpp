@@ -4,7 +4,7 @@
 
 #include "catch.hpp"
 #include "counts.hpp"
-#include "measure/answer/self.hpp"
+#include "measure/answer/without_rounding.hpp"
 #include "measure/attribution/operation_error.hpp"
 #include "measure/attribution/recorded_rays.hpp"
 #include "measure/stability/stability.hpp"

@@ -89,14 +89,14 @@ TEST_CASE("a better row loses less on the ray and its neighbours, and luck on on
             for (const OneRay& beside : around) sum += lost(each, beside);
             return sum / static_cast<double>(around.size());
         };
-        CHECK(all.result.around == Approx(mean(form)));
+        CHECK(all.result.lost_nearby == Approx(mean(form)));
         double before = 0;
         for (const FormResult& s : all.better) {
             INFO(x << " " << s.form->info->name);
-            CHECK(s.around == Approx(mean(*s.form)));
-            CHECK(s.around < all.result.around);
-            CHECK(s.around >= before);
-            before = s.around;
+            CHECK(s.lost_nearby == Approx(mean(*s.form)));
+            CHECK(s.lost_nearby < all.result.lost_nearby);
+            CHECK(s.lost_nearby >= before);
+            before = s.lost_nearby;
             ++better;
             unlucky += !s.beats(all.result);  // loses more on this very ray
         }
@@ -108,7 +108,7 @@ TEST_CASE("a better row loses less on the ray and its neighbours, and luck on on
             const bool beats = lost(other, ray) < all.result.lost;
             if (beats && !named) {
                 ++lucky;
-                CHECK(!(mean(other) < all.result.around));
+                CHECK(!(mean(other) < all.result.lost_nearby));
             }
         }
     }

@@ -61,12 +61,12 @@ TEST_CASE("the counterfactuals of every operation agree with whole reruns", "[at
             if (kind == OperationKind::sign || kind == OperationKind::choice || is_decision(tape[i].op)) continue;
             const auto found = measure::attribution::counterfactuals(tape, i);
             const Rerun mended(tape, [i](NodeId k) { return k != i; }), alone(tape, [i](NodeId k) { return k == i; });
-            REQUIRE(found.mended.hit == (mended[hit] != 0));
-            REQUIRE(found.alone.hit == (alone[hit] != 0));
+            REQUIRE(found.only_exact.hit == (mended[hit] != 0));
+            REQUIRE(found.only_rounded.hit == (alone[hit] != 0));
             const auto size = [&](double x) { return std::fmax(std::fabs(x), std::fabs(exact[t])); };
-            REQUIRE(near(found.mended.error, mended[t] - exact[t], size(mended[t])));
-            REQUIRE(near(found.alone.error, alone[t] - exact[t], size(alone[t])));
-            hits += found.mended.hit && found.alone.hit;
+            REQUIRE(near(found.only_exact.error, mended[t] - exact[t], size(mended[t])));
+            REQUIRE(near(found.only_rounded.error, alone[t] - exact[t], size(alone[t])));
+            hits += found.only_exact.hit && found.only_rounded.hit;
         }
     });
     CHECK(hits > 500);
@@ -84,8 +84,8 @@ TEST_CASE("a choice changed by rounding is corrected by the side that exact valu
     REQUIRE(measure::attribution::attribute(tape, t).culprit == t);
     for (const NodeId operation : {t, sum}) {
         const auto found = measure::attribution::counterfactuals(tape, operation);
-        CHECK(found.mended.error == 0);
-        CHECK(found.alone.error == -3);
+        CHECK(found.only_exact.error == 0);
+        CHECK(found.only_rounded.error == -3);
     }
 }
 
@@ -100,10 +100,10 @@ TEST_CASE("each counterfactual of a sum of two roundings leaves the other roundi
     tape.outputs = {no_node, t, t, t};
     const auto of_a = measure::attribution::counterfactuals(tape, a),
                of_b = measure::attribution::counterfactuals(tape, b);
-    CHECK(of_a.alone.error == -0x1p-24);
-    CHECK(of_b.alone.error == 0x1p-24);
-    CHECK(of_a.mended.error == of_b.alone.error - 0x1p-24);  // and the last sum rounds to even
-    CHECK(of_a.alone.hit);
+    CHECK(of_a.only_rounded.error == -0x1p-24);
+    CHECK(of_b.only_rounded.error == 0x1p-24);
+    CHECK(of_a.only_exact.error == of_b.only_rounded.error - 0x1p-24);  // and the last sum rounds to even
+    CHECK(of_a.only_rounded.hit);
 }
 
 }  // namespace lostbits::test::test_rerun

@@ -166,7 +166,7 @@ TEST_CASE("a requirement holds at the edge of the margin and fails just beyond i
     const auto margins = margins_of(request, asked, 48 * 48);
     REQUIRE(margins.size() == 4);
     const GrowthMargin& distance = margins[0];
-    REQUIRE(distance.end == End::fails);
+    REQUIRE(distance.end == MarginEnd::fails);
     CHECK(distance.holds >= 1);
     CHECK(distance.beyond / distance.holds <= 1.02);
     request.rows = {asked};
@@ -189,7 +189,7 @@ TEST_CASE("the margin ends where two spheres that differ only in radius round to
         const auto margins = margins_of(request_of(scene, 16), asked, 4096);
         const auto radius = std::ranges::find(margins, Growth::radius, &GrowthMargin::growth);
         REQUIRE(radius != margins.end());
-        REQUIRE(radius->end == End::fails);
+        REQUIRE(radius->end == MarginEnd::fails);
         return radius->value;
     };
     CHECK(edge("r1e6") == Approx(edge("r6371000")).epsilon(0.05));
@@ -202,7 +202,7 @@ TEST_CASE("a margin ends where binary32 stores a different scene, even if all de
     const auto margins = margins_of(request, asked, 48 * 48);
     const auto offset = std::ranges::find(margins, Growth::offset, &GrowthMargin::growth);
     REQUIRE(offset != margins.end());
-    CHECK(offset->end == End::other_scene);
+    CHECK(offset->end == MarginEnd::other_scene);
     CHECK(offset->value > 1e5);
     CHECK(offset->value < 1e8);
     Scene own = scene;
@@ -210,7 +210,7 @@ TEST_CASE("a margin ends where binary32 stores a different scene, even if all de
     ChoiceRequest of_own = request;
     of_own.scene = &own;
     const auto own_rooms = margins_of(of_own, asked, 24 * 24);
-    CHECK(std::ranges::find(own_rooms, Growth::offset, &GrowthMargin::growth)->end != End::other_scene);
+    CHECK(std::ranges::find(own_rooms, Growth::offset, &GrowthMargin::growth)->end != MarginEnd::other_scene);
 }
 
 TEST_CASE("a requirement that fails at once has no margin") {
@@ -219,7 +219,7 @@ TEST_CASE("a requirement that fails at once has no margin") {
     REQUIRE_FALSE(margins.empty());
     for (const GrowthMargin& margin : margins) {
         CHECK(margin.holds == 0);
-        CHECK(margin.end == End::fails);
+        CHECK(margin.end == MarginEnd::fails);
         CHECK(margin.broken.wrong > 0);
     }
 }

@@ -214,7 +214,7 @@ TEST_CASE("a requirement on rays holds at the edge of the margin and fails just 
     for (const GrowthMargin& margin : margins) {
         INFO(growth_names[static_cast<std::size_t>(margin.growth)]);
         CHECK(margin.holds >= 1);
-        if (margin.end != End::fails) continue;
+        if (margin.end != MarginEnd::fails) continue;
         CHECK(margin.beyond / margin.holds <= 1.02);
         const auto at = [&](double factor) {
             const auto there = stretched(ideal_of(rays.sample), margin.growth, factor);
@@ -223,7 +223,7 @@ TEST_CASE("a requirement on rays holds at the edge of the margin and fails just 
         CHECK(at(margin.holds).meets(request.requirement));
         CHECK_FALSE(at(margin.beyond).meets(request.requirement));
     }
-    CHECK(margins.front().end == End::fails);
+    CHECK(margins.front().end == MarginEnd::fails);
 }
 
 TEST_CASE("obstacles: the one input that is rounded far off is named") {

@@ -23,11 +23,11 @@ const Primitive<double> unit_box(Box<double>{{-1, -1, -1}, {1, 1, 1}});
 
 bool meets(std::string_view form, std::string_view format, const Ray<double>& ray, double end,
            const std::vector<Primitive<double>>& primitives) {
-    const FormKernels asked(form_named(form), *find_format(format));
+    const FormKernels kernels(form_named(form), *find_format(format));
     auto rays = scene::rays::group_of(ray).rays;
     rays.tmax = {end};
     return std::ranges::any_of(primitives, [&](const Primitive<double>& primitive) {
-        return meets_before_end(asked, rays, primitive).front() != 0;
+        return meets_before_end(kernels, rays, primitive).front() != 0;
     });
 }
 

@@ -57,10 +57,11 @@ Counts compare(const scene::file::Scene& scene, std::initializer_list<const char
     }
     for (const char* name : formats) {
         const Format format = *find_format(name);
-        const measure::truth::FormatInputs in = quick.inputs(format, {.unit_rays = true, .own_truth = true}),
-                                           all = slow.inputs(format, {.unit_rays = true, .own_truth = true});
+        const measure::truth::FormatInputs in = quick.inputs(format, {.unit_rays = true, .stored_truth = true}),
+                                           all = slow.inputs(format, {.unit_rays = true, .stored_truth = true});
         CHECK(all.index == nullptr);
-        for (std::size_t i = 0; i < in.own_truth.size(); ++i) CHECK(in.own_truth[i].object == all.own_truth[i].object);
+        for (std::size_t i = 0; i < in.stored_truth.size(); ++i)
+            CHECK(in.stored_truth[i].object == all.stored_truth[i].object);
         std::vector<std::uint32_t> found;
         for (std::size_t i = 0; in.index && i < in.rays.size(); ++i, ++counts.rays) {
             in.index->candidates(in.rays[i], found);

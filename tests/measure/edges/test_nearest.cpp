@@ -40,7 +40,9 @@ bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b)
         return x->distance == y->distance && x->ray.origin == y->ray.origin && x->ray.direction == y->ray.direction &&
                x->faces == y->faces && x->truth == y->truth && (x->t == y->t || (std::isnan(x->t) && std::isnan(y->t)));
     };
-    const auto same_count = [](const EdgeCount& x, const EdgeCount& y) { return x.rays == y.rays && x.with == y.with; };
+    const auto same_count = [](const EdgeCount& x, const EdgeCount& y) {
+        return x.rays == y.rays && x.outcomes == y.outcomes;
+    };
     return std::ranges::equal(a, b, [&](const EdgeFinding& x, const EdgeFinding& y) {
         return x.rays == y.rays && std::ranges::equal(x.nearest, y.nearest, same_ray) &&
                std::ranges::equal(x.census, y.census, same_count);
@@ -58,7 +60,7 @@ TEST_CASE("the nearest ray of an edge search leaks or hits twice, triangle by tr
     const auto found = found_by(search, rows);
     REQUIRE(found.size() == rows.size());
     for (std::size_t r = 0; r < rows.size(); ++r) {
-        for (std::size_t k = 0; k < measure::edges::sought.size(); ++k) {
+        for (std::size_t k = 0; k < measure::edges::searched_outcomes.size(); ++k) {
             CHECK(found[r].rays.at(k) <= 32768);
             const auto& nearest = found[r].nearest.at(k);
             if (!nearest) continue;
@@ -80,7 +82,8 @@ TEST_CASE("the nearest ray of an edge search leaks or hits twice, triangle by tr
                 return search.scene.mesh->share_a_vertex(s, nearest->faces[0]) ||
                        search.scene.mesh->share_a_vertex(s, nearest->faces[1]);
             });
-            if (measure::edges::sought.at(k) == Outcome::crack) CHECK(std::ranges::none_of(claimed, is_of_edge));
+            if (measure::edges::searched_outcomes.at(k) == Outcome::crack)
+                CHECK(std::ranges::none_of(claimed, is_of_edge));
             else CHECK(neighbours >= 2);
         }
     }
@@ -118,12 +121,12 @@ TEST_CASE("a census counts the cracks that contraction opens, at edges and not a
         CHECK(one.census[0].rays > 4 * one.census[1].rays / 2);
         CHECK(one.rays == decltype(one.rays){});
     }
-    const auto cracks = [&](std::size_t row, std::size_t target) { return found[row].census.at(target).with[0]; };
+    const auto cracks = [&](std::size_t row, std::size_t target) { return found[row].census.at(target).outcomes[0]; };
     CHECK(cracks(0, 0) + cracks(0, 1) == 0);
     CHECK(cracks(1, 0) > 40);
-    CHECK(found[0].census[0].with[1] > 40);
+    CHECK(found[0].census[0].outcomes[1] > 40);
     for (std::size_t target : {0, 1}) {
-        CHECK(found[2].census.at(target).with == std::array<std::uint64_t, 2>{});
+        CHECK(found[2].census.at(target).outcomes == std::array<std::uint64_t, 2>{});
         CHECK(cracks(3, target) > 40);
     }
 }

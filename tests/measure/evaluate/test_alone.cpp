@@ -42,7 +42,7 @@ std::vector<RayGroup> rays_at(const scene::sweep::DistributionRow& distribution)
 std::vector<const Metric*> all_of(const std::vector<TestedForm>& rows, const RayGroup& rays, metric::MetricSet& made) {
     std::vector<const Metric*> all;
     for (const Metric& m : metric::metrics())
-        if (m.over != metric::MetricDomain::pairs) all.push_back(&m);
+        if (m.domain != metric::MetricDomain::pairs) all.push_back(&m);
     return made.for_forms(all, evaluate::forms_of(rows), attribution::OwnedSetting(rays).get());
 }
 

@@ -67,7 +67,7 @@ TEST_CASE("input, model and rounding error of a march sum to its total error", "
     for (const char* name : {"ulp_error", "model_error", "rounding_error", "input_error", "iterations", "stop"})
         request.metrics.push_back(measure::metric::find_metric(name));
     std::vector<Checker> checkers(request.rows.size(), Checker(scene.march->max_steps));
-    const auto summaries = measure::evaluate::run_map(request, measure::evaluate::shown_to_each(checkers));
+    const auto summaries = measure::evaluate::run_map(request, measure::evaluate::show_to_each(checkers));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         INFO(request.rows[r].form->info->name << " in " << request.rows[r].format.name << ", without a value "
                                               << checkers[r].without_self);
@@ -125,7 +125,7 @@ TEST_CASE("explaining one ray gives the values of its pixel in the map", "[measu
     const auto scene = scene_of("sdf-union", 16);
     const intersect::table::Intersector& form = intersect::table::intersectors(Shape::sdf).front();
     measure::truth::Band band(scene, 0, 16);
-    const auto inputs = band.inputs(*find_format("f32"), {.unit_rays = true, .own_truth = false});
+    const auto inputs = band.inputs(*find_format("f32"), {.unit_rays = true, .stored_truth = false});
     const measure::answer::Answers all = measure::answer::evaluate(form, inputs);
     for (const auto& [x, y] : {std::pair{3, 4}, std::pair{8, 9}, std::pair{15, 0}}) {
         const OneRay one(scene, x, y);

@@ -176,7 +176,7 @@ TEST_CASE("outcomes of meshes agree with triangles tested one by one", "[outcome
         std::vector<Recount> again;
         const MetPixelsByForm meetings(scene);
         for (const auto& row : request.rows) again.emplace_back(row, meetings);
-        const auto summaries = measure::evaluate::run_map(request, measure::evaluate::shown_to_each(again));
+        const auto summaries = measure::evaluate::run_map(request, measure::evaluate::show_to_each(again));
         for (std::size_t r = 0; r < again.size(); ++r) {
             INFO(scene.id << ", " << request.rows[r].form->info->name);
             CHECK(again[r].wrong == 0);

@@ -38,7 +38,7 @@ std::vector<Collected> map_of(const scene::file::Scene& scene, const intersect::
     MapStudy request{.scene = &scene, .rows = {}, .metrics = {measure::metric::find_metric("correct_bits")}};
     for (const auto& f : formats) request.rows.push_back({&form, *find_format(f)});
     std::vector<Collected> all(formats.size());
-    run_map(request, shown_to_each(all));
+    run_map(request, show_to_each(all));
     return all;
 }
 

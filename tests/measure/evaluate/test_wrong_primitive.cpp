@@ -43,7 +43,7 @@ TEST_CASE("a hit of the wrong primitive is not an agreed hit, and its error is n
         .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("ulp_error")}};
     std::array<Recount, 2> counts;
     const auto& [single, wide] = counts;
-    const auto summaries = measure::evaluate::run_map(request, measure::evaluate::shown_to_each(counts));
+    const auto summaries = measure::evaluate::run_map(request, measure::evaluate::show_to_each(counts));
     CHECK(single.wrong > 500);
     CHECK(wide.wrong == 0);
     CHECK(single.mistaken + wide.mistaken == 0);

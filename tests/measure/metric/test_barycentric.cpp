@@ -52,8 +52,11 @@ struct AnsweredHit {
 
     [[nodiscard]] double of(double (*metric)(const Sample&)) {
         blame.tape = &tape;
-        return metric(Sample{
-            .format = &format, .ray = &ray, .primitive = &primitive, .blame = &blame, .weights = {"w", "u", "v"}});
+        return metric(Sample{.format = &format,
+                             .ray = &ray,
+                             .primitive = &primitive,
+                             .attribution = &blame,
+                             .weights = {"w", "u", "v"}});
     }
 };
 
@@ -83,7 +86,7 @@ TEST_CASE("the error of barycentric weights agrees with fractions for every form
             const double error = barycentric_error(Sample{.format = &format,
                                                           .ray = &s.ray,
                                                           .primitive = &primitive,
-                                                          .blame = &blame,
+                                                          .attribution = &blame,
                                                           .weights = Form::info.weights});
             ++asked[Form::info.name], exact[Form::info.name] += error == 0;
             const double truly = most.convert_to<double>() * 0x1p24;

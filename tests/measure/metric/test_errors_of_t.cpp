@@ -64,7 +64,7 @@ double derivative_error(const Intersector& form, const char* format, const Setti
         ->value({.format = &in,
                  .ray = &s.ray,
                  .primitive = &s.primitives.front(),
-                 .blame = &blame,
+                 .attribution = &blame,
                  .direction = form.info->direction});
 }
 

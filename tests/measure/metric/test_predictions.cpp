@@ -39,7 +39,7 @@ struct Explained {
 
     [[nodiscard]] double metric(std::string_view name) const {
         return measure::metric::find_metric(name)->value(
-            {.t = tape[tape.outputs.t].value, .format = &format, .blame = &blame, .outcome = outcome});
+            {.t = tape[tape.outputs.t].value, .format = &format, .attribution = &blame, .outcome = outcome});
     }
     [[nodiscard]] std::string_view decision(Outcome of) {
         outcome = of;

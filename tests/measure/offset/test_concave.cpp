@@ -34,7 +34,7 @@ struct Measured {
         const PointWork work(of, HitPoint::computed, primitives, nullptr, light, strategies);
         REQUIRE(work.measure({ray, t, 0}, sides, at));
     }
-    [[nodiscard]] const SideOfPoint& on(Side side) const { return sides[static_cast<std::size_t>(side)]; }
+    [[nodiscard]] const SideOfPoint& side_of_point(Side side) const { return sides[static_cast<std::size_t>(side)]; }
     [[nodiscard]] const StrategyAtPoint& by(std::string_view name, Side side) const {
         const auto all = strategies();
         const auto k = std::ranges::find(all, name, &Strategy::name) - all.begin();
@@ -131,27 +131,28 @@ TEST_CASE("offsets: the next wall of a tube is opposite, between the rims", "[me
 TEST_CASE("offsets: the far wall of a torus is a true hit, and excluding the torus loses it", "[measure][offset]") {
     for (const char* format : {"f32", "f64"}) {
         const Measured m("torus.closest_approach", format, ring, {{0, 0, 0}, {1, 0, 0}}, 99);
-        INFO(format << ", safe " << m.on(Side::outside).safe << " and " << m.on(Side::inside).safe);
-        CHECK(m.on(Side::outside).safe < 1e-4);
-        CHECK(m.on(Side::inside).safe < 1e-4);
+        INFO(format << ", safe " << m.side_of_point(Side::outside).safe << " and "
+                    << m.side_of_point(Side::inside).safe);
+        CHECK(m.side_of_point(Side::outside).safe < 1e-4);
+        CHECK(m.side_of_point(Side::inside).safe < 1e-4);
         CHECK(m.by("offset.bound", Side::outside)[Fault::self_hit] == 0);
         CHECK(m.by("offset.bound", Side::outside)[Fault::lost_occluder] == 0);
         CHECK(m.by("offset.exclude", Side::outside)[Fault::lost_occluder] > 0);
         CHECK(m.by("offset.exclude", Side::outside).bad == m.by("offset.exclude", Side::outside)[Fault::lost_occluder]);
-        CHECK(m.by("offset.exclude", Side::inside)[Fault::lost_exit] == m.on(Side::inside).rays);
+        CHECK(m.by("offset.exclude", Side::inside)[Fault::lost_exit] == m.side_of_point(Side::inside).rays);
     }
     // A point 2^-9 within the ring: all rays hit the ring that they leave, except those that are past it.
     const Measured within("torus.closest_approach", "f64", ring, {{0, 0, 0}, {1, 0, 0}}, 99 + 0x1p-9);
-    CHECK(within.by("offset.none", Side::outside)[Fault::self_hit] == within.on(Side::outside).rays);
-    CHECK(within.on(Side::outside).safe == Approx(0x1p-9).epsilon(1e-6));
+    CHECK(within.by("offset.none", Side::outside)[Fault::self_hit] == within.side_of_point(Side::outside).rays);
+    CHECK(within.side_of_point(Side::outside).safe == Approx(0x1p-9).epsilon(1e-6));
 }
 
 TEST_CASE("offsets: the next wall is a true hit inside a tube, and rays leave on both sides of it",
           "[measure][offset]") {
     for (const char* format : {"f32", "f64"}) {
         const Measured m("tube.framed", format, pipe, {{0, 0, 0}, {1, 0, 0}}, 1);
-        CHECK(m.on(Side::outside).safe < 1e-4);
-        CHECK(m.on(Side::inside).safe < 1e-4);
+        CHECK(m.side_of_point(Side::outside).safe < 1e-4);
+        CHECK(m.side_of_point(Side::inside).safe < 1e-4);
         CHECK(m.by("offset.bound", Side::outside).bad == 0);
         CHECK(m.by("offset.bound", Side::inside).bad == 0);
         CHECK(m.by("offset.exclude", Side::outside)[Fault::lost_occluder] > 0);
@@ -228,7 +229,7 @@ TEST_CASE("offsets: rays leave a flat primitive on either side, and excluding it
                 // A point on the other side must move as far as it is off, and half a last place.
                 const bool is_off = (t < 3) == (side == Side::inside) && t != 3;
                 CHECK((m.by("offset.none", side)[Fault::self_hit] > 0) == is_off);
-                CHECK(m.on(side).safe == (is_off ? Approx(0x1p-20).epsilon(1e-6) : Approx(0)));
+                CHECK(m.side_of_point(side).safe == (is_off ? Approx(0x1p-20).epsilon(1e-6) : Approx(0)));
             }
         }
     }
@@ -239,7 +240,7 @@ TEST_CASE("offsets: every kind of primitive has a default form", "[measure][offs
         const auto name = usual_forms()[static_cast<std::size_t>(shape.shape)];
         const auto& form = test::form_named(name);
         CHECK(form.shape == shape.shape);
-        CHECK(can_be_asked(form));
+        CHECK(can_measure_offsets(form));
         CHECK(form.exists_in(*find_format(std::string(usual_format))));
     }
 }

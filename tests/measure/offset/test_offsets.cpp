@@ -44,7 +44,7 @@ bool is_truly_safe(const PointWork& work, const ScenePoints& points, std::size_t
     const PointWork::Start start = work.start(points.met[k]).value();
     for (const NewRay& r : work.rays(points.met[k], *all_strategies().front(), side)) {
         const Ray<double> ray{moved_in_float(start, side, e), r.ray.direction};
-        const auto exact = test::exact_meeting({ray, 0}, points.primitives[points.met[k].own]);
+        const auto exact = test::exact_meeting({ray, 0}, points.primitives[points.met[k].primitive]);
         if (side == Side::outside ? exact.meets : exact.outside || !exact.meets) return false;
     }
     return true;
@@ -106,7 +106,7 @@ TEST_CASE("faults of next rays agree with rational arithmetic", "[measure][offse
         const auto strategies = all_strategies();
         const PointWork work(points.of, HitPoint::computed, points.primitives, nullptr, std::nullopt, strategies);
         for (std::size_t k = 0; k < points.met.size(); k += 9) {
-            const Primitive<double> own = points.primitives[points.met[k].own];
+            const Primitive<double> own = points.primitives[points.met[k].primitive];
             for (const Strategy* s : strategies) {
                 for (const Side side : both_sides) {
                     for (const NewRay& r : work.rays(points.met[k], *s, side)) {
@@ -116,8 +116,9 @@ TEST_CASE("faults of next rays agree with rational arithmetic", "[measure][offse
                         const bool out = side == Side::outside;
                         CAPTURE(scene, k, s->name, name_of(side));
                         CHECK(r.has(Fault::wrong_side) == (out ? there.inside : there.outside));
-                        CHECK(r.has(Fault::self_hit) == (r.asks_own && ahead.meets && (out || ahead.outside)));
-                        CHECK(r.has(Fault::lost_exit) == (!out && (!r.asks_own || !ahead.meets)));
+                        CHECK(r.has(Fault::self_hit) ==
+                              (r.tests_left_primitive && ahead.meets && (out || ahead.outside)));
+                        CHECK(r.has(Fault::lost_exit) == (!out && (!r.tests_left_primitive || !ahead.meets)));
                     }
                 }
             }
@@ -142,8 +143,8 @@ TEST_CASE("the strategies reported as cheapest are safe, and those left out are 
     std::set<const Strategy*> safe;
     for (const SafeStrategy& s : both) safe.insert(s.strategy);
     for (std::size_t k = 0; k < request.strategies.size(); ++k) {
-        const bool right =
-            summary.on(Side::outside).strategies[k].bad == 0 && summary.on(Side::inside).strategies[k].bad == 0;
+        const bool right = summary.side_summary(Side::outside).strategies[k].bad == 0 &&
+                           summary.side_summary(Side::inside).strategies[k].bad == 0;
         INFO(request.strategies[k]->name);
         CHECK(right == safe.contains(request.strategies[k]));
     }
@@ -157,21 +158,21 @@ TEST_CASE("the strategies reported as cheapest are safe, and those left out are 
 TEST_CASE("a scene moved along an axis is unchanged at 1 and keeps its picture", "[measure][offset]") {
     const scene::file::Scene scene = load("near-benign", 24, 18);
     const auto rays = scene::rays::make_shared_rays(scene, 0, 18);
-    for (const Along along : {Along::distance, Along::radius}) {
+    for (const SceneAxis along : {SceneAxis::distance, SceneAxis::radius}) {
         const auto same = scene::rays::make_shared_rays(moved_along(scene, along, 1), 0, 18);
         CHECK(same.dx == rays.dx);
         CHECK(same.oz == rays.oz);
     }
-    const auto far = scene::rays::make_shared_rays(moved_along(scene, Along::distance, 1024), 0, 18);
+    const auto far = scene::rays::make_shared_rays(moved_along(scene, SceneAxis::distance, 1024), 0, 18);
     // Along the view (-0.3, -0.9, -5.1) the mean of the centres, (-0.575, 0, -4.225), lies 28.2/26.91 views away.
     CHECK(far.oz[0] - 1.1 == Approx(1023 * 28.2 / 26.91 * 5.1).epsilon(1e-6));
-    const auto moved = moved_along(scene, Along::world, 16);
+    const auto moved = moved_along(scene, SceneAxis::world, 16);
     CHECK(moved.listed[1].sphere().centre.y == scene.listed[1].sphere().centre.y + 11);
     CHECK(moved.listed[1].sphere().radius == scene.listed[1].sphere().radius);
-    CHECK(moved_along(scene, Along::radius, 8).listed[1].sphere().radius == 8 * scene.listed[1].sphere().radius);
-    CHECK(moved_along(load("near-benign", 480, 360), Along::world, 1).width == 48);
-    CHECK_THROWS(moved_along(load("sphereflake-near"), Along::world, 1));
-    CHECK_THROWS(moved_along(load("raycast-course.pixels"), Along::distance, 1));
+    CHECK(moved_along(scene, SceneAxis::radius, 8).listed[1].sphere().radius == 8 * scene.listed[1].sphere().radius);
+    CHECK(moved_along(load("near-benign", 480, 360), SceneAxis::world, 1).width == 48);
+    CHECK_THROWS(moved_along(load("sphereflake-near"), SceneAxis::world, 1));
+    CHECK_THROWS(moved_along(load("raycast-course.pixels"), SceneAxis::distance, 1));
 }
 
 }  // namespace test_offsets

@@ -32,7 +32,7 @@ TEST_CASE("strategies: none moves nothing, exclude skips its own primitive, cons
                      .side = 1,
                      .reach = 7};
     CHECK(rule("offset.none").in_float(l).origin == l.p);
-    CHECK_FALSE(rule("offset.exclude").in_float(l).asks_own);
+    CHECK_FALSE(rule("offset.exclude").in_float(l).tests_left_primitive);
     CHECK(rule("offset.tmin").in_float(l).tmin == 1e-3F);
     CHECK(rule("offset.epsilon").in_float(l).origin == Vec<float>(0.01F + 5e-4F, -3 - 5e-4F, 1 + 1e-3F * 0.70710678F));
     const auto integer = rule("offset.integer").in_float(l).origin;

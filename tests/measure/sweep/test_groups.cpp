@@ -71,7 +71,7 @@ FormSummary one_at_a_time(const std::vector<scene::rays::RayGroup>& groups, cons
         measure::truth::Band band(groups[g]);
         band.find_condition();
         const auto inputs = band.inputs(
-            row.format, {.unit_rays = row.form->info->direction == intersect::Direction::unit, .own_truth = true});
+            row.format, {.unit_rays = row.form->info->direction == intersect::Direction::unit, .stored_truth = true});
         measure::evaluate::measure_row({row, metrics, {}, static_cast<int>(g)}, band, inputs, sum);
     }
     for (auto& d : sum.metrics) d.seal();

@@ -103,7 +103,7 @@ TEST_CASE("a form's tape run over columns has the bits of the form", "[tape]") {
     for (const char* name : {"f32", "f64"}) {
         const Format format = *find_format(name);
         for (const Intersector& form : intersect::table::catalogue()) {
-            if (!form.exists_in(format) || !is_primitive(form.shape) || form.way) continue;
+            if (!form.exists_in(format) || !is_primitive(form.shape) || form.filter_arithmetic) continue;
             const auto rays = draw(form, format);
             const auto found = in_columns(format, TapeProgram(tape_of(form, format)), rays);
             for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -121,7 +121,7 @@ TEST_CASE("wider operations have the bits of a tape with those widths", "[tape]"
     Random random(7);
     std::size_t changed = 0;
     for (const Intersector& form : intersect::table::catalogue()) {
-        if (!form.exists_in(format) || !is_primitive(form.shape) || form.way) continue;
+        if (!form.exists_in(format) || !is_primitive(form.shape) || form.filter_arithmetic) continue;
         const Tape tape = tape_of(form, format);
         const auto rays = draw(form, format);
         for (int k = 0; k < 4; ++k) {

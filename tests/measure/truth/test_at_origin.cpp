@@ -188,10 +188,10 @@ TEST_CASE("rounded inputs that touch a primitive follow the convention of the id
     group.rays.y1 = 1;
     group.primitives = {Primitive<double>(Sphere<double>{{0, 0, 0}, 1})};
     const measure::truth::Band band(group);
-    const measure::truth::FormatInputs inputs = band.inputs(*find_format("bf16"), {.own_truth = true});
+    const measure::truth::FormatInputs inputs = band.inputs(*find_format("bf16"), {.stored_truth = true});
     CHECK(band.truth(0, Touching::miss).is_hit());
-    CHECK(inputs.own(0, Touching::hit).is_hit());
-    CHECK_FALSE(inputs.own(0, Touching::miss).is_hit());
+    CHECK(inputs.find_stored_truth(0, Touching::hit).is_hit());
+    CHECK_FALSE(inputs.find_stored_truth(0, Touching::miss).is_hit());
 }
 
 }  // namespace test_at_origin

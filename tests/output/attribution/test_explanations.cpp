@@ -279,7 +279,7 @@ TEST_CASE("shares, roundings and errors that are not finite are reported as miss
                 if (what == 1) e.contribution = odd, x.attribution.equals.push_back(x.attribution.culprit);
                 if (what == 2) e.rounding = e.error = odd;
                 if (what == 3) x.attribution.error = x.attribution.explained = odd;
-                if (x.culprit_alone) x.culprit_alone->mended.error = x.culprit_alone->alone.error = odd;
+                if (x.culprit_alone) x.culprit_alone->only_exact.error = x.culprit_alone->only_rounded.error = odd;
                 const output::attribution::OperationView words(x);
                 for (const std::string& line : lines_of(output::attribution::culprit_sentence(x) + "\n" +
                                                         verdict_of(x, s.march).text() + sums_text(x, words))) {

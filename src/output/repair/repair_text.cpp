@@ -1,4 +1,4 @@
-#include "output/repair/mend_files.hpp"
+#include "output/repair/repair_files.hpp"
 
 #include <fmt/format.h>
 
@@ -20,8 +20,8 @@ using measure::attribution::TapeText;
 
 namespace {
 
-TapeText text_of(const MendResult& r) {
-    return {r.mended.tape, input_names_of(*r.request.row.form), TapeText::Style::plain};
+TapeText text_of(const RepairSummary& r) {
+    return {r.repair.tape, input_names_of(*r.request.row.form), TapeText::Style::plain};
 }
 
 /// `22.1 bits, no wrong decision`
@@ -33,7 +33,7 @@ std::string in_words(const RowQuality& quality, const measure::choice::Requireme
     return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong, scene::toml::counted(quality.rays, "ray"));
 }
 
-std::string margin_text(const GrowthMargin& margin, const MendResult& r) {
+std::string margin_text(const GrowthMargin& margin, const RepairSummary& r) {
     const auto way = measure::choice::growth_names[static_cast<std::size_t>(margin.growth)];
     const auto& requirement = r.request.requirement;
     if (margin.holds == 0)
@@ -45,17 +45,17 @@ std::string margin_text(const GrowthMargin& margin, const MendResult& r) {
                fmt::format("; first broken at {:.4g}-fold: {}", margin.beyond, in_words(margin.broken, requirement)));
 }
 
-std::string own_is_enough(const MendResult& r) {
+std::string own_is_enough(const RepairSummary& r) {
     return fmt::format("It meets the requirement as it is: no operation has to be wider.\n{}",
-                       r.mended.own_apart.meets(r.request.requirement)
+                       r.repair.own_held_out.meets(r.request.requirement)
                            ? ""
                            : fmt::format("On {} it does not: {}.\n",
                                          r.request.scene ? "rays that lie between these" : "all rays of the file",
-                                         in_words(r.mended.own_apart, r.request.requirement)));
+                                         in_words(r.repair.own_held_out, r.request.requirement)));
 }
 
 /// The change of a proposal: as a patch of the user's file, and else as lines of the formula.
-std::string change_of(const MendResult& r, std::size_t k) {
+std::string change_of(const RepairSummary& r, std::size_t k) {
     const measure::repair::Patch* const patch = k < r.patches.size() ? &r.patches[k] : nullptr;
     std::string text;
     if (patch == nullptr || patch->diff.empty()) {
@@ -71,21 +71,22 @@ std::string change_of(const MendResult& r, std::size_t k) {
 }
 
 /// `here`: accuracy on the rays of the search.
-std::string apart_rays_text(const MendResult& r, const RowQuality& here, const RowQuality& apart) {
-    const auto& m = r.mended;
+std::string held_out_text(const RepairSummary& r, const RowQuality& here, const RowQuality& held_out) {
+    const auto& m = r.repair;
     const std::string where =
-        r.request.scene ? fmt::format("{}x{} other pixels, which the search did not use", m.apart.width, m.apart.height)
+        r.request.scene ? fmt::format("{}x{} other pixels, which the search did not use", m.held_out_scene.width,
+                                      m.held_out_scene.height)
                         : fmt::format("all {} of the file", scene::toml::counted(r.request.rays->rays, "ray"));
     std::string text =
-        fmt::format("  On {}: {}; without the change: {}.\n", where, in_words(apart, r.request.requirement),
-                    in_words(m.own_apart, r.request.requirement));
-    if (here.meets(r.request.requirement) && !apart.meets(r.request.requirement))
+        fmt::format("  On {}: {}; without the change: {}.\n", where, in_words(held_out, r.request.requirement),
+                    in_words(m.own_held_out, r.request.requirement));
+    if (here.meets(r.request.requirement) && !held_out.meets(r.request.requirement))
         text += fmt::format("  There it does not meet the requirement: it was found for the {} only.\n",
                             r.request.scene ? "pixels of this scene" : "rays that the search kept");
     return text;
 }
 
-std::string margins_text(const std::vector<GrowthMargin>& margins, const MendResult& r) {
+std::string margins_text(const std::vector<GrowthMargin>& margins, const RepairSummary& r) {
     if (margins.empty()) return "";
     const auto rays = r.request.scene
                           ? measure::choice::with_smaller_picture(*r.request.scene, measure::repair::few_rays).pixels()
@@ -97,30 +98,30 @@ std::string margins_text(const std::vector<GrowthMargin>& margins, const MendRes
 }
 
 /// Rays of a probe on which the form holds, and those on which it fails.
-std::string probes_text(const MendResult& r, const std::vector<RowQuality>& probed) {
+std::string probes_text(const RepairSummary& r, const std::vector<RowQuality>& probed) {
     const auto& requirement = r.request.requirement;
-    if (r.mended.probes.empty())
+    if (r.repair.probes.empty())
         return "  Exchanged axes were not tried: the scene has a flake, a mesh from a file, or more than 1024 "
                "primitives.\n";
     std::vector<std::string> holds;
     std::vector<std::pair<std::string, std::vector<std::string>>> fails;  // probes with the same worth together
     for (std::size_t k = 0; k < probed.size(); ++k) {
-        const std::string words(r.mended.probes[k]->words), quality = in_words(probed[k], requirement);
+        const std::string words(r.repair.probes[k]->words), quality = in_words(probed[k], requirement);
         if (probed[k].meets(requirement)) holds.push_back(words);
         else if (!fails.empty() && fails.back().first == quality) fails.back().second.push_back(words);
         else fails.push_back({quality, {words}});
     }
     std::string text;
     const std::string on =
-        fmt::format("on {} moved with the primitives", scene::toml::counted(r.mended.probed_rays, "ray"));
+        fmt::format("on {} moved with the primitives", scene::toml::counted(r.repair.probed_rays, "ray"));
     if (!holds.empty()) text += fmt::format("  It also holds {}: {}.\n", on, fmt::join(holds, "; "));
     for (const auto& [quality, probes] : fails)
         text += fmt::format("  It fails {}: {}: {}.\n", on, fmt::join(probes, "; "), quality);
     return text;
 }
 
-std::string symmetric_set_text(const MendResult& r) {
-    const auto& m = r.mended;
+std::string symmetric_set_text(const RepairSummary& r) {
+    const auto& m = r.repair;
     if (proposals_of(r).front().is_symmetric(r)) return "";
     if (!m.symmetric) return "  It is not symmetric, and no set that treats x, y and z alike was found in its place.\n";
     const auto& set = *m.symmetric;
@@ -134,12 +135,12 @@ std::string symmetric_set_text(const MendResult& r) {
                         set.groups, set.all_groups,
                         set.is_smallest ? "no groups with fewer operations are enough (all were tried)"
                                         : "none of these can be spared");
-    return text + probes_text(r, set.probed) + apart_rays_text(r, set.quality, set.apart) +
+    return text + probes_text(r, set.probed) + held_out_text(r, set.quality, set.held_out) +
            margins_text(r.symmetric_margins, r);
 }
 
-std::string wider_set_text(const MendResult& r) {
-    const auto& m = r.mended;
+std::string wider_set_text(const RepairSummary& r) {
+    const auto& m = r.repair;
     const auto& requirement = r.request.requirement;
     const std::string wider = name_of_wider(m.wider);
     const std::size_t n = m.set->operations.size();
@@ -160,23 +161,23 @@ std::string wider_set_text(const MendResult& r) {
                             m.set->none_of + 1 == n ? ", so this set is one of the smallest"
                                                     : "; sets of sizes between were not all tried");
     }
-    return text + apart_rays_text(r, m.set->quality, m.apart_quality) + probes_text(r, m.set_probed) +
+    return text + held_out_text(r, m.set->quality, m.set_held_out) + probes_text(r, m.set_probed) +
            margins_text(r.margins, r) + symmetric_set_text(r);
 }
 
 /// The form's operations without any rounding, in a sentence or two.
-std::string obstruction_text(const MendResult& r) {
+std::string obstruction_text(const RepairSummary& r) {
     const auto& requirement = r.request.requirement;
-    const auto& [exact, with_unit, off_unit] = *r.mended.obstruction;
+    const auto& [exact, with_unit, off_unit] = *r.repair.obstruction;
     const auto& form = *r.request.row.form->info;
-    if (r.mended.own.hits == 0) return "  In the way: no ray truly hits anything, so no t has bits to keep.\n";
+    if (r.repair.own.hits == 0) return "  In the way: no ray truly hits anything, so no t has bits to keep.\n";
     if (requirement.bits > r.request.row.format.parameters.precision)
         return fmt::format("  In the way: {} has {} bits. Try a wider format.\n", r.request.row.format.name,
                            r.request.row.format.parameters.precision);
     std::string without = fmt::format("without any rounding its operations keep {}", in_words(exact, requirement));
     if (exact.wrong > 0)
-        without += fmt::format(" ({} of them {})", exact.of_first,
-                               exact.first == measure::answer::Outcome::false_hit ? "false hits" : "missed hits");
+        without += fmt::format(" ({} of them {})", exact.main_fault_count,
+                               exact.main_fault == measure::answer::Outcome::false_hit ? "false hits" : "missed hits");
     if (with_unit && !exact.meets(requirement) && measure::repair::is_more_accurate(*with_unit, exact))
         return fmt::format(
             "  In the way: {} assumes directions of length one, and rounded to {} they differ from it by up to {:.2g}. "
@@ -185,18 +186,18 @@ std::string obstruction_text(const MendResult& r) {
     if (!exact.meets(requirement))
         return fmt::format("  In the way: the formula itself, at any precision. On a sample, {}.\n", without);
     return fmt::format("  In the way: more rounding than {} removes. On a sample, {}; a wider format is needed.\n",
-                       name_of_wider(r.mended.wider), without);
+                       name_of_wider(r.repair.wider), without);
 }
 
-std::string rewritten_text(const MendResult& r, std::size_t k) {
-    const auto& one = r.mended.rewriting.found[k];
+std::string rewritten_text(const RepairSummary& r, std::size_t k) {
+    const auto& one = r.repair.rewriting.found[k];
     const std::string how =
         one.set ? fmt::format(", {} of it in {},", scene::toml::counted(one.set->operations.size(), "operation"),
-                              name_of_wider(r.mended.wider))
+                              name_of_wider(r.repair.wider))
                 : "";
     std::string text = fmt::format("Written another way{} it keeps {}; {} instead of {}.\n", how,
                                    in_words(one.quality, r.request.requirement),
-                                   scene::toml::counted(one.operations, "operation"), r.mended.operations);
+                                   scene::toml::counted(one.operations, "operation"), r.repair.operations);
     if (!one.quality.meets(r.request.requirement))
         return text + fmt::format("  That does not meet the requirement. Rules: {}.\n", rules_of(one));
     std::set<const measure::identity::Rule*> told;
@@ -205,8 +206,8 @@ std::string rewritten_text(const MendResult& r, std::size_t k) {
         text += fmt::format("  {}: {}{}{}.\n", rule->name, rule->identity, rule->condition.empty() ? "" : "; where ",
                             rule->condition);
     }
-    text += change_of(r, proposals_of(r).size() - r.mended.rewriting.found.size() + k);
-    text += apart_rays_text(r, one.quality, one.apart) + probes_text(r, one.probed);
+    text += change_of(r, proposals_of(r).size() - r.repair.rewriting.found.size() + k);
+    text += held_out_text(r, one.quality, one.held_out) + probes_text(r, one.probed);
     return k < r.rewritten_margins.size() ? text + margins_text(r.rewritten_margins[k], r) : text;
 }
 
@@ -217,7 +218,7 @@ std::string price_text(const Price& price, const Price& own) {
                        price.single.median * 1e9, price.single.median / own.single.median);
 }
 
-std::string prices_text(const MendResult& r) {
+std::string prices_text(const RepairSummary& r) {
     if (!r.no_price.empty()) return fmt::format("No price: {}\n", r.no_price);
     if (r.prices.empty()) return "";
     const Price& own = r.prices.front();
@@ -229,7 +230,7 @@ std::string prices_text(const MendResult& r) {
         if (!row.price || !row.is_shown) continue;
         (row.front ? text : rest) +=
             fmt::format("  {}{}: {}; {}.\n", row.front ? "* " : "",
-                        row.kind == "wider" ? "in " + name_of_wider(r.mended.wider) : row.name,
+                        row.kind == "wider" ? "in " + name_of_wider(r.repair.wider) : row.name,
                         in_words(*row.quality, r.request.requirement), price_text(*row.price, own));
     }
     return text + rest;
@@ -242,15 +243,17 @@ std::string name_of_wider(const FloatFormat& wider) {
     return wider == measure::tape::two_doubles ? "two doubles" : "double";
 }
 
-std::string operation_text(const MendResult& result, NodeId operation) { return text_of(result).definition(operation); }
-
-std::vector<std::string> changed_lines(const MendResult& r, const Tape& now) {
-    const auto& form = *r.request.row.form;
-    return changed_lines(statements(r.mended.tape, form), statements(now, form, &r.mended.tape));
+std::string operation_text(const RepairSummary& result, NodeId operation) {
+    return text_of(result).definition(operation);
 }
 
-MendResult result_of(const measure::repair::MendRequest& request, const measure::repair::Mended& mended) {
-    MendResult r{.request = request, .mended = mended, .catalogue = {}, .catalogue_quality = {}};
+std::vector<std::string> changed_lines(const RepairSummary& r, const Tape& now) {
+    const auto& form = *r.request.row.form;
+    return changed_lines(statements(r.repair.tape, form), statements(now, form, &r.repair.tape));
+}
+
+RepairSummary result_of(const measure::repair::RepairRequest& request, const measure::repair::RepairResult& repair) {
+    RepairSummary r{.request = request, .repair = repair, .catalogue = {}, .catalogue_quality = {}};
     for (const auto& [row, quality] : ranked_catalogue(request)) {
         r.catalogue.push_back(row);
         r.catalogue_quality.push_back(quality);
@@ -262,7 +265,7 @@ MendResult result_of(const measure::repair::MendRequest& request, const measure:
         else if (proposal.symmetric) r.symmetric_margins = std::move(margins);
         else r.margins = std::move(margins);
     }
-    measure::repair::Patcher patcher(request, mended.tape);
+    measure::repair::Patcher patcher(request, repair.tape);
     if (!patcher.has_file()) return r;
     for (const Proposal& proposal : proposals_of(r))
         r.patches.push_back(proposal.quality->meets(request.requirement) ? patcher.patch_of(proposal.tape)
@@ -270,29 +273,29 @@ MendResult result_of(const measure::repair::MendRequest& request, const measure:
     return r;
 }
 
-std::vector<Proposal> proposals_of(const MendResult& r) {
+std::vector<Proposal> proposals_of(const RepairSummary& r) {
     std::vector<Proposal> all;
-    const auto& m = r.mended;
+    const auto& m = r.repair;
     if (r.has_set())
-        all.push_back({with_wider(m, m.set->operations), &m.set->quality, &m.apart_quality, &m.set_probed, nullptr,
+        all.push_back({with_wider(m, m.set->operations), &m.set->quality, &m.set_held_out, &m.set_probed, nullptr,
                        &m.set->operations});
     if (const auto& set = m.symmetric)
-        all.push_back({with_wider(m, set->operations), &set->quality, &set->apart, &set->probed, nullptr,
+        all.push_back({with_wider(m, set->operations), &set->quality, &set->held_out, &set->probed, nullptr,
                        &set->operations, true});
     for (const auto& one : m.rewriting.found)
-        all.push_back({one.tape, &one.quality, &one.apart, &one.probed, &one, nullptr});
+        all.push_back({one.tape, &one.quality, &one.held_out, &one.probed, &one, nullptr});
     for (std::size_t k = 0; k < all.size() && !r.prices.empty(); ++k) all[k].price = &r.prices[k + 1];
     return all;
 }
 
-bool Proposal::is_symmetric(const MendResult& result) const {
-    const auto& probes = result.mended.probes;
+bool Proposal::is_symmetric(const RepairSummary& result) const {
+    const auto& probes = result.repair.probes;
     for (std::size_t k = 0; k < probes.size(); ++k)
         if (probes[k]->is_exact() && !(*probed)[k].meets(result.request.requirement)) return false;
     return true;
 }
 
-const Proposal* best_of(const std::vector<Proposal>& proposals, const MendResult& result) {
+const Proposal* best_of(const std::vector<Proposal>& proposals, const RepairSummary& result) {
     const auto rank = [&](const Proposal& p) {
         const double operations = p.rewritten ? static_cast<double>(p.rewritten->operations) : HUGE_VAL;
         return std::pair(!p.is_symmetric(result), p.price ? p.price->packed.median : operations);
@@ -311,8 +314,8 @@ std::string rules_of(const measure::repair::Rewritten& rewritten) {
 }
 
 // Each operation by the name of the statement that it belongs to, in order.
-std::string names_of(const MendResult& r, const std::vector<NodeId>& operations) {
-    const Tape& tape = r.mended.tape;
+std::string names_of(const RepairSummary& r, const std::vector<NodeId>& operations) {
+    const Tape& tape = r.repair.tape;
     std::vector<std::string> names;
     std::set<std::string> seen;
     for (const NodeId i : operations) {
@@ -328,16 +331,16 @@ std::string names_of(const MendResult& r, const std::vector<NodeId>& operations)
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::string method_text(const MendResult& r, const Proposal& proposal) {
-    const auto& m = r.mended;
+std::string method_text(const RepairSummary& r, const Proposal& proposal) {
+    const auto& m = r.repair;
     if (proposal.rewritten) return "written another way: " + rules_of(*proposal.rewritten);
     return fmt::format("{} of its {} operations in {}{}", proposal.wider->size(), m.operations, name_of_wider(m.wider),
                        proposal.symmetric ? ", the same ones for x, y and z" : "");
 }
 
-std::string in_words(const MendResult& r) {
+std::string in_words(const RepairSummary& r) {
     const auto& requirement = r.request.requirement;
-    const auto& m = r.mended;
+    const auto& m = r.repair;
     std::string text =
         fmt::format("{}: {}\n{} in {} keeps {}.\n", r.request.id(), choice::in_words(requirement),
                     r.request.row.form->info->name, r.request.row.format.name, in_words(m.own, requirement));

@@ -26,14 +26,14 @@ struct WiderSet {
 /// the one whose loss costs least, as long as the requirement is met. Then tries all smaller sets, size by size, as
 /// long as there are at most `affordable` sets of one size.
 WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const RowQuality& with_all,
-                      const MendRequest& request, Judge& judge, std::uint64_t affordable);
+                      const RepairRequest& request, Judge& judge, std::uint64_t affordable);
 
 using identity::Rule;
 
 /// Set of operations done wider that treats x, y and z alike: groups of `exchanged_groups`.
 struct SymmetricSet {
     std::vector<NodeId> operations;
-    RowQuality quality{}, apart{};           ///< worth on the scene, and on rays that were not searched on
+    RowQuality quality{}, held_out{};        ///< worth on the scene, and on rays that were not searched on
     std::vector<RowQuality> probed = {};     ///< worth on each probe
     std::size_t groups = 0, all_groups = 0;  ///< number of groups in the set, and of all groups
     bool is_smallest = false;                ///< no set of groups with fewer operations passes: all were tried
@@ -42,9 +42,9 @@ struct SymmetricSet {
 /// Form written another way.
 struct Rewritten {
     Tape tape;
-    std::vector<const Rule*> rules;  ///< the rules that made it, in order
-    RowQuality quality{}, apart{};   ///< worth on the scene, and on rays that were not searched on
-    std::size_t operations = 0;      ///< number of operations that round
+    std::vector<const Rule*> rules;    ///< the rules that made it, in order
+    RowQuality quality{}, held_out{};  ///< worth on the scene, and on rays that were not searched on
+    std::size_t operations = 0;        ///< number of operations that round
     /// The fewest operations to do wider, where the form meets the requirement only with them; `tape` has them wider.
     std::optional<WiderSet> set = {};
     std::vector<RowQuality> probed = {};  ///< worth on each probe
@@ -70,7 +70,7 @@ struct SearchLimit {
 /// the requirement with least work, and compares the results with the truth on all rays. It ends when nothing new
 /// comes, or after the last round. A candidate that is not the form in real arithmetic (on a sample of the rays, see
 /// `RaySample::agree`) is dropped.
-Rewriting rewrite(const MendRequest& request, const Tape& form, const RowQuality& own, Judge& judge,
+Rewriting rewrite(const RepairRequest& request, const Tape& form, const RowQuality& own, Judge& judge,
                   const SearchLimit& limit = {});
 
 /// Estimate of the time of a tape before it is measured: the operations that round, with each division and root counted
@@ -86,7 +86,7 @@ struct Obstruction {
     double off_unit = 0;
 };
 
-struct Mended {
+struct RepairResult {
     Tape tape;                         ///< the tape of the form
     FloatFormat wider;                 ///< the arithmetic of the wider operations
     std::size_t operations = 0;        ///< number of operations that round, and so could be done wider
@@ -95,9 +95,9 @@ struct Mended {
                                        ///< set: it is met as the form is
     Rewriting rewriting = {};          ///< other ways of writing it; none where the requirement is met as the form is
     std::uint64_t tried = 0;           ///< candidates tried, each on all rays
-    scene::file::Scene apart = {};     ///< the scene in other pixels: rays that were not searched on
-    /// Worth of the form and of the set on `apart`; with files, on all their rays.
-    RowQuality own_apart{}, apart_quality{};
+    scene::file::Scene held_out_scene = {};  ///< the scene in other pixels: rays that were not searched on
+    /// Worth of the form and of the set on `held_out_scene`; with files, on all their rays.
+    RowQuality own_held_out{}, set_held_out{};
     /// Probes that apply, and the worth there of the form and of the set (of all operations wider without a set). None
     /// where nothing meets the requirement.
     std::vector<const Isometry*> probes = {};
@@ -109,24 +109,24 @@ struct Mended {
 
 /// Repairs the form of a request. `affordable` is that of `smallest_set`. InputError for a form whose operations are
 /// not the same for every ray of the scene: its tape then has other answers than the form.
-Mended mend(const MendRequest& request, std::uint64_t affordable = 600);
+RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable = 600);
 
 /// True where the primitives' matrices are stored as inverses (world to object); false without matrices. InputError as
 /// for `recorded`.
-bool are_inverses(const MendRequest& request);
+bool are_inverses(const RepairRequest& request);
 
 /// Records every operation of the request's form, as its primitives are stored. Each way of storing a matrix has a tape
 /// of its own, and so has a primitive without a matrix: InputError where the primitives are of several kinds.
-Tape recorded(const MendRequest& request);
+Tape recorded(const RepairRequest& request);
 
 /// Tape of the form with a set of operations done wider.
-Tape with_wider(const Mended& mended, const std::vector<NodeId>& operations);
+Tape with_wider(const RepairResult& repair, const std::vector<NodeId>& operations);
 
 class RaySample {
 public:
     /// Takes about `rays` rays, evenly over the picture or the file. Each ray comes with the primitive that it truly
     /// hits, or with the first one.
-    explicit RaySample(const MendRequest& request, int rays = 64);
+    explicit RaySample(const RepairRequest& request, int rays = 64);
 
     /// Counts how often each operation of a tape loses most.
     [[nodiscard]] std::vector<int> culprits(Tape tape) const;

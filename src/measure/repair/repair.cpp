@@ -1,4 +1,4 @@
-#include "measure/repair/mend.hpp"
+#include "measure/repair/repair.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -38,7 +38,7 @@ std::uint64_t binomial(std::uint64_t n, std::uint64_t k) {
 
 class Search {
 public:
-    Search(const Tape& tape, const FloatFormat& wider, const MendRequest& request, Judge& judge)
+    Search(const Tape& tape, const FloatFormat& wider, const RepairRequest& request, Judge& judge)
         : tape_(tape), wider_(wider), request_(request), judge_(judge), all_(tape::rounded_operations(tape)) {}
 
     /// `with_all` is the worth with all operations wider, which meets the requirement.
@@ -122,7 +122,7 @@ private:
 
     const Tape& tape_;
     const FloatFormat& wider_;
-    const MendRequest& request_;
+    const RepairRequest& request_;
     Judge& judge_;
     std::vector<NodeId> all_;
 };
@@ -137,7 +137,7 @@ Scene in_other_pixels(Scene scene) {
 
 /// Widens the fewest operations of a rewritten form that does not meet the requirement by itself. Keeps the result only
 /// if it widens fewer operations than the set that was found for the original form, where there is one.
-void widen_where_needed(Rewritten& one, const Mended& m, const MendRequest& request, Judge& judge,
+void widen_where_needed(Rewritten& one, const RepairResult& m, const RepairRequest& request, Judge& judge,
                         std::uint64_t affordable) {
     if (one.quality.meets(request.requirement)) return;
     const Tape written = one.tape;
@@ -167,7 +167,7 @@ std::vector<RowQuality> probed(const Tape& tape, const std::vector<std::unique_p
 /// probes.
 class SymmetricSearch {
 public:
-    SymmetricSearch(const Mended& m, const MendRequest& request, Judge& judge, std::vector<Probe*> probes)
+    SymmetricSearch(const RepairResult& m, const RepairRequest& request, Judge& judge, std::vector<Probe*> probes)
         : m_(m), request_(request), judge_(judge), probes_(std::move(probes)) {
         const auto first = request.scene ? scene::rays::shared_primitives(*request.scene).front()
                                          : request.rays->sample.primitives.front();
@@ -235,8 +235,8 @@ private:
         return found;
     }
 
-    const Mended& m_;
-    const MendRequest& request_;
+    const RepairResult& m_;
+    const RepairRequest& request_;
     Judge& judge_;
     std::vector<Probe*> probes_;
     std::vector<std::vector<NodeId>> groups_;
@@ -245,7 +245,7 @@ private:
 
 /// Measures what was found on the probes. Where the set fails exact ones that it could pass, since the form passes them
 /// with every operation wider, looks for a symmetric set.
-void probe(Mended& m, const MendRequest& request, Judge& judge, std::uint64_t affordable) {
+void probe(RepairResult& m, const RepairRequest& request, Judge& judge, std::uint64_t affordable) {
     const auto meets = [&](const RowQuality& quality) { return quality.meets(request.requirement); };
     const auto& found = m.rewriting.found;
     if (!m.set && std::ranges::none_of(found, meets, &Rewritten::quality)) return;
@@ -277,11 +277,11 @@ void probe(Mended& m, const MendRequest& request, Judge& judge, std::uint64_t af
 }  // namespace
 
 WiderSet smallest_set(const Tape& tape, const FloatFormat& wider, const RowQuality& with_all,
-                      const MendRequest& request, Judge& judge, std::uint64_t affordable) {
+                      const RepairRequest& request, Judge& judge, std::uint64_t affordable) {
     return Search(tape, wider, request, judge).smallest(with_all, affordable);
 }
 
-bool are_inverses(const MendRequest& request) {
+bool are_inverses(const RepairRequest& request) {
     if (!request.row.form->is_placed) return false;
     std::set<int> kinds;
     const auto add = [&kinds](const auto& primitives) {
@@ -296,16 +296,17 @@ bool are_inverses(const MendRequest& request) {
                      "differ for each kind; mend the form for primitives of one kind");
 }
 
-Tape recorded(const MendRequest& request) {
+Tape recorded(const RepairRequest& request) {
     return tape::tape_of(*request.row.form, request.row.format, are_inverses(request));
 }
 
-Tape with_wider(const Mended& mended, const std::vector<NodeId>& operations) {
-    return tape::widened(mended.tape, operations, mended.wider);
+Tape with_wider(const RepairResult& repair, const std::vector<NodeId>& operations) {
+    return tape::widened(repair.tape, operations, repair.wider);
 }
 
-Mended mend(const MendRequest& request, std::uint64_t affordable) {
-    Mended m{.tape = recorded(request), .wider = tape::wider_than(request.row.format.parameters, request.two_words)};
+RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable) {
+    RepairResult m{.tape = recorded(request),
+                   .wider = tape::wider_than(request.row.format.parameters, request.two_words)};
     const std::vector<NodeId> all = tape::rounded_operations(m.tape);
     m.operations = all.size();
     Judge judge(request);
@@ -321,12 +322,12 @@ Mended mend(const MendRequest& request, std::uint64_t affordable) {
     std::vector<Tape> asked{m.tape, with_wider(m, m.set ? m.set->operations : all)};
     for (const Rewritten& r : m.rewriting.found) asked.push_back(r.tape);
     if (m.symmetric) asked.push_back(with_wider(m, m.symmetric->operations));
-    if (request.scene) m.apart = in_other_pixels(*request.scene);
-    const auto there = request.scene ? Judge(request, m.apart).quality_of(asked) : request.on_all(asked);
-    m.own_apart = there[0];
-    m.apart_quality = there[1];
-    for (std::size_t k = 0; k < m.rewriting.found.size(); ++k) m.rewriting.found[k].apart = there[k + 2];
-    if (m.symmetric) m.symmetric->apart = there.back();
+    if (request.scene) m.held_out_scene = in_other_pixels(*request.scene);
+    const auto there = request.scene ? Judge(request, m.held_out_scene).quality_of(asked) : request.on_all(asked);
+    m.own_held_out = there[0];
+    m.set_held_out = there[1];
+    for (std::size_t k = 0; k < m.rewriting.found.size(); ++k) m.rewriting.found[k].held_out = there[k + 2];
+    if (m.symmetric) m.symmetric->held_out = there.back();
     return m;
 }
 

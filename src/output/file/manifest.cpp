@@ -24,8 +24,8 @@ std::string text_of(const nlohmann::json& entry, const char* key) {
     return entry.contains(key) && entry[key].is_string() ? entry[key].get<std::string>() : std::string();
 }
 
-ResultFolder::ListedRun run_of(const nlohmann::json& entry) {
-    ResultFolder::ListedRun run{{text_of(entry, "command"), text_of(entry, "program")}, {}};
+ResultFolder::ManifestRun run_of(const nlohmann::json& entry) {
+    ResultFolder::ManifestRun run{{text_of(entry, "command"), text_of(entry, "program")}, {}};
     if (entry.contains("forms") && entry["forms"].is_object()) {
         for (const auto& [name, what] : entry["forms"].items())
             run.by.forms.emplace_back(name, text_of(entry["forms"], name.c_str()));
@@ -48,12 +48,12 @@ OrderedJson json_of(const Provenance& by, const std::set<std::string>& names) {
 
 }  // namespace
 
-std::vector<ResultFolder::ListedRun> listed_runs(const fs::path& folder) {
-    std::ifstream in(folder / list_name, std::ios::binary);
+std::vector<ResultFolder::ManifestRun> manifest_runs(const fs::path& folder) {
+    std::ifstream in(folder / manifest_name, std::ios::binary);
     if (!in) return {};
     const auto list = nlohmann::json::parse(in, nullptr, false);
     if (!list.is_object() || !list.contains("schema") || list["schema"] != schema || !list.contains("files")) return {};
-    std::vector<ResultFolder::ListedRun> all{run_of(list)};
+    std::vector<ResultFolder::ManifestRun> all{run_of(list)};
     if (!list.contains("others") || !list["others"].is_array()) return all;
     for (const auto& entry : list["others"]) {
         if (entry.is_object()) all.push_back(run_of(entry));
@@ -61,10 +61,10 @@ std::vector<ResultFolder::ListedRun> listed_runs(const fs::path& folder) {
     return all;
 }
 
-std::string list_text(const ResultFolder::ListedRun& last, const std::vector<ResultFolder::ListedRun>& others) {
+std::string manifest_text(const ResultFolder::ManifestRun& last, const std::vector<ResultFolder::ManifestRun>& others) {
     OrderedJson list{{"schema", schema}};
     list.update(json_of(last.by, last.files));
-    for (const ResultFolder::ListedRun& other : others) list["others"].push_back(json_of(other.by, other.files));
+    for (const ResultFolder::ManifestRun& other : others) list["others"].push_back(json_of(other.by, other.files));
     return json_text(list);
 }
 

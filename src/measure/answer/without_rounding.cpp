@@ -1,4 +1,4 @@
-#include "measure/answer/self.hpp"
+#include "measure/answer/without_rounding.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -47,7 +47,7 @@ const Intersector& form_of(const Call& call) {
 }
 
 /// Answers a call. `numbers` are those of the ray and the primitive; `end` is the end of the ray, if it has one. Calls
-/// `ask(form, ray, target)`.
+/// `ask(form, ray, target)`. A decision is a number too: 1 for a hit and -1 for a miss; the t of a miss is -1.
 template <class E, class Ask>
 std::optional<E> answered(const Call& call, std::span<const E> numbers, const std::optional<E>& end, const Ask& ask) {
     const Intersector& form = form_of(call);

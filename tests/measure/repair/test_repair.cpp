@@ -1,5 +1,5 @@
 // The set of wider operations meets the requirement, is minimal, and is checked on rays that the search did not use.
-#include "measure/repair/mend.hpp"
+#include "measure/repair/repair.hpp"
 
 #include <tbb/global_control.h>
 
@@ -13,7 +13,7 @@
 #include "measure/rows.hpp"
 #include "number/real.hpp"
 #include "output/repair/form_code.hpp"
-#include "output/repair/mend_files.hpp"
+#include "output/repair/repair_files.hpp"
 #include "scene/file/scene.hpp"
 #include "scratch.hpp"
 
@@ -28,15 +28,15 @@ namespace {
 
 Scene scene_named(const char* name, int size) { return test::scene_named(name, std::pair{size, size}); }
 
-MendRequest request_of(const Scene& scene, const char* form, double bits) {
-    MendRequest request{.scene = &scene, .row = test::row(form, "f32")};
+RepairRequest request_of(const Scene& scene, const char* form, double bits) {
+    RepairRequest request{.scene = &scene, .row = test::row(form, "f32")};
     request.requirement = {.bits = bits, .wrong = 0, .quantile = 1};
     return request;
 }
 
-/// The operations that must be wider, without the rewriting that `mend` tries too.
+/// The operations that must be wider, without the rewriting that `repair_form` tries too.
 struct Search {
-    explicit Search(const MendRequest& asked) : request(asked), judge(asked), tape(recorded(asked)) {}
+    explicit Search(const RepairRequest& asked) : request(asked), judge(asked), tape(recorded(asked)) {}
     RowQuality with(const std::vector<NodeId>& wider) {
         return judge.quality_of({tape::widened(tape, wider, binary64)}).front();
     }
@@ -45,7 +45,7 @@ struct Search {
         REQUIRE(quality.meets(request.requirement));
         return smallest_set(tape, binary64, quality, request, judge, affordable);
     }
-    const MendRequest& request;
+    const RepairRequest& request;
     Judge judge;
     Tape tape;
     std::vector<NodeId> all = tape::rounded_operations(tape);
@@ -65,7 +65,7 @@ TEST_CASE("measured again, the set meets the requirement, and fails it without a
           std::tuple("triangle-far", "triangle.undivided", 12.0), std::tuple("box-slabs", "box.baseline", 10.0)}) {
         INFO(name << ", " << form);
         const Scene scene = scene_named(name, is_long() ? 40 : 24);
-        const MendRequest request = request_of(scene, form, bits);
+        const RepairRequest request = request_of(scene, form, bits);
         Search search(request);
         CHECK_FALSE(search.with({}).meets(request.requirement));
         const WiderSet found = search.smallest(200);
@@ -105,13 +105,13 @@ TEST_CASE("edges seen from the ray's origin decide better near a triangle, and f
          {std::tuple("triangle-edge", 64, false), std::tuple("mesh-icosphere-edges", 24, true)}) {
         INFO(name);
         const Scene scene = scene_named(name, size);
-        const MendRequest request = request_of(scene, "triangle.undivided", 10);
+        const RepairRequest request = request_of(scene, "triangle.undivided", 10);
         const Tape before = tape::tape_of(*request.row.form, request.row.format);
         identity::Terms terms(before);
         std::vector<Tape> tapes{before};
         for (const auto& rewrite : identity::rewrites_of(terms, terms.outputs(), std::nullopt))
             if (rewrite.rule->name == "edges from the origin")
-                tapes.push_back(terms.tape(terms.with(terms.outputs(), rewrite.replaced)));
+                tapes.push_back(terms.tape(terms.with_replaced(terms.outputs(), rewrite.replaced)));
         REQUIRE(tapes.size() == 2);
         tapes.push_back(tape::tape_of(test::form_named("triangle.signed_volumes"), *find_format("f32")));
         Judge judge(request, scene);
@@ -127,17 +127,17 @@ TEST_CASE("edges seen from the ray's origin decide better near a triangle, and f
 
 TEST_CASE("a form that meets the requirement has an empty set, one that double does not help has no set", "[mend]") {
     const Scene scene = scene_named("near-benign", 32);
-    const MendRequest easy = request_of(scene, "sphere.half_b", 5);
-    const Mended enough = mend(easy);
+    const RepairRequest easy = request_of(scene, "sphere.half_b", 5);
+    const RepairResult enough = repair_form(easy);
     REQUIRE(enough.set);
     CHECK(enough.set->operations.empty());
     // Its contract is a direction of length one, which a rounded direction is not.
     const Scene far = scene_named("rtg-fig-7-3-4100-oblique", 32);
-    const MendRequest hard = request_of(far, "sphere.pythagoras", 16);
-    const Mended none = mend(hard);
+    const RepairRequest hard = request_of(far, "sphere.pythagoras", 16);
+    const RepairResult none = repair_form(hard);
     CHECK_FALSE(none.set);
     const std::string words =
-        output::repair::in_words({.request = hard, .mended = none, .catalogue = {}, .catalogue_quality = {}});
+        output::repair::in_words({.request = hard, .repair = none, .catalogue = {}, .catalogue_quality = {}});
     CHECK_THAT(words, Catch::Contains("does not meet the requirement"));
     CHECK_THAT(words, Catch::Contains("assumes directions of length one"));
     // No precision helps, but directions of length one do.
@@ -213,9 +213,9 @@ TEST_CASE("a set that helps one axis is made symmetric in double too, and with i
         CAPTURE(format, bits);
         Scene scene = scene_named("box-slabs", 24);
         scene.inputs = inputs;
-        MendRequest request = request_of(scene, "box.baseline", bits);
+        RepairRequest request = request_of(scene, "box.baseline", bits);
         request.row = test::row("box.baseline", format);
-        const Mended m = mend(request, 1);
+        const RepairResult m = repair_form(request, 1);
         REQUIRE(m.set);
         CHECK(m.set->quality.meets(request.requirement));
         CHECK(m.set_probed.size() == m.probes.size());
@@ -231,8 +231,8 @@ TEST_CASE("a set that helps one axis is made symmetric in double too, and with i
 
 TEST_CASE("a set that helps one axis is measured on others, and made symmetric", "[mend]") {
     const Scene scene = scene_named("box-slabs", 48);
-    const MendRequest request = request_of(scene, "box.baseline", 20);
-    const Mended m = mend(request);
+    const RepairRequest request = request_of(scene, "box.baseline", 20);
+    const RepairResult m = repair_form(request);
     REQUIRE(m.set);
     CHECK(m.set->operations.size() == 3);
     REQUIRE(m.probes.size() == 5);  // a box is not rotated
@@ -243,7 +243,8 @@ TEST_CASE("a set that helps one axis is measured on others, and made symmetric",
     CHECK(m.symmetric->operations.size() % 3 == 0);
     CHECK(meets(m.symmetric->quality));
     for (const RowQuality& quality : m.symmetric->probed) CHECK(meets(quality));
-    const output::repair::MendResult result{.request = request, .mended = m, .catalogue = {}, .catalogue_quality = {}};
+    const output::repair::RepairSummary result{
+        .request = request, .repair = m, .catalogue = {}, .catalogue_quality = {}};
     const auto proposals = proposals_of(result);
     CHECK_FALSE(proposals.front().is_symmetric(result));
     REQUIRE(best_of(proposals, result) != nullptr);
@@ -253,12 +254,12 @@ TEST_CASE("a set that helps one axis is measured on others, and made symmetric",
 
 TEST_CASE("pairs of floats have the same effect as double here", "[mend]") {
     const Scene scene = scene_named("rtg-fig-7-3-4100-oblique", 16);
-    MendRequest request = request_of(scene, "sphere.half_b", 16);
+    RepairRequest request = request_of(scene, "sphere.half_b", 16);
     request.two_words = true;
-    const Mended m = mend(request, 1);
+    const RepairResult m = repair_form(request, 1);
     CHECK(m.wider == tape::two_floats);
     CHECK(m.all.kept_bits > 23);
-    CHECK((m.apart.width != scene.width && m.apart_quality.rays != m.own.rays));
+    CHECK((m.held_out_scene.width != scene.width && m.set_held_out.rays != m.own.rays));
     CHECK(m.set.value().quality.meets(request.requirement));
 }
 
@@ -280,7 +281,7 @@ TEST_CASE("under matrices the operations that lead into the space of the primiti
                 [&](const Real& x) { placed.matrix[k++] = x; });
             placed.is_inverse = true;
         }
-        MendRequest request = request_of(scene, "sphere.unified", 18);
+        RepairRequest request = request_of(scene, "sphere.unified", 18);
         const auto& form = *request.row.form;
         request.row.form = &intersect::transform::through(test::transform_method_named("plain"), form);
         Search search(request);
@@ -294,20 +295,20 @@ TEST_CASE("under matrices the operations that lead into the space of the primiti
     }
     scene.listed.push_back(scene.listed.front());
     scene.listed.back().placed.reset();
-    MendRequest mixed = request_of(scene, "sphere.unified", 18);
+    RepairRequest mixed = request_of(scene, "sphere.unified", 18);
     mixed.row.form = &intersect::transform::through(intersect::transform::usual_transform_method(), *mixed.row.form);
-    CHECK_THROWS_AS(mend(mixed, 0), InputError);
+    CHECK_THROWS_AS(repair_form(mixed, 0), InputError);
 }
 
 TEST_CASE("a form that decides by itself how many steps it computes is refused", "[mend]") {
     const Scene scene = scene_named("rtg-fig-7-3-4100-oblique", 32);
-    const MendRequest request = request_of(scene, "sphere.filtered", 16);
-    CHECK_THROWS_WITH(mend(request), Catch::Contains("decides by itself"));
+    const RepairRequest request = request_of(scene, "sphere.filtered", 16);
+    CHECK_THROWS_WITH(repair_form(request), Catch::Contains("decides by itself"));
 }
 
 TEST_CASE("a form that cannot be compiled has no cost, and the message says why", "[mend]") {
     const Scene scene = scene_named("near-benign", 8);
-    const MendRequest request = request_of(scene, "sphere.half_b", 5);
+    const RepairRequest request = request_of(scene, "sphere.half_b", 5);
     const Tape tape = tape::tape_of(*request.row.form, request.row.format);
     const std::vector<RepairedSource> forms{{.tape = &tape, .header = "", .type = "None", .from = request.row}};
     const test::Scratch folder;

@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "measure/repair/mend.hpp"
 #include "measure/repair/patch.hpp"
 #include "measure/repair/price.hpp"
+#include "measure/repair/repair.hpp"
 #include "output/image/canvas.hpp"
 #include "output/table/table.hpp"
 
@@ -22,9 +22,9 @@ using measure::repair::Price;
 using measure::repair::RowQuality;
 
 /// All results of a repair.
-struct MendResult {
-    const measure::repair::MendRequest& request;
-    const measure::repair::Mended& mended;
+struct RepairSummary {
+    const measure::repair::RepairRequest& request;
+    const measure::repair::RepairResult& repair;
     /// Forms of the catalogue for the same primitives in the same format, most accurate first, and their accuracy.
     std::vector<measure::evaluate::TestedForm> catalogue;
     std::vector<RowQuality> catalogue_quality;
@@ -40,16 +40,16 @@ struct MendResult {
     /// requirement.
     std::vector<measure::repair::Patch> patches = {};
 
-    [[nodiscard]] bool has_set() const { return mended.set && !mended.set->operations.empty(); }
+    [[nodiscard]] bool has_set() const { return repair.set && !repair.set->operations.empty(); }
 };
 
 /// The results, with the catalogue, all margins and patches, but without times.
-MendResult result_of(const measure::repair::MendRequest& request, const measure::repair::Mended& mended);
+RepairSummary result_of(const measure::repair::RepairRequest& request, const measure::repair::RepairResult& repair);
 
 /// A resulting form: the set, the symmetric set, or another way of writing the form.
 struct Proposal {
     Tape tape;
-    const RowQuality *quality, *apart;
+    const RowQuality *quality, *held_out;
     const std::vector<RowQuality>* probed;        ///< worth on each probe of the result
     const measure::repair::Rewritten* rewritten;  ///< null: it is one of the sets
     const std::vector<NodeId>* wider;             ///< operations of the set; null: it is none
@@ -57,29 +57,29 @@ struct Proposal {
     const Price* price = nullptr;                 ///< null: not timed
 
     /// True if it meets a requirement on every exact probe of the result.
-    [[nodiscard]] bool is_symmetric(const MendResult& result) const;
+    [[nodiscard]] bool is_symmetric(const RepairSummary& result) const;
 };
 /// All proposals; the set comes first if there is one, then the symmetric set.
-std::vector<Proposal> proposals_of(const MendResult& result);
+std::vector<Proposal> proposals_of(const RepairSummary& result);
 /// The recommended one among those that meet the requirement. Proposals that also meet it with axes exchanged and
 /// mirrored come first, then the fastest in packs. If nothing was timed, the rewriting with the fewest operations comes
 /// first, then the set. Null if none meets the requirement.
-const Proposal* best_of(const std::vector<Proposal>& proposals, const MendResult& result);
+const Proposal* best_of(const std::vector<Proposal>& proposals, const RepairSummary& result);
 /// `cross products, stable roots`
 std::string rules_of(const measure::repair::Rewritten& rewritten);
 /// `3 of its 15 operations in double`, `written another way: cross products`.
-std::string method_text(const MendResult& result, const Proposal& proposal);
+std::string method_text(const RepairSummary& result, const Proposal& proposal);
 /// Names of operations that are done wider: `c, disc`.
-std::string names_of(const MendResult& result, const std::vector<NodeId>& operations);
+std::string names_of(const RepairSummary& result, const std::vector<NodeId>& operations);
 
 /// `double`, `two floats`, `two doubles`.
 std::string name_of_wider(const FloatFormat& wider);
 /// `c = dot(o - centre, o - centre) - radius*radius`: an operation of the form's tape with the names of the source.
-std::string operation_text(const MendResult& result, NodeId operation);
+std::string operation_text(const RepairSummary& result, NodeId operation);
 /// Changed statements of the form, as a diff.
-std::vector<std::string> changed_lines(const MendResult& result, const Tape& now);
+std::vector<std::string> changed_lines(const RepairSummary& result, const Tape& now);
 /// The answer, in several lines.
-std::string in_words(const MendResult& result);
+std::string in_words(const RepairSummary& result);
 
 /// A row of mend.csv, of the plot and of the text: the form, a result, or a form of the catalogue.
 struct FormRow {
@@ -89,7 +89,7 @@ struct FormRow {
     std::size_t operations = 0;         ///< rounding operations; 0 for the catalogue
     std::size_t wide = 0;               ///< number of operations that are done wider
     const RowQuality* quality = nullptr;
-    const RowQuality* apart = nullptr;                ///< on rays that the search did not use; null: not measured
+    const RowQuality* held_out = nullptr;             ///< on rays that the search did not use; null: not measured
     const std::vector<RowQuality>* probed = nullptr;  ///< on each probe; null: not measured
     std::string rules = {};                           ///< rules that rewrote it
     std::string wider = {};                           ///< format of the wider operations
@@ -105,14 +105,14 @@ struct FormRow {
 
 /// The form, the set and the symmetric set if there are any, all operations wider, each other way of writing it, the
 /// catalogue.
-std::vector<FormRow> rows_of(const MendResult& result);
+std::vector<FormRow> rows_of(const RepairSummary& result);
 
 /// `c, disc in double: 12.0 → 22.1 bits, no wrong decision, +0.3 ns a ray`: changes of a result.
-std::string change_text(const MendResult& result, const FormRow& row);
+std::string change_text(const RepairSummary& result, const FormRow& row);
 
 /// Plots kept bits of all rows against their time in packs, or against the number of wider operations if nothing was
 /// timed.
-image::Canvas front_plot(const MendResult& result);
+image::Canvas front_plot(const RepairSummary& result);
 
 /// A row of minimal.csv: one of the wider operations.
 struct MinimalRow {
@@ -129,16 +129,16 @@ struct ProbeRow {
     bool meets;
 };
 table::Table<ProbeRow> probe_table();
-std::vector<ProbeRow> probe_rows(const MendResult& result);
+std::vector<ProbeRow> probe_rows(const RepairSummary& result);
 table::Table<FormRow> form_table();
 table::Table<MinimalRow> minimal_table();
-std::vector<MinimalRow> minimal_rows(const MendResult& result);
+std::vector<MinimalRow> minimal_rows(const RepairSummary& result);
 
 /// Opens its files before the work and gives them their final names when they are complete.
-class MendFiles {
+class RepairFiles {
 public:
-    explicit MendFiles(const std::filesystem::path& folder);
-    void finish(const MendResult& result);
+    explicit RepairFiles(const std::filesystem::path& folder);
+    void finish(const RepairSummary& result);
     [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 
 private:
@@ -149,12 +149,12 @@ private:
 };
 
 /// A proposal as a header that holds `mended.NAME`, for the compiler. `command` made it.
-measure::repair::RepairedSource written(const MendResult& result, const Proposal& proposal, const std::string& name,
+measure::repair::RepairedSource written(const RepairSummary& result, const Proposal& proposal, const std::string& name,
                                         const std::string& command);
 
 /// The best proposal for a file of that name: `NAME.hpp` holds `mended.NAME`, `NAME.glsl` the function NAME, and
 /// `NAME.patch` is its patch. Throws InputError if none meets the requirement or there is no patch, and the errors of
 /// `shader_code`.
-std::string emitted(const MendResult& result, const std::filesystem::path& file, const std::string& command);
+std::string emitted(const RepairSummary& result, const std::filesystem::path& file, const std::string& command);
 
 }  // namespace lostbits::output::repair

@@ -1,4 +1,4 @@
-#include "output/repair/mend_files.hpp"
+#include "output/repair/repair_files.hpp"
 
 #include <fmt/format.h>
 
@@ -39,27 +39,27 @@ int marker_of(const FormRow& row) {
 
 }  // namespace
 
-std::vector<FormRow> rows_of(const MendResult& r) {
-    const auto& m = r.mended;
+std::vector<FormRow> rows_of(const RepairSummary& r) {
+    const auto& m = r.repair;
     const auto& own = r.request.row;
     const std::string wider = name_of_wider(m.wider);
     std::vector<FormRow> rows{
-        {"own", std::string(own.form->info->name), own, m.operations, 0, &m.own, &m.own_apart, &m.own_probed}};
+        {"own", std::string(own.form->info->name), own, m.operations, 0, &m.own, &m.own_held_out, &m.own_probed}};
     const auto add = [&](const Proposal& p) {
         if (p.rewritten)
             return rows.push_back({"rewritten", rules_of(*p.rewritten), own, p.rewritten->operations,
-                                   p.rewritten->set ? p.rewritten->set->operations.size() : 0, p.quality, p.apart,
+                                   p.rewritten->set ? p.rewritten->set->operations.size() : 0, p.quality, p.held_out,
                                    p.probed, rules_of(*p.rewritten)});
         const std::string name = fmt::format("{} of {} in {}", p.wider->size(), m.operations, wider);
         rows.push_back({p.symmetric ? "symmetric" : "wider", p.symmetric ? name + ", symmetric" : name, own,
-                        m.operations, p.wider->size(), p.quality, p.apart, p.probed});
+                        m.operations, p.wider->size(), p.quality, p.held_out, p.probed});
         rows.back().set = p.wider;
     };
     const auto proposals = proposals_of(r);
     const auto rewritten = std::ranges::find_if(proposals, [](const Proposal& p) { return p.rewritten != nullptr; });
     std::for_each(proposals.begin(), rewritten, add);
     rows.push_back({"all_wider", fmt::format("all {} in {}", m.operations, wider), own, m.operations, m.operations,
-                    &m.all, m.set ? nullptr : &m.apart_quality, m.set ? nullptr : &m.set_probed});
+                    &m.all, m.set ? nullptr : &m.set_held_out, m.set ? nullptr : &m.set_probed});
     std::for_each(rewritten, proposals.end(), add);
     for (FormRow& row : rows) row.wider = row.wide == 0 ? "" : wider;
     const std::size_t first = rows.size();
@@ -84,12 +84,12 @@ std::vector<FormRow> rows_of(const MendResult& r) {
     return rows;
 }
 
-std::string change_text(const MendResult& r, const FormRow& row) {
-    const RowQuality &was = r.mended.own, &now = *row.quality;
+std::string change_text(const RepairSummary& r, const FormRow& row) {
+    const RowQuality &was = r.repair.own, &now = *row.quality;
     const auto& requirement = r.request.requirement;
     std::string text =
         fmt::format("{}: {} → {} bits, {}",
-                    row.set ? fmt::format("{} in {}", names_of(r, *row.set), name_of_wider(r.mended.wider)) : row.name,
+                    row.set ? fmt::format("{} in {}", names_of(r, *row.set), name_of_wider(r.repair.wider)) : row.name,
                     bits_of(was, requirement), bits_of(now, requirement),
                     now.wrong == 0 ? "no wrong decision" : fmt::format("{} wrong decisions", now.wrong));
     if (was.wrong != now.wrong) text += fmt::format(" instead of {}", was.wrong);
@@ -98,7 +98,7 @@ std::string change_text(const MendResult& r, const FormRow& row) {
     return text;
 }
 
-image::Canvas front_plot(const MendResult& r) {
+image::Canvas front_plot(const RepairSummary& r) {
     const auto& requirement = r.request.requirement;
     const bool timed = !r.prices.empty();
     plot::ScatterPlotSpec spec;
@@ -109,7 +109,7 @@ image::Canvas front_plot(const MendResult& r) {
         "Named: the form, its repairs, and the Pareto front, on which fewer wrong decisions count before more bits." +
             (timed ? std::string() : " The catalogue: only forms in " + r.request.row.format.name + ".")};
     if (timed) spec.x = {"time per ray and primitive in packs, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
-    else spec.x = {"operations in " + name_of_wider(r.mended.wider), plot::AxisSpec::Scale::linear, 0.0, {}};
+    else spec.x = {"operations in " + name_of_wider(r.repair.wider), plot::AxisSpec::Scale::linear, 0.0, {}};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, {}, {}};
     const std::vector<FormRow> rows = rows_of(r);
     std::vector<speed::FrontPoint> points;
@@ -129,7 +129,7 @@ image::Canvas front_plot(const MendResult& r) {
     }
     speed::add_front(spec, points);
     spec.keys = {{"the form", 3, plot::ink_colour},
-                 {"operations in " + name_of_wider(r.mended.wider), 1, plot::ink_colour},
+                 {"operations in " + name_of_wider(r.repair.wider), 1, plot::ink_colour},
                  {"written another way", 2, plot::ink_colour},
                  {"catalogue", 0, plot::ink_colour},
                  {"decides more rays wrongly than allowed", 0, plot::ink_colour, false, true},
@@ -157,7 +157,7 @@ Table<FormRow> form_table() {
         {{"apart_rays", "rays that the search did not use; missing if they were not measured", &RowQuality::rays},
          {"apart_wrong", "number of these that are decided wrongly", &RowQuality::wrong},
          {"apart_kept_bits", "bits", "bits kept on these", or_missing(&RowQuality::kept_bits)}},
-        &R::apart);
+        &R::held_out);
     using P = Price;
     table.add<P>(
         {{"isa", "registers of `time_ns`; missing, like the times, if nothing was compiled", &P::isa},
@@ -207,11 +207,11 @@ std::vector<int> steps_of(const Tape& tape) {
 
 }  // namespace
 
-std::vector<MinimalRow> minimal_rows(const MendResult& r) {
+std::vector<MinimalRow> minimal_rows(const RepairSummary& r) {
     std::vector<MinimalRow> rows;
     if (!r.has_set()) return rows;
-    const auto& set = *r.mended.set;
-    const std::vector<int> steps = steps_of(r.mended.tape);
+    const auto& set = *r.repair.set;
+    const std::vector<int> steps = steps_of(r.repair.tape);
     for (std::size_t k = 0; k < set.operations.size(); ++k)
         rows.push_back({operation_text(r, set.operations[k]), steps[static_cast<std::size_t>(set.operations[k])],
                         &set.without[k], set.without[k].meets(r.request.requirement)});
@@ -234,16 +234,16 @@ Table<ProbeRow> probe_table() {
     return table.add({"meets", "true if it meets the requirement there", &R::meets});
 }
 
-std::vector<ProbeRow> probe_rows(const MendResult& r) {
+std::vector<ProbeRow> probe_rows(const RepairSummary& r) {
     std::vector<ProbeRow> rows;
     for (const FormRow& form : rows_of(r))
         for (std::size_t k = 0; form.probed && k < form.probed->size(); ++k)
             rows.push_back(
-                {form, r.mended.probes[k]->name, &(*form.probed)[k], (*form.probed)[k].meets(r.request.requirement)});
+                {form, r.repair.probes[k]->name, &(*form.probed)[k], (*form.probed)[k].meets(r.request.requirement)});
     return rows;
 }
 
-MendFiles::MendFiles(const std::filesystem::path& folder)
+RepairFiles::RepairFiles(const std::filesystem::path& folder)
     : folder_(folder),
       forms_(folder, "mend.csv", "One row per form: the form, with wider operations, rewritten, or of the catalogue",
              form_table()),
@@ -251,7 +251,7 @@ MendFiles::MendFiles(const std::filesystem::path& folder)
       probes_(folder, "probes.csv", "One row per form and probe: the scene with axes exchanged, mirrored or rotated",
               probe_table()) {}
 
-void MendFiles::finish(const MendResult& r) {
+void RepairFiles::finish(const RepairSummary& r) {
     forms_.add_all(rows_of(r));
     minimal_.add_all(minimal_rows(r));
     probes_.add_all(probe_rows(r));
@@ -261,8 +261,9 @@ void MendFiles::finish(const MendResult& r) {
 
 namespace {
 
-FormTexts words_of(const MendResult& r, const Proposal& proposal, const std::string& name, const std::string& command) {
-    const auto& m = r.mended;
+FormTexts words_of(const RepairSummary& r, const Proposal& proposal, const std::string& name,
+                   const std::string& command) {
+    const auto& m = r.repair;
     const std::string own(r.request.row.form->info->name), how = method_text(r, proposal);
     std::vector<std::string> head{fmt::format("{}, {}:", own, how),
                                   fmt::format("{} on every {} of {}.", choice::in_words(r.request.requirement),
@@ -281,7 +282,7 @@ FormTexts words_of(const MendResult& r, const Proposal& proposal, const std::str
 
 }  // namespace
 
-measure::repair::RepairedSource written(const MendResult& r, const Proposal& proposal, const std::string& name,
+measure::repair::RepairedSource written(const RepairSummary& r, const Proposal& proposal, const std::string& name,
                                         const std::string& command) {
     const FormTexts words = words_of(r, proposal, "mended." + name, command);
     return {&proposal.tape, form_header(proposal.tape, *r.request.row.form, words),
@@ -289,14 +290,14 @@ measure::repair::RepairedSource written(const MendResult& r, const Proposal& pro
             r.request.row};
 }
 
-std::string emitted(const MendResult& r, const std::filesystem::path& file, const std::string& command) {
+std::string emitted(const RepairSummary& r, const std::filesystem::path& file, const std::string& command) {
     const auto proposals = proposals_of(r);
     const Proposal* const best = best_of(proposals, r);
     if (!best)
         throw InputError(fmt::format(
             "--emit {}: no other form of {} was found that meets the requirement, so there is nothing to write; {}",
             file.string(), r.request.row.form->info->name,
-            r.mended.set ? "it meets the requirement as it is" : "it also fails with all operations wider"));
+            r.repair.set ? "it meets the requirement as it is" : "it also fails with all operations wider"));
     if (file.extension() == ".patch") {
         if (r.patches.empty())
             throw InputError(fmt::format("--emit {}: {} is not a function of --function; write .hpp or .glsl",
