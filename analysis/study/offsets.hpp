@@ -96,7 +96,7 @@ struct OffsetsAdapter {
     /// The ray with the fault that a column counts; for any other column, a self-hit if there is one. With the
     /// primitive that it leaves, in a form that `lostbits explain` accepts.
     static std::optional<measure::evaluate::WorstRay> witness(const View::SummaryRow& row, const std::string& column) {
-        const auto bad = ray_shown(row.summary->on(row.side).strategies[row.place], column);
+        const auto bad = ray_shown(row.summary->side_summary(row.side).strategies[row.place], column);
         if (!bad) return std::nullopt;
         const auto given = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(bad->ray.ray));
         given->primitives = {bad->primitive};
