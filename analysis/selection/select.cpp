@@ -274,8 +274,8 @@ std::vector<TestedForm> cross(const std::vector<const Intersector*>& forms, cons
         for (const Format& format : formats) asked += (asked.empty() ? "" : ", ") + format.name;
         const Intersector& one = *forms.at(0);
         throw NothingSelected(
-            fmt::format("none of the selected forms exists in {}; {} exists in {}: choose that with -f (`lostbits list "
-                        "forms` lists the formats of each form)",
+            fmt::format("none of the selected forms exists in {}; {} exists in {}: choose one of its formats with -f "
+                        "(`lostbits list forms` lists the formats of each form)",
                         asked, one.info->name, formats_of(one)));
     }
     return rows;
