@@ -33,8 +33,8 @@ constexpr std::array<StageConstant, 10> site_names{{{"iResolution", "vec3(640.0,
 /// An offset in a text, and what is inserted before that byte.
 using Insertion = std::pair<std::size_t, std::string>;
 
-/// Turns `uniform vec2 size;`, whose first token is `at`, into a variable, which holds 0 if it `has_value`:
-/// Vulkan has uniforms only in blocks. Blocks and samplers stay.
+/// Turns a uniform such as `uniform vec2 size;`, whose first token has the index `at`, into a variable, since Vulkan
+/// allows uniforms only in blocks. With `has_value` the variable gets the value 0. Blocks and samplers stay.
 void set_to_zero(std::string& text, std::vector<Insertion>& insertions, const std::vector<Token>& tokens,
                  std::size_t at, bool has_value) {
     static const std::set<std::string_view> zeros{"float", "int", "uint", "bool", "vec2", "vec3", "vec4", "double"};
@@ -92,8 +92,9 @@ std::string fitted(const std::string& original, bool zeros = true) {
     return with(text, insertions);
 }
 
-/// Declares the names of shader sites and of other stages that the text uses and does not declare. Constants are
-/// directives, after which an `#extension` of the text may still come. Outputs and channels are variables.
+/// Declares names that the text uses and does not declare: those that web sites for shaders, such as Shadertoy,
+/// provide, and those of other stages. Constants are written as `#define`, because an `#extension` directive of the
+/// text may come after directives, but not after declarations. Outputs and channels are variables.
 std::string site_declarations(const std::string& text) {
     const std::vector<Token> code = code_tokens(tokens_of(text));
     static const std::set<std::string_view> site_types{"float", "int", "vec2", "vec3", "vec4", "sampler2D"};

@@ -27,7 +27,8 @@ using SharedLook = std::shared_ptr<const Look>;
 
 constexpr Rgb8 nan_colour{255, 0, 255}, lit{255, 255, 125};
 
-/// A difference map of numbers. Pixels on which the two see different things show classes instead.
+/// A map of the difference between the picture of a form and the certified picture. A pixel that shows different things
+/// in the two pictures has the colour of its class instead of a number.
 struct ErrorMap {
     const char* title;
     const char* unit;
@@ -93,7 +94,7 @@ public:
     [[nodiscard]] std::vector<PixelColumn<RenderBand>> take() { return std::move(columns_); }
 
 private:
-    /// The certified picture, which all rows share. It is drawn from the bands of the first.
+    /// The certified picture, which all rows share. It is drawn from the bands of the first row.
     void add_reference(std::size_t s) {
         pixel::ColumnSpec spec{
             .file = fmt::format("{}.reference.png", name_of(study_.stages[s])), .look = pictures_, .bare = true};
