@@ -186,8 +186,9 @@ void print_incomplete(const DiffOptions& w) {
 MapSides sides_of(const DiffOptions& w) {
     if (w.forms.empty()) return {w.a, w.b, {}, {}, w.formats};
     if (w.forms.size() != 2)
-        throw InputError(fmt::format("-i names {}; name two, as in -i sphere.press -i sphere.unified",
-                                     scene::toml::counted(w.forms.size(), "form")));
+        throw InputError(
+            fmt::format("-i names {}, but diff compares two; name two, as in -i sphere.press -i sphere.unified",
+                        scene::toml::counted(w.forms.size(), "form")));
     if (!w.b.empty())
         throw InputError("-i compares two forms within one folder, but two folders are given; leave out " + w.b +
                          ", or leave out -i to compare the two folders");

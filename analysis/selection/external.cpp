@@ -334,7 +334,7 @@ void note_unmeasured(const std::vector<std::string>& words, const std::vector<me
             .push_back(form.info->name);
     }
     for (const auto& [what, names] : left_out)
-        fmt::print(stderr, "lostbits: left out: {} {} {}; nothing in the selection has this shape and format\n",
+        fmt::print(stderr, "lostbits: left out: {} {} {}; nothing in the selection has that shape and format\n",
                    fmt::join(names, ", "), names.size() == 1 ? "is" : "are", what);
 }
 

@@ -123,8 +123,9 @@ SelectedRay of_scene(const RayOptions& words, const TestedForm& given, const std
         throw InputError(fmt::format("explain: {} each name a ray; give only one", output::file::enumerated(options)));
     if (options.empty())
         throw InputError(
-            "explain: name one ray: --worst or --pixel X,Y of a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case NAME of a "
-            "file of cases");
+            "explain: the ray is missing; give --worst or --pixel X,Y for a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case "
+            "NAME "
+            "for a file of cases");
     if (words.worst) return worst_of_scene(scene, row, words.stop);
     return {scene,
             words.ray.empty() ? pixel_of(words, *scene) : OneRay(*scene, given_ray(words), {.stop = words.stop}),
@@ -285,8 +286,8 @@ void check(const RayOptions& words) {
                          words.primitives.names());
     if (!own && words.subject.empty())
         throw InputError(
-            "explain: name a scene, a file of cases with --case, or primitives (--sphere CX,CY,CZ,R; other shapes: "
-            "`lostbits explain --help`)");
+            "explain: the primitives are missing; name a scene, a file of cases with --case, or primitives (--sphere "
+            "CX,CY,CZ,R; other shapes: `lostbits explain --help`)");
     const char* const own_primitives = "primitives given as options (for a scene, --set rays.tmin=VALUE)";
     struct Row {
         const char* option;
