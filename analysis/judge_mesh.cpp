@@ -5,6 +5,7 @@
 
 #include "analysis/selection/judge_options.hpp"
 #include "analysis/selection/scenes.hpp"
+#include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "measure/judge/judge.hpp"
 #include "output/attribution/explain_command.hpp"
