@@ -192,12 +192,12 @@ Exit run(const CheckOptions& o, const Common& common) {
         throw InputError(
             "--profile timing cannot be combined with --strict, --junit, --export-csv, --export-json, --report or "
             "--annotations: claims about time never fail a check, and no report shows them; leave "
-            "those options out");
+            "out --profile timing, or the other options");
     }
     if (o.measure && (!o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.report.empty())) {
         throw InputError(
             "--measure cannot be combined with --junit, --export-csv, --export-json or --report: it does not judge "
-            "claims; leave one of them out");
+            "claims; leave out --measure, or the other options");
     }
     const auto data = selection::data_folder(common.data);
     const auto claims = load(o, data);
@@ -265,26 +265,25 @@ Exit run(const CheckOptions& o, const Common& common) {
 }  // namespace
 
 void add_check(const shell::Command& program, const Common& common) {
-    auto command = program.add_command("check", "Measure every claim again and compare it with what the claim states");
+    auto command =
+        program.add_command("check", "Measure claims again, and compare the numbers with what the claims state");
     const auto o = std::make_shared<CheckOptions>();
     command.add("CLAIMS", o->files, "Claim files or folders (default: data/claims)");
-    command.add_list("--filter", o->filters, "Only claims whose id matches a glob");
+    command.add_list("--filter", o->filters, "Measure only claims whose id matches a glob");
     command.add("--junit", o->junit, "Write JUnit XML");
     command.add("--export-csv", o->csv, "Write CSV, one row per claim");
     command.add("--export-json", o->json, "Write JSON, one object per claim");
     command.add("--report", o->report, "Write README.md, claims.csv and pictures into this folder");
     add_shard(command, o->shard);
-    command.add("--annotations", o->annotations, "github: also print workflow annotations",
+    command.add("--annotations", o->annotations, "github: also print annotations that GitHub shows beside the code",
                 shell::one_of({"none", "github"}));
-    command.add("--profile", o->profile,
-                "results (default); timing: claims about speed, which are shown and never fail; libraries: claims "
-                "about forms that --plugin and --pipe load, skipped where they are not loaded",
+    command.add("--profile", o->profile, "Kind of claims to measure (default: results; docs/claims.md)",
                 shell::one_of({"results", "timing", "libraries"}));
     command.add("--seeds", o->seeds,
-                "Measure each claim about random rays on this many further draws too, and show the spread",
+                "Also measure each claim about random rays on this many further draws, and show the spread",
                 shell::whole_from(0, 1000));
-    command.add("--strict", o->strict, "Claims of severity warn count as failures too");
-    command.add("--measure", o->measure, "Print what each claim measures now, without judging");
+    command.add("--strict", o->strict, "Also fail for claims of severity warn");
+    command.add("--measure", o->measure, "Print the measured number of each claim, without judging it");
     command.runs([o, &common] { return run(*o, common); });
 }
 

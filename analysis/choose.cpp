@@ -265,44 +265,38 @@ Exit run(const ChooseOptions& o, const Common& common) {
 
 void add_choose(const shell::Command& program, const Common& common) {
     auto command = program.add_command("choose",
-                                       "Find the cheapest form and format that meet a requirement on a scene or on "
-                                       "rays of files, their cost, and how far the scene may change");
+                                       "Find the cheapest form and format that meet a requirement on a scene or on the "
+                                       "rays of files");
     const auto o = std::make_shared<ChooseOptions>();
     o->stop = common.stop;
-    command
-        .add("SCENE", o->subjects,
-             "A scene file or a name in data/scenes; or files of rays, as `lostbits judge` reads them")
+    command.add("SCENE", o->subjects, "A scene file, a name in data/scenes, or files of rays as for `lostbits judge`")
         .required();
-    command.add("--bits", o->bits,
-                "The requirement: at least this many correct bits of t, for the share of the hits that --at gives",
+    command.add("--bits", o->bits, "Require this many correct bits of t, for the share of the hits that --at gives",
                 shell::number_from(0, 53));
     command.add("--tolerance", o->tolerance,
-                "How far the hit point may be from the true one along the ray, in the scene's unit of length");
+                "Require that the hit point is at most this far from the true one, along the ray, in the scene's unit "
+                "of length");
     command.add("--unit", o->unit, "The scene's unit of length (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
     command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",
                 shell::number_from(0, 1));
     command.add("--at", o->at,
-                "Share of the hits that must keep the bits: p50, p99 (default: 99 of 100), p99.9, or max for all");
+                "Share of the hits that must meet the requirement: p50, p99 (default), p99.9, or max for all hits");
     selection::add_forms(command, o->forms);
-    command.add_list(
-        "-f,--format", o->formats,
-        "f32, f64 (default: both); emulated formats take part only in the search for the narrowest format of each "
-        "pixel");
+    command.add_list("-f,--format", o->formats,
+                     "f32, f64 (default: both); emulated formats, such as p16, are not timed (docs/choose.md)");
     const auto single = command.add("--single", o->single, "Compare the cost of one ray at a time");
     command
         .add("--bulk", o->bulk,
-             "Compare the cost of packets of rays, one ray in each lane of a SIMD register, for forms that can be "
-             "vectorised (default)")
+             "Compare the cost of packets of rays, one ray in each lane of a SIMD register (default)")
         .excludes(single);
     command.add("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
     command.add("--variant", o->variant, "One variant of a scene that has several");
     command.add_set(o->set, "Change a number of the scene first: sphere[0].radius=10");
     selection::add_ray_options(command, *o);
     command.add("--mend", o->mend,
-                "Also mend the forms that do not meet the requirement (see `lostbits mend`), and compile and time the "
-                "mended forms");
+                "Also repair the forms that do not meet the requirement, as `lostbits mend` does, and time them");
     command.add("--compiler", o->compiler, "The compiler that --mend uses (default: c++)");
-    command.add("--quick", o->quick, "Shorter measurements of time, for a first look");
+    command.add("--quick", o->quick, "Measure times briefly, for a first look");
     selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }

@@ -119,7 +119,7 @@ std::set<std::string> names_of(const std::vector<Result>& results) {
     return names;
 }
 
-/// The folder of a file, in the spelling of its path.
+/// The folder of a file, as the user wrote it; `.` for a file name without a folder.
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
 /// Compares every file of every kind, one after another, as for two commits that should change no result.
@@ -186,12 +186,14 @@ void print_incomplete(const DiffOptions& o) {
 MapSides sides_of(const DiffOptions& o) {
     if (o.forms.empty()) return {o.a, o.b, {}, {}, o.formats};
     if (o.forms.size() != 2)
-        throw InputError(fmt::format("-i names {}; name two, as in -i sphere.press -i sphere.unified",
-                                     scene::toml::counted(o.forms.size(), "form")));
+        throw InputError(
+            fmt::format("-i names {}, but diff compares two; name two, as in -i sphere.press -i sphere.unified",
+                        scene::toml::counted(o.forms.size(), "form")));
     if (!o.b.empty())
-        throw InputError("-i compares two forms within one folder; leave out " + o.b +
-                         ", or -i to compare two folders");
-    if (o.strict) throw InputError("--strict: compares files, but two forms are rows of the same file; leave it out");
+        throw InputError("-i compares two forms within one folder, but two folders are given; leave out " + o.b +
+                         ", or leave out -i to compare the two folders");
+    if (o.strict)
+        throw InputError("--strict: compares files, but two forms are rows of the same file; leave out --strict");
     return {o.a, o.a, o.forms[0], o.forms[1], o.formats};
 }
 
@@ -208,10 +210,14 @@ Exit run(const DiffOptions& o, const Common& common) {
     const bool folders = diff::are_folders(o.a, o.b.empty() ? o.a : o.b);
     if (!folders && sides.are_forms())
         throw InputError(o.a + ": is a file; to compare two forms, name the folder of a map");
-    if (!o.draw.empty() && (!folders || o.strict))
-        throw InputError("--draw needs two folders of maps, or two forms of one, without --strict; leave it out");
+    if (!o.draw.empty() && o.strict)
+        throw InputError("--draw: --strict compares files and draws no maps; leave out --draw, or leave out --strict");
+    if (!o.draw.empty() && !folders)
+        throw InputError(
+            "--draw draws maps, which are folders, but files are compared; leave out --draw, or name two folders");
     if (!o.formats.empty() && o.draw.empty())
-        throw InputError("-f selects the formats that --draw draws; add --draw FOLDER, or leave out -f");
+        throw InputError(
+            "-f selects the formats that --draw draws, but --draw is missing; add --draw FOLDER, or leave out -f");
     print_incomplete(o);
     return folders && !o.strict ? run_on_maps(o, sides, options, common) : run_strictly(o, options, common);
 }
@@ -219,26 +225,20 @@ Exit run(const DiffOptions& o, const Common& common) {
 }  // namespace
 
 void add_diff(const shell::Command& program, const Common& common) {
-    auto command = program.add_command("diff",
-                                       "Show where two folders of maps, two forms of one folder, or two files differ; "
-                                       "differences in NaN, infinite and "
-                                       "missing values always count");
+    auto command =
+        program.add_command("diff", "Show where two folders of maps, two forms of one folder, or two files differ");
     const auto w = std::make_shared<DiffOptions>();
     command.add("A", w->a, "A file or a folder").required();
-    command.add("B", w->b, "The file or folder to compare it with; none with two forms");
+    command.add("B", w->b, "The file or folder to compare A with; not with -i");
     command.add("--allow", w->tolerances,
-                "COLUMN=ABS[,REL]: how far apart numbers may be; columns and channels by name or glob, the last "
-                "match counts");
-    command.add("--ignore", w->ignored, "COLUMN: leave out columns and channels, by name or glob");
-    command.add("--strict", w->strict,
-                "Compare every file, pictures too, row by row and line by line: for changes that should change no "
-                "result");
-    command.add("--compare-pictures", w->pictures, "Compare pictures too");
-    command.add_list("-i,--form", w->forms, "Two forms of the maps in A, in place of B");
+                "COLUMN=ABS[,REL]: numbers of a column may differ by ABS, or by REL of the larger one (docs/diff.md)");
+    command.add("--ignore", w->ignored, "Do not compare these columns and channels, by name or glob");
+    command.add("--strict", w->strict, "Compare every file to the last bit, pictures included");
+    command.add("--compare-pictures", w->pictures, "Also compare pictures");
+    command.add_list("-i,--form", w->forms, "Compare two forms of the maps in A; replaces B");
     command.add_list("-f,--format", w->formats, "Formats that --draw draws (default: all)");
     command.add("--draw", w->draw,
-                "A folder for pictures of the difference, one for each form and format; needs maps written with "
-                "--pixels csv or --exr");
+                "Folder for pictures of the difference; the maps must have been written with --pixels csv or --exr");
     command.runs([w, &common] { return run(*w, common); });
 }
 

@@ -62,8 +62,8 @@ void refuse_ray(const selection::RayOptions& ray) {
         if (given)
             throw InputError(
                 fmt::format("--ranges, {}: --ranges bounds the error of all rays of a scene or a step, but {} names "
-                            "one ray; leave out one of them",
-                            option, option));
+                            "one ray; leave out --ranges or {}",
+                            option, option, option));
     if (ray.subject.empty())
         throw InputError(
             "--ranges takes the ranges from the rays of a scene, or of a sweep at one step; name a scene or a sweep, "
@@ -131,7 +131,8 @@ Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& words,
     for (const std::string& text : words.ranges) {
         const GivenRange& asked = request.given_ranges.emplace_back(range_named(text));
         if (std::ranges::count(request.given_ranges, asked.name, &GivenRange::name) > 1)
-            throw InputError("--input-range " + text + ": " + asked.name + " has two ranges; leave one out");
+            throw InputError("--input-range " + text + ": " + asked.name +
+                             " already has a range from another --input-range; leave out one of the two");
     }
     const auto data = selection::data_folder(common.data);
     auto file = selection::sweep_named(ray.subject, data);
@@ -177,7 +178,8 @@ Exit run(const ExplainOptions& o, const Common& common) {
                        : "--c"));
     if (o.ranges.asked) {
         if (o.fpcore || o.c)
-            throw InputError("--ranges: the bound is printed as text or as --json only; leave out the other options");
+            throw InputError(
+                "--ranges: explain prints the bound as text or as --json only; leave out --fpcore and --c");
         return explain_ranges(o.words, o.ranges, {&form, format}, o.json, common);
     }
     const selection::SelectedRay asked =
@@ -204,68 +206,60 @@ Exit run(const ExplainOptions& o, const Common& common) {
 }  // namespace
 
 void add_explain(const shell::Command& program, const Common& common) {
-    auto command = program.add_command("explain",
-                                       "Show the operations of a form on one ray of a scene, and which of them loses "
-                                       "the bits");
+    auto command =
+        program.add_command("explain", "Show the operations of a form on one ray, and which operation loses the bits");
     const auto o = std::make_shared<ExplainOptions>();
     selection::RayOptions& words = o->words;
     words.stop = common.stop;
     command.add("SCENE", words.subject,
-                "A scene file, or a name in data/scenes; with --case a file of cases, or a name in "
-                "data/sweeps, with --worst any sweep; none with --sphere or --box");
+                "A scene; with --worst also a sweep; with --case a file of cases (docs/explain.md)");
     command.add("--pixel", words.pixel, "Column and row of a pixel, from the left and from the top: 17,42");
-    command.add("--worst", words.worst,
-                "The worst ray of a scene or a sweep for the form: a wrong decision, or else the largest error");
+    command.add(
+        "--worst", words.worst,
+        "Explain the worst ray: the first ray of the most frequent kind of wrong decision, or else the ray with the "
+        "largest error");
     command.add("--size", words.size, "Size of the picture that contains the pixel, WxH (default: the scene's)");
-    command.add("--steps", words.steps, "With --worst of a sweep, its steps of each axis: 40, or 40,20");
+    command.add("--steps", words.steps, "Steps of each axis of a sweep, with --worst: 40, or 40,20");
     command.add("--variant", words.variant, "The variant of a scene that has several");
-    command.add("--ray", words.ray,
-                "A ray of your own: OX,OY,OZ,DX,DY,DZ, decimals or hexadecimal floats, taken as given");
-    words.primitives.add_to(
-        command,
-        "Primitives for --ray, in place of a scene; may be repeated; @ and twelve numbers put a primitive under a "
-        "matrix");
-    command.add("--tmin", words.tmin,
-                "Where the range of the ray begins, for primitives given by options (default: 0)");
-    command.add("--tmax", words.tmax, "Where the range of the ray ends (default: nowhere)");
+    command.add("--ray", words.ray, "A ray of your own: OX,OY,OZ,DX,DY,DZ, as decimals or hexadecimal floats");
+    words.primitives.add_to(command,
+                            "Primitives for --ray, in place of a scene (may be repeated; a matrix follows after @)");
+    command.add("--tmin", words.tmin, "The t at which the ray begins (default: 0)");
+    command.add("--tmax", words.tmax, "The t at which the ray ends (default: infinity)");
     command.add("--open-ends", words.open_ends,
-                "Ends of the range that are excluded: a hit exactly there does not count (default: none)",
+                "Exclude these ends of the range: a hit exactly at an excluded end does not count (default: none)",
                 shell::one_of({"none", "tmin", "tmax", "both"}));
     command.add("--as", words.as,
-                "A format that the numbers of --ray, --sphere, --box, --tmin and --tmax are rounded to first");
+                "First round the numbers of --ray, of the primitives, --tmin and --tmax to this format");
     command.add("--case", words.named_case,
-                "A case of a file of cases: NAME, or NAME:K for its ray K, counted from 0 (default: the worst "
-                "for the form)");
-    command.add("--convention", words.convention,
-                "How touching is judged: own (as the form states, default), closed (a hit), open (a miss)",
-                shell::one_of({"own", "closed", "open"}));
+                "A case of a file of cases: NAME for its worst ray, or NAME:K for its ray K, counted from 0");
+    command.add(
+        "--convention", words.convention,
+        "The right answer for a ray that touches: own (as the form states, default), closed (a hit), open (a miss)",
+        shell::one_of({"own", "closed", "open"}));
     const auto ranges = command.add("--ranges", o->ranges.asked,
-                                    "In place of one ray, bound the error of t over all rays within the ranges of a "
-                                    "scene or of one step of a sweep");
+                                    "Bound the error of t over all rays within the ranges of a scene or of a step of a "
+                                    "sweep");
     command
-        .add("--at-step", o->ranges.at, "With --ranges of a sweep, the step: a value of each axis, as 4096 or 4096,0.5")
+        .add("--at-step", o->ranges.at, "The step of a sweep for --ranges, as a value of each axis: 4096, or 4096,0.5")
         .needs(ranges);
     command
         .add("--input-range", o->ranges.ranges,
-             "With --ranges, another range of an input, such as d.x=-0.5..0.5; may be repeated")
+             "Another range of an input for --ranges, such as d.x=-0.5..0.5; may be repeated")
         .needs(ranges);
     command
-        .add("--boxes", o->ranges.boxes, "With --ranges, the largest number of boxes (default: 4096)",
+        .add("--boxes", o->ranges.boxes,
+             "The largest number of boxes into which --ranges divides the ranges (default: 4096)",
              shell::whole_from(1, 1 << 20))
         .needs(ranges);
     command.add("-i,--form", o->form, "The form to explain").required();
     command.add("-f,--format", o->format, "The format (default: f32)");
-    command.add_list("--beside", o->beside,
-                     "Also try these forms on the ray, by name or glob, from libraries that run in the program "
-                     "itself; forms in processes of their own (--isolate, --pipe, --shader) are always tried");
+    command.add_list("--beside", o->beside, "Also try these forms on the ray, by name or glob (docs/explain.md)");
     command.add_set(words.set, "Change a number of the scene or the sweep first: march.hit_eps=1e-6");
     auto as = command.add_group("as", "Instead of the table");
-    as.add("--json", o->json, "Everything, as JSON");
-    as.add("--fpcore", o->fpcore, "FPCore 2.0 of t, for Herbie and FPBench");
-    as.add(
-        "--c", o->c,
-        "A C program that reproduces t to the bit; for a form with a fused multiply-add or a step to the next number "
-        "only in f32 and f64");
+    as.add("--json", o->json, "Print everything as JSON");
+    as.add("--fpcore", o->fpcore, "Print t as FPCore 2.0, for Herbie and FPBench");
+    as.add("--c", o->c, "Print a C program that reproduces t to the bit (docs/explain.md)");
     command.runs([o, &common] { return run(*o, common); });
 }
 

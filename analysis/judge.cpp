@@ -66,11 +66,12 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
                    "{}; if the answers were computed in float, add --answer-format f32\n",
                    file, result.answers, format.name);
     else if (is_short)
-        fmt::print(stderr,
-                   "lostbits: {}: its numbers have at most {} digits, but {} needs {}{}; bits may be lost only because "
-                   "they were not printed: print with %.{}g (std::setprecision({}))\n",
-                   file, result.digits, format.name, needed(format),
-                   is_wide ? fmt::format(" (of f32 {})", needed(narrow)) : "", needed(format), needed(format));
+        fmt::print(
+            stderr,
+            "lostbits: {}: its numbers have at most {} digits, but {} needs {}{}; bits that were not printed count as "
+            "lost: print with %.{}g (std::setprecision({}))\n",
+            file, result.digits, format.name, needed(format),
+            is_wide ? fmt::format(" (of f32 {})", needed(narrow)) : "", needed(format), needed(format));
 }
 
 /// Metrics that count hits: those that keep fewer bits than --bits, and those whose error is above --tolerance.
@@ -299,34 +300,29 @@ Exit run(const JudgeOptions& o, const Common& common) {
 }  // namespace
 
 void add_judge(const shell::Command& program, const Common& common) {
-    auto command = program.add_command(
-        "judge", "Judge the answers in a file of rays (CSV, .npy or raw), or let forms answer its rays");
+    auto command = program.add_command("judge", "Judge the answers in a file of rays, or let forms answer the rays");
     const auto o = std::make_shared<JudgeOptions>();
     o->stop = common.stop;
     command
         .add("FILE", o->file,
-             "A file of rays: columns ox,oy,oz,dx,dy,dz; optionally tmin, tmax, the columns of a primitive and its "
-             "matrix, hit, t; or answers about a mesh: all hits of a ray (hit_index), crossings, parity, or points "
-             "px,py,pz and inside")
+             "A file of rays (CSV, .npy or raw) with columns such as ox,oy,oz,dx,dy,dz,hit,t (docs/judge.md)")
         .required();
     selection::add_ray_options(command, *o);
-    command.add_list("-i,--form", o->forms, "Forms that answer the same rays too, by name or glob");
+    command.add_list("-i,--form", o->forms, "Forms that also answer the rays, by name or glob");
     command.add_list("-f", o->formats, "Formats of these forms (default: the format of the file)");
-    command.add("--against", o->against, "A form to compare the answers with, independently of the truth");
-    command.add_list("--metric", o->metrics, "Metrics to draw and to measure (default: lost_bits); globs");
-    command.add("--by", o->by,
-                "Group the rays by a column of your own in the file, such as depth or material, and also write one row "
-                "of results for each of its values");
-    command.add("--bits", o->bits,
-                "Report how many hits keep fewer than this many correct bits of t; the exit status does not change",
+    command.add("--against", o->against, "Also compare the answers with those of this form");
+    command.add_list("--metric", o->metrics,
+                     "Metrics to measure, by name or glob (default: lost_bits); see `lostbits list metrics`");
+    command.add("--by", o->by, "Also write results for each value of a column of your own, such as depth or material");
+    command.add("--bits", o->bits, "Count the hits that keep fewer than this many correct bits of t",
                 shell::number_from(0, 53));
     command.add("--tolerance", o->tolerance,
                 "Count the hits farther than this from the true point, along the ray, in the scene's unit of length");
     command.add("--unit", o->unit, "The scene's unit of length (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
-    command.add("--size", o->size, "Columns x rows, where the rays are the pixels of a picture: WxH");
+    command.add("--size", o->size, "Draw the rays as a picture of WxH pixels, row by row");
     selection::add_pictures(command, o->pictures);
     command.add("--rows", o->rows, "Also write one row per ray, with the columns of the file");
-    command.add("--worst-rays", o->worst, "How many rays of each kind go into worst.toml (default: 10; 0: none)");
+    command.add("--worst-rays", o->worst, "Number of rays of each kind in worst.toml (default: 10)");
     add_shard(command, o->shard);
     selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });

@@ -5,6 +5,7 @@
 
 #include "analysis/selection/judge_options.hpp"
 #include "analysis/selection/scenes.hpp"
+#include "analysis/selection/select.hpp"
 #include "commands.hpp"
 #include "measure/judge/judge.hpp"
 #include "output/attribution/explain_command.hpp"
@@ -41,18 +42,19 @@ void refuse_options(const JudgeOptions& o, AnswerKind kind, const std::string& c
                                                        {"--inside", o.inside != usual.inside}};
     for (const auto& [name, given] : first_hits)
         if (given)
-            throw InputError(
-                fmt::format("{} is for files of first hits, and the column {} of {} says {}; leave one of the two out",
-                            name, column, o.file,
-                            kind == AnswerKind::all_hits ? "that it lists all hits"
-                            : kind == AnswerKind::inside ? "that its records are points"
-                                                         : "how often rays cross the surface"));
+            throw InputError(fmt::format(
+                "{0} is for files of first hits, but the column {1} of {2} says {3}; leave out {0} or the column", name,
+                column, o.file,
+                kind == AnswerKind::all_hits ? "that it lists all hits"
+                : kind == AnswerKind::inside ? "that its records are points"
+                                             : "how often rays cross the surface"));
     if (kind == AnswerKind::inside)
         for (const auto& [name, given] : {std::pair("--direction", o.direction != usual.direction),
                                           {"--touching", o.touching != usual.touching},
                                           {"--facing", o.facing != usual.facing},
                                           {"--open-ends", o.open_ends != usual.open_ends}})
-            if (given) throw InputError(fmt::format("{} is about rays, and {} has points; leave it out", name, o.file));
+            if (given)
+                throw InputError(fmt::format("{0} is about rays, but {1} has points; leave out {0}", name, o.file));
 }
 
 std::shared_ptr<const scene::rays::MeshColumns> mesh_given(const std::optional<scene::file::Scene>& scene,

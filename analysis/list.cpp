@@ -316,7 +316,7 @@ void add_list(const shell::Command& program, const Common& common) {
     std::vector<std::string> names;
     for (const auto& [name, list] : lists) names.emplace_back(name);
     command.add("WHAT", *what, "What to list", shell::one_of(names));
-    command.add("--json", *json, "As a JSON array");
+    command.add("--json", *json, "Print a JSON array");
     command.runs([what, json, &common] { return run(*what, *json, common); });
 }
 

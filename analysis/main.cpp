@@ -42,49 +42,41 @@ void add_common(const shell::Command& program, Common& common) {
                 "own)");
     const auto show = [&common](int mode) { common.progress = static_cast<output::file::Progress::Mode>(mode); };
     program.add_named("--progress", {"auto", "bar", "none"}, show, "Progress on stderr (default: auto, on a terminal)");
-    program.add("--force", common.force,
-                "Also write into a folder with files that no manifest.json lists; those files are kept");
+    program.add("--force", common.force, "Also write into a folder that has other files; these files are kept");
     program.add_list("--figure", common.figures,
-                     "Kinds of pictures (default: png): svg and pdf keep text as text and lines as lines, for pages "
-                     "and papers",
+                     "Kinds of pictures (default: png); svg and pdf keep text as text and lines as lines",
                      shell::one_of({"png", "svg", "pdf"}));
     program.add("-q,--quiet", common.quiet, "Print errors only");
     program.add("-v,--verbose", common.verbose, "Print more detail");
     program.add("-j,--threads", common.threads, "Threads (default: one per core); results do not depend on it",
                 shell::whole_from(1, 1024));
     program.add("--isa", common.isa,
-                "Width of the registers: scalar, 128, 256, 512 (default: the widest of this processor); results do "
-                "not depend on it",
+                "Width of the registers (default: the widest of this processor); results do not depend on it",
                 shell::one_of({intersect::simd::isa_names.begin(), intersect::simd::isa_names.end()}));
 }
 
 void add_external_options(const shell::Command& program, selection::ExternalOptions& external) {
     program.add("--plugin", external.plugins,
-                "A library of intersectors of your own (lostbits_plugin.h); its forms are measured beside the others. "
-                "May be repeated");
-    program.add("--pipe", external.pipes,
-                "A command that reads rays on its standard input and answers on its standard output, in any language; "
-                "its forms are measured beside the others. May be repeated");
+                "Also measure the forms of a library (docs/your-own-intersector.md); may be repeated");
+    program.add(
+        "--pipe", external.pipes,
+        "Also measure the forms of a command that reads rays and writes answers (docs/pipe.md); may be repeated");
     program.add("--shader", external.shaders,
-                "A file of GLSL or HLSL with a function that intersects, run by this machine's driver; its form "
-                "shader.NAME is measured beside the others. FILE.glsl:FUNCTION names one of several. May be repeated");
+                "Also measure a GLSL or HLSL function, run by this machine's driver (docs/shader.md); may be repeated");
     program.add(
         "--function", external.functions,
-        "A function of C, C++, Rust, GLSL, HLSL, SPIR-V or LLVM IR as it stands, through clang, rustc or glslang: "
-        "FILE.c:NAME. Its form function.NAME is measured beside the others, in every format and with its operations. "
-        "May be repeated");
+        "Also measure a C, C++, Rust, GLSL or HLSL function as it stands (docs/your-function.md); may be repeated");
     program.add_list("--device", external.devices,
                      "Driver for --shader: opengl, vulkan, or all (default: the first that works)");
-    const auto isolate =
-        program.add("--isolate", external.isolate,
-                    "Run libraries in processes of their own, so that a library cannot end the program (default for "
-                    "`check`, and if CI is set in the environment, except for libraries of formulas)");
+    const auto isolate = program.add("--isolate", external.isolate,
+                                     "Run each library in a process of its own, so that a crash cannot end the program "
+                                     "(docs/plugin-check.md)");
     program
         .add("--in-process", external.in_process,
-             "Run libraries in the program itself: faster, but if a library crashes or exits, the program ends with 3")
+             "Run libraries in the program itself: faster, but a crash of a library ends the program with 3")
         .excludes(isolate);
     program.add("--time-limit", external.seconds,
-                "Seconds that --plugin, --pipe and --shader may take for a batch, and a compiler for --function (30)",
+                "Seconds that a library, command, shader or compiler may take for one task (default: 30)",
                 shell::number_from(0.1, 1e6));
 }
 

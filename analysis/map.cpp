@@ -310,29 +310,23 @@ void add_map(const shell::Command& program, const Common& common) {
     selection::add_scenes(command, *o);
     selection::add_forms(command, o->forms);
     selection::add_formats(command, o->formats, "f32 f64");
-    command.add_list(
-        "--metric", o->metrics,
-        "Metrics to draw (default: lost_bits); globs, or contribution:LABEL for an operation that forms call LABEL");
+    command.add_list("--metric", o->metrics,
+                     "Metrics to draw, by name or glob (default: lost_bits); see `lostbits list metrics`");
     command.add("--range", o->range,
                 "Ends of the colour bar, LO:HI in the unit of the metric (default: all bits of each format)");
     selection::add_changes(command, o->scenes, "sphere[0].radius=10");
     selection::add_pixels(command, *o);
     selection::add_pictures(command, o->pictures);
-    command.add(
-        "--bits", o->bits_needed,
-        "Also find, for every pixel, the narrowest significand with which a form keeps this many correct bits (1 to "
-        "52); nothing is required of the forms",
-        shell::whole_from(1, 52));
+    command.add("--bits", o->bits_needed,
+                "Also draw, for every pixel, the narrowest significand with which a form keeps this many correct bits "
+                "(1 to 52)",
+                shell::whole_from(1, 52));
     command.add("--exr", o->exr,
-                "Also write SCENE.exr: the answer, its outcome, lost bits and the metrics of every pixel, a part "
-                "for each form and format, and the truth once");
+                "Also write SCENE.exr, with the answers, outcomes and metrics of every pixel (docs/files.md)");
     command.add("--against", o->against,
-                "A form to compare the others with, independently of the truth: draws and counts the rays on which "
-                "their decisions or their t differ");
-    command.add(
-        "--envelope", o->envelope,
-        "Draw those pixels paler whose lost bits are within the conditioning envelope, the loss that an error of "
-        "half an ulp in every input can cause: there the problem is to blame, not the form");
+                "Also compare every form with this form: draw and count the rays on which the answers differ");
+    command.add("--envelope", o->envelope,
+                "Draw a pixel paler if an error of half an ulp in every input can cause its lost bits");
     add_shard(command, o->shard);
     selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });

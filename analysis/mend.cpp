@@ -43,7 +43,7 @@ measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id
         throw InputError(
             fmt::format("-i {}, -f {}: mend repairs one form in one format; name one of each", o.form, o.format));
     if (!forms.front()->exists_in(formats.front()))
-        throw InputError(fmt::format("-f {}: {} does not exist in it; its formats: {}", o.format, o.form,
+        throw InputError(fmt::format("-f {}: {} does not exist in this format; its formats: {}", o.format, o.form,
                                      selection::formats_of(*forms.front())));
     selection::refuse_generators(forms, "mend");
     const auto* form = forms.front();
@@ -236,32 +236,30 @@ Exit run(const MendOptions& o, const Common& common) {
 
 void add_mend(const shell::Command& program, const Common& common) {
     auto command = program.add_command("mend",
-                                       "Find what to change in a form so that it meets a requirement on a scene: the "
-                                       "fewest operations to widen, or another formula");
+                                       "Find what to change in a form so that it meets a requirement on a scene or on "
+                                       "rays of files");
     const auto o = std::make_shared<MendOptions>();
     o->changes.stop = o->rays.stop = common.stop;
-    command
-        .add("SCENE", o->subjects,
-             "A scene file or a name in data/scenes; or files of rays, as `lostbits judge` reads them")
+    command.add("SCENE", o->subjects, "A scene file, a name in data/scenes, or files of rays as for `lostbits judge`")
         .required();
     command.add("-i,--form", o->form, "The form to mend").required();
     command.add("-f,--format", o->format, "f32 (default) or f64");
-    command.add("--bits", o->bits, "The least number of correct bits of t", shell::number_from(0, 53)).required();
+    command
+        .add("--bits", o->bits, "Require this many correct bits of t, for the share of the hits that --at gives",
+             shell::number_from(0, 53))
+        .required();
     command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",
                 shell::number_from(0, 1));
     command.add("--at", o->at,
-                "Share of the hits that must keep the bits: p50, p99 (99 of 100), p99.9, or max for all (default)");
-    command.add("--wider", o->wider,
-                "Arithmetic of the wider operations: double (default; in f64 two doubles), or two-words (two numbers "
-                "of the format)",
+                "Share of the hits that must keep the bits: p50, p99, p99.9, or max for all hits (default)");
+    command.add("--wider", o->wider, "Arithmetic of the wider operations (default: double; docs/mend.md)",
                 shell::one_of({"double", "two-words"}));
     selection::add_changes(command, o->changes, "sphere[0].radius=10");
     selection::add_ray_options(command, o->rays);
     command.add("--price", o->price, "Compile the changed forms and time them beside the form and the catalogue");
     command.add("--compiler", o->compiler, "The compiler that --price uses (default: c++)");
     command.add("--emit", o->emit,
-                "Also write the mended form: NAME.hpp is a header of C++, NAME.glsl a shader's function, NAME.patch a "
-                "patch of the file of --function");
+                "Also write the changed form as C++ (NAME.hpp), GLSL (NAME.glsl) or a patch of your file (NAME.patch)");
     command.add("-o,--out", o->out, "Folder for the results");
     command.runs([o, &common] { return run(*o, common); });
 }

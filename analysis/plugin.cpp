@@ -79,7 +79,8 @@ Exit try_forms(const std::string& library, const Common& common) {
     if (const std::string here = selection::loaded_here(words); !here.empty()) shell::supervise(here, words.seconds);
     const auto [forms, formulas] = selection::open_each(words, common.threads);
     if (forms.empty() && words.functions.empty())
-        throw InputError("plugin check: name a library, a command by --pipe, or a function by --function");
+        throw InputError(
+            "plugin check: nothing to check; name a library, a command by --pipe, or a function by --function");
     bool good = true;
     for (const ForeignForm& form : forms)
         good = show_trial(form, intersect::external::first_of(formulas, form), common.quiet) && good;
@@ -104,10 +105,9 @@ void add_plugin(const shell::Command& program, const Common& common) {
     auto command = program.add_command("plugin", "Check a library of intersectors against what it promises");
     const auto library = std::make_shared<std::string>();
     auto tried = command.add_command("check",
-                                     "Ask every form of a library, of --pipe or of --function, questions whose answers "
-                                     "can be checked by hand; exit 1 if a "
-                                     "form breaks one of its promises");
-    tried.add("LIBRARY", *library, "The library");
+                                     "Test whether the forms of a library, of --pipe or of --function keep their "
+                                     "promises");
+    tried.add("LIBRARY", *library, "The library (not needed with --pipe or --function)");
     tried.runs([library, &common] { return try_forms(*library, common); });
     auto served = command.add_command(
         "serve", "Answer rays on standard input with the forms of a library (what --isolate starts)");

@@ -93,8 +93,7 @@ std::vector<scene::file::Scene> scenes_of_primitives(const selection::SharedOpti
 }
 
 void add_shard(const shell::Command& command, std::string& word) {
-    command.add("--shard", word,
-                "Do part K of N alone, into shard-K-of-N in the folder of results; `lostbits merge` joins all N",
+    command.add("--shard", word, "Do only part K of N; `lostbits merge` joins the parts (docs/shards.md)",
                 {[](const std::string& option, const std::string& given) {
                      return given.empty() ? option + ": its value is empty; write K/N, as in --shard 3/64" : "";
                  },

@@ -127,10 +127,10 @@ Exit show_devices(bool json, const Common& common) {
 }  // namespace
 
 void add_devices(const shell::Command& program, const Common& common) {
-    auto command = program.add_command(
-        "devices", "Show which drivers run --shader here, and how each adds, multiplies, divides and rounds");
+    auto command =
+        program.add_command("devices", "Show which drivers can run --shader on this machine, and how they round");
     const auto json = std::make_shared<bool>(false);
-    command.add("--json", *json, "As a JSON array");
+    command.add("--json", *json, "Print a JSON array");
     command.runs([json, &common] { return show_devices(*json, common); });
 }
 

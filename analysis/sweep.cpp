@@ -198,8 +198,9 @@ Exit run(SweepOptions o, const Common& common) {
         const auto kind = scene::sweep::sweep_kind(path);
         for (const Sweep& other : sweeps) {
             if (other.path.stem() == path.stem())
-                throw InputError(word + ": sweep \"" + path.stem().string() +
-                                 "\" is given twice, and both would write to the same folder; leave one out");
+                throw InputError(
+                    word + ": sweep \"" + path.stem().string() +
+                    "\" is given twice, and both would write to the same folder; leave out one of the two");
         }
         if (kind != SweepKind::every_float && o.resume)
             throw InputError(
@@ -255,19 +256,16 @@ void add_sweep(const shell::Command& program, const Common& common) {
     command.add_list(
         "-f,--format", o->formats,
         "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64; f32 for sweeps over every float)");
-    command.add_list("--metric", o->metrics, "Metrics in addition to the default ones; globs");
-    command.add("--seeds", o->seeds,
-                "Find the onsets of a ray distribution on this many further draws too, for their spread (default: 2)",
+    command.add_list("--metric", o->metrics, "Also measure these metrics, by name or glob");
+    command.add("--seeds", o->seeds, "Also find the onsets on this many further draws of the rays (default: 2)",
                 shell::whole_from(0, 1000));
     command.add("--size", o->size,
-                "Size of the picture of a sweep's scene, WxH: a step has one ray per pixel (default: the scene's)");
+                "Picture size of the sweep's scene, WxH; each step has one ray per pixel (default: the scene's)");
     command.add("--steps", o->steps, "Steps of each axis: 40, or 40,20 (default: the file's)");
-    command.add_set(o->set,
-                    "Change a number of the sweep's scene, ray distribution or search first: views=64, axis[0].to=100, "
-                    "march.hit_eps=1e-6");
+    command.add_set(o->set, "Change a number of the sweep first: views=64, axis[0].to=100, march.hit_eps=1e-6");
     command.add("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
-    command.add("--resume", o->resume, "Go on with a sweep over every float that was stopped");
-    command.add("--against", o->against, "A form to compare the others with, independently of the truth");
+    command.add("--resume", o->resume, "Continue a stopped sweep over every float");
+    command.add("--against", o->against, "Also compare every form with this form");
     add_shard(command, o->shard);
     selection::add_pictures(command, o->pictures);
     selection::add_out(command, o->out);

@@ -71,13 +71,13 @@ Exit run(const TradeOptions& o, const Common& common) {
 }  // namespace
 
 void add_trade(const shell::Command& program, const Common& common) {
-    auto command = program.add_command("trade", "Measure speed against accuracy, with the Pareto front");
+    auto command = program.add_command("trade", "Measure the speed and the accuracy of forms, with the Pareto front");
     const auto o = std::make_shared<TradeOptions>();
     const std::vector<std::string> primitives(shape_names.begin(), shape_names.begin() + shape_rows.size());
     const auto scene =
-        command.add("SCENE", o->scene, "A scene whose rays are used: a file, or a name in data/scenes (default: none)");
+        command.add("SCENE", o->scene, "Use the rays of this scene: a file or a name in data/scenes (default: none)");
     command
-        .add("--shape", o->shape, "Without a scene: rays of known kinds at this shape (default: sphere)",
+        .add("--shape", o->shape, "Use rays of known kinds at this shape, without a scene (default: sphere)",
              shell::one_of(primitives))
         .excludes(scene);
     command.add("--size", o->size, "Size of the scene's picture, WxH in pixels (default: the scene's)").needs(scene);
@@ -85,9 +85,9 @@ void add_trade(const shell::Command& program, const Common& common) {
     command.add_set(o->set, "Change a number of the scene first: sphere[0].radius=10").needs(scene);
     selection::add_forms(command, o->forms, "all that fit");
     command.add_list("-f,--format", o->formats, "f32, f64 (default: both)");
-    command.add("--repetitions", o->repetitions, "Measurements of each kernel (default: 25; 5 with --quick)",
+    command.add("--repetitions", o->repetitions, "Number of measurements of each kernel (default: 25; 5 with --quick)",
                 shell::whole_from(1, 1000));
-    command.add("--quick", o->quick, "Shorter measurements, for a first look");
+    command.add("--quick", o->quick, "Measure times briefly, for a first look");
     selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });
 }

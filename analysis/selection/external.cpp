@@ -160,7 +160,7 @@ void note_where(const ExternalOptions& words, bool times) {
     if (times && !words.plugins.empty())
         fmt::print(stderr,
                    "lostbits: CI is set, so each library runs in its own process, and its times include the transfer "
-                   "of rays and answers; --in-process avoids that\n");
+                   "of rays and answers; use --in-process to avoid the transfer\n");
 }
 
 ExternalForms open_each(const ExternalOptions& words, int threads) {
@@ -246,17 +246,18 @@ void note_drivers(const intersect::function::UserFunction& function) {
             const auto found = measure::tape::driver_difference(row, program);
             const std::string who = fmt::format("lostbits: {} ({})", row.info->name, form->contract.source);
             if (found.differ == 0) {
-                fmt::print(stderr, "{}: the driver has the bits of the program on {} random rays\n", who, found.rays);
+                fmt::print(stderr, "{}: the driver gives the bits of the followed function on {} random rays\n", who,
+                           found.rays);
                 continue;
             }
             const std::string differs =
-                fmt::format("{}: the driver has other bits than the program on {} of {} random rays", who, found.differ,
-                            found.rays);
+                fmt::format("{}: the driver gives other bits than the followed function on {} of {} random rays", who,
+                            found.differ, found.rays);
             if (!found.is_explained()) {
                 fmt::print(stderr,
-                           "{}; no rewriting that was tried explains all of them (another order of sums, fused "
+                           "{}; no tried change explains all of these rays (another order of sums, fused "
                            "products, reciprocals, common factors, subnormal numbers as 0, an inexact quotient or "
-                           "root), so the operation cannot be named\n",
+                           "root), so lostbits cannot name the operation\n",
                            differs);
                 continue;
             }

@@ -45,44 +45,41 @@ const std::vector<RayFileOption>& ray_file_options() {
     static const std::vector<RayFileOption> options{
         {"--scene", &Words::scene, "The scene whose primitives the rays are tested with"},
         {"--miss", &Words::miss,
-         "Without a column hit: the t that means a miss; or negative, or never (NaN and inf always mean one)"},
+         "The t that means a miss, or negative or never, for a file without a column hit (docs/judge.md)"},
         {"--direction",
          &Words::direction,
-         "unit: t is a distance, since the direction was normalised first (default: any)",
+         "unit: t is a distance; any: t is the parameter along the direction (default)",
          {"any", "unit"},
          true},
         {"--touching",
          &Words::touching,
-         "The right answer for a ray that only touches the primitive: hit (default) or miss",
+         "The right answer for a ray that only touches the primitive (default: hit)",
          {"hit", "miss"},
          true},
         {"--at-origin", &Words::at_origin,
-         "The right answer for a surface at the ray's origin, t = 0: hit (default); miss: the surface is "
-         "ignored; exit: it is ignored unless the ray leaves the primitive there",
+         "The right answer for a ray that starts on the surface (default: hit; docs/judge.md)",
          listed(intersect::at_origin_names), true},
         {"--inside", &Words::inside,
-         "The right answer from inside: exit, zero or miss; near: t < 0 is a miss (default: the exit of a sphere, "
-         "0 of a box)",
+         "The right answer for a ray that starts inside (default: exit for a sphere, zero for a box; docs/judge.md)",
          listed(intersect::inside_names), true},
         {"--facing", &Words::facing,
-         "The side from which triangles, discs and planes are hit: front, where a triangle's vertices run "
-         "counter-clockwise, or back (default: both)",
+         "The side from which triangles, discs and planes are hit (default: both; docs/judge.md)",
          listed(intersect::facing_names), true},
         {"--open-ends",
          &Words::open_ends,
-         "Ends of the ranges in the columns that are excluded: a hit exactly there does not count (default: none)",
+         "Exclude these ends of the range: a hit exactly at an excluded end does not count (default: none)",
          {"none", "tmin", "tmax", "both"}}};
     return options;
 }
 
 void add_ray_options(const shell::Command& command, RayFileOptions& options) {
-    command.add("--container", options.container, "What the file is: csv, npy, raw (default: by its ending)",
+    command.add("--container", options.container, "Kind of the file (default: by its ending)",
                 shell::one_of({"auto", "csv", "npy", "raw"}));
     command.add("--columns", options.columns,
-                "Names of the columns, if the file has none; for raw numbers also their types: ox:f32,oy,oz");
-    command.add("--skip", options.skip, "Bytes in front of raw numbers");
+                "Names of the columns, if the file does not name them; with types for raw numbers: ox:f32,oy,oz");
+    command.add("--skip", options.skip, "Number of bytes in front of raw numbers");
     command.add("--answer-format", options.format,
-                "Format the answers were computed in (default: the file's; of a CSV f64)");
+                "Format that the answers were computed in (default: the format of the file, f64 for CSV)");
     options.primitives.add_to(command, "The primitive of all rays");
     for (const RayFileOption& o : ray_file_options())
         command.add(o.name, options.*o.word, o.help, o.known.empty() ? shell::ValueRule() : shell::one_of(o.known));
@@ -105,8 +102,8 @@ std::optional<scene::file::Scene> scene_of(const RayFileOptions& o, const std::f
 std::optional<Shape> shape_given(const RayFileOptions& o, const std::optional<scene::file::Scene>& scene) {
     const auto shapes = scene ? scene->shapes() : o.primitives.shapes();
     if (scene && !o.primitives.empty())
-        throw InputError("--scene gives the primitives of all rays; leave it out, or leave out " +
-                         o.primitives.names());
+        throw InputError("--scene gives the primitives of all rays, but " + o.primitives.names() +
+                         " gives primitives too; leave out one of the two");
     return shapes.empty() ? std::nullopt : std::optional(shapes.front());
 }
 

@@ -79,11 +79,9 @@ void add_pixels(const shell::Command& command, SharedOptions& shared) {
 }
 
 void add_pictures(const shell::Command& command, std::string& pictures) {
-    command.add(
-        "--pictures", pictures,
-        "Which pictures to write: sheets (default) writes contact sheets; all also writes each picture of a sheet as a "
-        "file of its own, with its legend",
-        shell::one_of({"sheets", "all"}));
+    command.add("--pictures", pictures,
+                "sheets: write contact sheets (default); all: also write each picture of a sheet as a file of its own",
+                shell::one_of({"sheets", "all"}));
 }
 
 void add_out(const shell::Command& command, std::string& out, const std::string& what) {
@@ -157,8 +155,8 @@ std::optional<output::map::BarRange> parse_range(const std::string& text, const 
         first = m;
     }
     if (!first)
-        throw InputError(
-            fmt::format("--range {}: the drawn metrics have one colour for each name and no bar; leave it out", text));
+        throw InputError(fmt::format(
+            "--range {}: the drawn metrics have a colour for each name and no colour bar; leave out --range", text));
     if (first->ramp == Ramp::magnitude && !(*lo > 0))
         throw InputError(fmt::format("--range {}: the bar of {} is logarithmic; write ends above 0, like 1:1000", text,
                                      first->name));

@@ -73,7 +73,7 @@ TestedForm row_for(const TestedForm& row, const std::string& where, const Meets&
     if (row.form->shapes().are_placed() && meets(row.form->shapes().placed(false)))
         throw InputError(fmt::format(
             "-i {}: no primitive of {} is placed by a matrix, so a transform has nothing to do; leave out the @ and "
-            "what follows it",
+            "the transform",
             row.form->info->name, where));
     if (is_primitive(shape) && several_shapes(meets)) {
         std::vector<TestedForm> parts{row};
@@ -107,10 +107,10 @@ OneRay pixel_of(const RayOptions& words, const Scene& scene) {
 SelectedRay of_scene(const RayOptions& words, const TestedForm& given, const std::filesystem::path& data) {
     const auto* const generator = scene::rays::generator_of(*given.form);
     if (generator && !words.ray.empty())
-        throw InputError(
-            fmt::format("-i {}: the part after the @ is a camera's ray generator, but --ray is not made by a camera; "
-                        "give --pixel instead, or leave out that part",
-                        given.form->info->name));
+        throw InputError(fmt::format(
+            "-i {}: the part after the @ is a camera's ray generator, but no camera makes the ray of --ray; "
+            "give --pixel instead of --ray, or leave out the @ and the ray generator",
+            given.form->info->name));
     Scene loaded = load_one(words, data);
     const auto scene =
         std::make_shared<const Scene>(generator ? with_rays(std::move(loaded), *generator) : std::move(loaded));
@@ -123,8 +123,9 @@ SelectedRay of_scene(const RayOptions& words, const TestedForm& given, const std
         throw InputError(fmt::format("explain: {} each name a ray; give only one", output::file::enumerated(options)));
     if (options.empty())
         throw InputError(
-            "explain: name one ray: --worst or --pixel X,Y of a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case NAME of a "
-            "file of cases");
+            "explain: the ray is missing; give --worst or --pixel X,Y for a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case "
+            "NAME "
+            "for a file of cases");
     if (words.worst) return worst_of_scene(scene, row, words.stop);
     return {scene,
             words.ray.empty() ? pixel_of(words, *scene) : OneRay(*scene, given_ray(words), {.stop = words.stop}),
@@ -171,7 +172,7 @@ SelectedRay worst_of_sweep(const RayOptions& words, TestedForm row, const std::f
          {std::tuple{&words.pixel, "--pixel", "names one ray, but --worst searches all of them"},
           {&words.ray, "--ray", "names one ray, but --worst searches all of them"},
           {&words.variant, "--variant", "is for a scene, but a sweep names its own"}}) {
-        if (!given->empty()) throw InputError(fmt::format("{} {} {}; leave it out", option, *given, why));
+        if (!given->empty()) throw InputError(fmt::format("{} {} {}; leave out {}", option, *given, why, option));
     }
     const SweepChangeOptions changes{words.size, words.steps, words.set};
     if (kind == SweepKind::cases || kind == SweepKind::axes) check_changes(changes, kind, words.subject);
@@ -244,7 +245,7 @@ void require_range(const RayOptions& words, const Range<double>& range) {
     const std::string options = (words.tmin.empty() ? "" : "--tmin " + words.tmin + " ") + "--tmax " + words.tmax +
                                 (words.open_ends.empty() ? "" : " --open-ends " + words.open_ends);
     throw InputError(options +
-                     ": leaves no t between tmin and tmax; write a tmax above tmin, or leave one of them out");
+                     ": leaves no t between tmin and tmax; write a tmax above tmin, or leave out --tmin or --tmax");
 }
 
 SelectedRay of_own_primitives(const RayOptions& words, const TestedForm& given) {
@@ -281,12 +282,12 @@ SelectedRay of_own_primitives(const RayOptions& words, const TestedForm& given) 
 void check(const RayOptions& words) {
     const bool own = !words.primitives.empty(), a_case = !words.named_case.empty(), a_scene = !own && !a_case;
     if (own && !words.subject.empty())
-        throw InputError(words.subject + ": a scene has its own primitives; leave it out, or leave out " +
+        throw InputError(words.subject + ": a scene has its own primitives; leave out the scene, or leave out " +
                          words.primitives.names());
     if (!own && words.subject.empty())
         throw InputError(
-            "explain: name a scene, a file of cases with --case, or primitives (--sphere CX,CY,CZ,R; other shapes: "
-            "`lostbits explain --help`)");
+            "explain: the primitives are missing; name a scene, a file of cases with --case, or primitives (--sphere "
+            "CX,CY,CZ,R; other shapes: `lostbits explain --help`)");
     const char* const own_primitives = "primitives given as options (for a scene, --set rays.tmin=VALUE)";
     struct Row {
         const char* option;
@@ -333,7 +334,7 @@ SelectedRay find_ray(const RayOptions& words, const TestedForm& row, const std::
     for (const std::string& set : words.set) {
         if (set.starts_with("march.") && is_primitive(row.form->shape))
             throw InputError(
-                fmt::format("--set {}: {} does not march, so nothing would change; leave it out, or name a "
+                fmt::format("--set {}: {} does not march, so nothing would change; leave out --set, or name a "
                             "form of sdf.*",
                             set, row.form->info->name));
     }

@@ -29,20 +29,20 @@ std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem:
         const scene::file::SceneName name = scene::file::find_scene(word, data);
         if (name.variant && !choice.variant.empty() && *name.variant != choice.variant)
             throw InputError(
-                fmt::format("--variant {}: {} names another variant; leave out one of them", choice.variant, word));
+                fmt::format("--variant {}: {} names another variant; leave out --variant", choice.variant, word));
         options.variant = choice.variant.empty() ? name.variant : std::optional(choice.variant);
         for (auto& scene : scene::file::load_scene(name.path, options)) {
             if (choice.all_ahead && !scene.range.is_whole())
                 throw InputError(
                     fmt::format("{}: the rays of {} have a range, but this command tests rays without end from t = 0; "
-                                "leave the [rays] table out",
+                                "leave out the [rays] table",
                                 word, scene.id));
             // A title describes the numbers in the file: "… 100 away" would be wrong after --set.
             if (!choice.set.empty()) scene.title += fmt::format(", with {}", fmt::join(choice.set, ", "));
             if (!ids.insert(scene.id).second)
                 throw InputError(
                     fmt::format("{}: scene \"{}\" is given twice, and both would write to the same folder; "
-                                "leave one out",
+                                "leave out one of the two",
                                 word, scene.id));
             for (const std::string& remark : scene.remarks()) fmt::print(stderr, "lostbits: {}: {}\n", word, remark);
             scenes.push_back(std::move(scene));
@@ -141,14 +141,14 @@ void refuse_others(const RayFileOptions& o, const std::vector<std::string>& subj
     for (const RayFileOption& option : ray_file_options()) of_files.emplace_back(option.name, option.is_given(o));
     for (const ShapeRow& row : shape_rows)
         of_files.emplace_back(fmt::format("--{}", row.name), !o.primitives.of(row.shape).empty());
-    const auto refuse = [](const auto& options, const std::string& why) {
+    const auto refuse = [](const auto& options, const std::string& why, const std::string& remedy) {
         for (const auto& [name, given] : options) {
-            if (given) throw InputError(fmt::format("{}{}", name, why));
+            if (given) throw InputError(fmt::format("{0} {1}; leave out {0}{2}", name, why, remedy));
         }
     };
-    if (are_files(o, subjects)) return refuse(of_scenes, " is for a scene, and these are files of rays; leave it out");
-    refuse(of_files, " is for files of rays, and " + subjects.front() +
-                         " is taken for a scene; leave it out, or add --container csv, npy or raw");
+    if (are_files(o, subjects)) return refuse(of_scenes, "is for a scene, but these are files of rays", "");
+    refuse(of_files, fmt::format("is for files of rays, but {} is taken for a scene", subjects.front()),
+           ", or add --container csv, npy or raw");
     if (subjects.size() > 1)
         throw InputError(
             fmt::format("{}: {} takes one scene, or files of rays, which end in .csv or .npy or have --container; name "

@@ -105,14 +105,15 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
             continue;
         }
         if (glob == "step:")
-            throw InputError(fmt::format("--metric step:: name a step, such as step:origin; the steps are {}",
-                                         fmt::join(intersect::transform::step_names, ", ")));
+            throw InputError(fmt::format(
+                "--metric step:: the step is missing; write step:NAME, such as step:origin; the steps are {}",
+                fmt::join(intersect::transform::step_names, ", ")));
         if (glob == "contribution" || glob.ends_with(':')) {
             const std::string of = glob.substr(0, glob.find(':'));
-            throw InputError(
-                fmt::format("--metric {}: name an operation, {}:LABEL, such as {}:c; `lostbits list labels` shows the "
-                            "labels of every form",
-                            glob, of, of));
+            throw InputError(fmt::format(
+                "--metric {}: the operation is missing; write {}:LABEL, such as {}:c; `lostbits list labels` "
+                "shows the labels of every form",
+                glob, of, of));
         }
         for (const Metric* m : select_rows(measure::metric::metrics(), {glob}, "metric", "--metric"))
             add_once(chosen, m);
@@ -275,8 +276,8 @@ std::vector<TestedForm> cross(const std::vector<const Intersector*>& forms, cons
         for (const Format& format : formats) asked += (asked.empty() ? "" : ", ") + format.name;
         const Intersector& one = *forms.at(0);
         throw NothingSelected(
-            fmt::format("none of the selected forms exists in {}; {} exists in {}: choose that with -f (`lostbits list "
-                        "forms` lists the formats of each form)",
+            fmt::format("none of the selected forms exists in {}; {} exists in {}: choose one of its formats with -f "
+                        "(`lostbits list forms` lists the formats of each form)",
                         asked, one.info->name, formats_of(one)));
     }
     return rows;

@@ -274,10 +274,11 @@ Forms select_composed(const std::string& word, const char* option) {
 void refuse_generators(const Forms& forms, const char* command) {
     for (const Intersector* const form : forms)
         if (scene::rays::generator_of(*form))
-            throw InputError(
-                fmt::format("-i {}: {} gives forms the rays of the camera; use `lostbits map`, `sweep`, `explain` or "
-                            "`check`, or leave out the @ and what follows it",
-                            form->info->name, command));
+            throw InputError(fmt::format(
+                "-i {}: this form makes its own rays by the ray generator after the @, but {} gives every form the "
+                "same rays of the camera; use `lostbits map`, `sweep`, `explain` or `check`, or leave out "
+                "the @ and the ray generator",
+                form->info->name, command));
 }
 void refuse_generators(const std::vector<TestedForm>& rows, const char* command) {
     refuse_generators(forms_in(rows, [](const Intersector&) { return true; }), command);

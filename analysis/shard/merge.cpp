@@ -24,7 +24,7 @@ std::vector<std::string> arguments_of_run(const std::string& command, const Merg
         if (file.empty()) continue;
         if (!checks)
             throw InputError(std::string(option) + " " + file + " is for claims, but these are shards of `" + command +
-                             "`; leave it out");
+                             "`; leave out " + option);
         words.insert(words.end(), {option, file});
     }
     return words;
@@ -39,9 +39,9 @@ void add_merge(const shell::Command& program, const std::string& version, const 
     const auto o = std::make_shared<MergeOptions>();
     command.add("DIR", o->folders, "Folders of shards, or folders that contain them, in any order").required();
     selection::add_out(command, o->out);
-    command.add("--junit", o->junit, "For claims: write JUnit XML");
-    command.add("--export-csv", o->csv, "For claims: write CSV, one row per claim");
-    command.add("--export-json", o->json, "For claims: write JSON, one object per claim");
+    command.add("--junit", o->junit, "Write JUnit XML, for claims");
+    command.add("--export-csv", o->csv, "Write CSV, one row per claim");
+    command.add("--export-json", o->json, "Write JSON, one object per claim");
     command.runs([o, version, run_again] {
         const auto shards = std::make_shared<Shards>(o->folders, version);
         return run_again(arguments_of_run(shards->command(), *o), shards);

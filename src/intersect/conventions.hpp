@@ -118,8 +118,8 @@ inline void require_origin(AtOrigin at_origin, Inside inside, Shape shape, const
     if (at_origin == AtOrigin::hit || !is_primitive(shape) || origin_matters(shape, inside)) return;
     throw InputError(
         from + ": at_origin changes no answer about " + with_article(shape) +
-        ": from inside the answer is 0, and so it is from the surface; leave at_origin out, or set inside = exit or "
-        "miss");
+        ", because the answer from inside is 0, and the answer at the surface is 0 too; remove at_origin, or set "
+        "inside = exit or miss");
 }
 
 /// True if a form yields the next crossing when the range of a ray excludes its first one: it yields both roots, or it

@@ -45,7 +45,7 @@ TEST_CASE("trade times every kernel on every load and measures its accuracy on e
         CHECK(has("\n" + r.out, std::string("\n") + set + ": "));
     }
     // The table has each form and format once for each set, the fastest first. How it was measured comes after it.
-    CHECK(r.out.find("Time per ray of the set") > r.out.find("\ngrazing: "));
+    CHECK(r.out.find("Time per ray: half of the timed rays hit") > r.out.find("\ngrazing: "));
     CHECK(r.out.starts_with("easy: a sphere 4 radii away, hit within 0.9 radii of its middle, 1024 rays\n    form "));
     CHECK(has(r.out, "\n  cheapest form that is never wrong on this set and keeps at least\n    8"));
     CHECK(has(r.out, " bits (p99): sphere."));

@@ -13,8 +13,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Path of the module of a kind: in $LOSTBITS_DEVICE_MODULES, beside the program as built, or in the installed
-/// `lib/lostbits`. EnvironmentError if it is in none of them.
+/// Path of the module of a kind: in $LOSTBITS_DEVICE_MODULES, in the program's own folder (a build folder), or in the
+/// installed `lib/lostbits`. EnvironmentError if none of these folders has the module.
 fs::path module_of(std::string_view kind) {
     const std::string name = "lostbits_" + std::string(kind) + ".so";
     std::error_code error;

@@ -18,16 +18,16 @@ struct FirstSpanHit {
     E t;
 };
 
-/// Selects the arithmetics that settle a ray's first meeting of a span when that of the form proves nothing.
+/// The numbers that compute a ray's first hit of a span again, if the form's own numbers cannot prove the decision.
 template <class Span>
 struct Deciding {
     /// The deciding polynomials are of degree at most 12 in the inputs, so this many bits hold them exactly.
     static constexpr long enough_bits = 32768;
-    /// True if two words with a running bound are tried before balls.
+    /// True if two words with a running bound (an error bound that each operation updates) are tried before balls.
     static constexpr bool tries_running_words = false;
 };
 
-/// True if x is positive. For an x close to 0 either answer may come, but there always is one.
+/// True if x is positive. For an x close to 0 the answer may be wrong, but is never undecided.
 template <class E>
 mask_t<E> word_is_positive(const E& x) {
     if constexpr (requires { x.word_is_positive(); }) return x.word_is_positive();
@@ -68,8 +68,9 @@ FirstSpanHit<E> hit_at(const mask_t<E>& hit, const Fraction<E>& at) {
     return {hit, at.n / at.m};
 }
 
-/// From outside (c > 0) the near root, if the line comes closer and meets the surface. For a ray that begins on the
-/// surface the root that is 0, which is the far one if the ray leaves.
+/// First hit of a quadric. A ray from outside (c > 0) hits at the near root, if its line comes closer and meets the
+/// surface. A ray from inside hits at the far root. A ray that begins on the surface hits at the root that is 0: the
+/// far root if the ray leaves the primitive, else the near root.
 template <class E>
 FirstSpanHit<E> first_span_hit(const QuadraticSpan<E>& s) {
     const E zero(0);
@@ -77,8 +78,9 @@ FirstSpanHit<E> first_span_hit(const QuadraticSpan<E>& s) {
     return hit_at(!outside || (s.h < zero && s.q >= zero), root_of(s, far));
 }
 
-/// If the line leaves no earlier than the ray begins: the entry, or the exit if the ray begins behind the entry. A line
-/// that meets only the surface, along a cap or a side, has no inside: a ray that begins behind its entry begins on it.
+/// First hit of a closed primitive. The ray hits if its line leaves the primitive no earlier than the ray begins: at
+/// the entry, or at the exit if the ray begins behind the entry. A line that meets only the surface, along a cap or a
+/// side, has no inside: a ray that begins behind the entry of such a line begins on the surface.
 template <class E, template <class> class Span>
 requires ComparableSpan<Span<E>, E> FirstSpanHit<E> first_span_hit(const Span<E>& s) {
     const auto far = s.enters_to(Start{}).less;

@@ -33,8 +33,8 @@ constexpr std::array<PredefinedName, 10> predefined_names{{{"iResolution", "vec3
 /// An offset in a text, and what is inserted before that byte.
 using Insertion = std::pair<std::size_t, std::string>;
 
-/// Turns `uniform vec2 size;`, whose first token is `at`, into a variable, which holds 0 if `initialized`:
-/// Vulkan has uniforms only in blocks. Blocks and samplers stay.
+/// Turns a uniform such as `uniform vec2 size;`, whose first token has the index `at`, into a variable, since Vulkan
+/// allows uniforms only in blocks. With `initialized` the variable gets the value 0. Blocks and samplers stay.
 void add_zero_initializer(std::string& text, std::vector<Insertion>& insertions, const std::vector<Token>& tokens,
                           std::size_t at, bool initialized) {
     static const std::set<std::string_view> types{"float", "int", "uint", "bool", "vec2", "vec3", "vec4", "double"};
@@ -93,8 +93,9 @@ std::string as_compute_code(const std::string& original, bool initialize_uniform
     return with_insertions(text, insertions);
 }
 
-/// Declares the names of shader sites and of other stages that the text uses and does not declare. Constants are
-/// directives, after which an `#extension` of the text may still come. Outputs and channels are variables.
+/// Declares names that the text uses and does not declare: those that web sites for shaders, such as Shadertoy,
+/// provide, and those of other stages. Constants are written as `#define`, because an `#extension` directive of the
+/// text may come after directives, but not after declarations. Outputs and channels are variables.
 std::string site_declarations(const std::string& text) {
     const std::vector<Token> code = code_tokens(tokens_of(text));
     static const std::set<std::string_view> site_types{"float", "int", "vec2", "vec3", "vec4", "sampler2D"};

@@ -25,12 +25,13 @@ struct KernelHead {
 inline constexpr int our_first_line = 1'000'001;
 
 /// The program, in GLSL of that version for numbers of 32 or 64 bits, or in HLSL if the file is HLSL. The user's text
-/// keeps its lines. What only other stages have (`gl_FragCoord`, `in` and `out` of the file, `main`) is renamed or
-/// blanked without moving a column. Uniforms become variables that hold 0, the value of a uniform that nobody sets.
+/// keeps its lines. Names that only other stages have (`gl_FragCoord`, `in` and `out` of the file, `main`) are renamed
+/// or blanked without moving a column. Uniforms become variables with the value 0, the value of a uniform that nobody
+/// sets.
 std::string program_text(const ShaderSource& shader, int bits, int version);
 
-/// The text of a GLSL file as a part of a program of our own, and what stands before it. Lines and columns stay, and
-/// uniforms become variables without a value.
+/// Two texts for a program of our own that contains a GLSL file: the lines in front of the file (`#version` and
+/// declarations), and the text of the file. Lines and columns stay, and uniforms become variables without a value.
 std::pair<std::string, std::string> without_kernel(const std::string& text);
 
 /// Rewrites a file in float to compute in double, or the other way round, token by token: types (`vec3`, `dvec3`) and

@@ -107,12 +107,13 @@ bool if_light(const Scene& scene, const Intersector& form) {
 
 constexpr Check check_rows[] = {
     {"beyond", "a shadow test that ends one number after the closest hit finds a hit", "the closest hit at t",
-     "any hit before the number after t", if_it_tells_t, check_beyond},
+     "any hit of a ray that ends at the number after t", if_it_tells_t, check_beyond},
     {"end", "a hit at the very end of a shadow test: the form keeps to its convention",
-     "a hit before t (the closest hit at t says no)", "any hit of a ray that ends at t", if_it_tells_t, check_end},
+     "a hit before t, by the closest hit (no: the closest hit is at t)", "any hit of a ray that ends at t",
+     if_it_tells_t, check_end},
     {"before", "a shadow test that ends one number before the closest hit finds nothing",
-     "a hit before t (the closest hit at t says no)", "any hit before the number before t", if_it_tells_t,
-     check_before},
+     "a hit before t, by the closest hit (no: the closest hit is at t)",
+     "any hit of a ray that ends at the number before t", if_it_tells_t, check_before},
     {"segment", "the segment from the origin p to the point q seen there, written in two ways",
      "direction q - p, up to t = 1", "direction (q - p)/|q - p|, up to t = |q - p|", if_any_length, check_segment},
     {"short", "the same segments, cut at 1 - 1e-4 of the way", "direction q - p, up to t = 1 - 1e-4",
@@ -125,7 +126,7 @@ constexpr Check check_rows[] = {
     {"reverse", "one segment from either end: one decision, and near and far sides that add up to its length",
      "from p to q", "from q to p", if_from_both_sides, check_reverse, true},
     {"placed", "one primitive with and without a matrix: one decision, and t within an ulp",
-     "primitives as the scene has them", "primitives with a matrix without it, and the others with one", always,
+     "each primitive as the scene has it", "the same primitive without its matrix, or under one if it has none", always,
      check_placed, true},
 };
 

@@ -69,19 +69,22 @@ constexpr std::string_view root_names[] = {"no_hit", "true", "wrong"};
 
 /// Metrics for cases in which an ulp of t* says nothing, or not enough.
 constexpr Metric rows_of_t[] = {
-    tabled({"error_at_zero", "u", "err.at_zero"},
-           "for a hit at t* = 0, where an ulp is not a measure: |t| |d| over u times the largest number of the origin "
-           "and of the points and lengths of the primitive",
-           error_at_zero, {.ramp = Ramp::magnitude, .low = 0x1p-1}),
+    tabled(
+        {"error_at_zero", "u", "err.at_zero"},
+        "for a hit at t* = 0, where an error in ulps says nothing: |t| |d| / (u M), where M is the largest number of "
+        "the origin and of the points and lengths of the primitive",
+        error_at_zero, {.ramp = Ramp::magnitude, .low = 0x1p-1}),
     tabled(
         {"root", "", "err.root"},
         "tells whether a correct hit has the t of another crossing of the same primitive (wrong): within a quarter of "
         "the distance between that crossing and the true one; no_hit: not a correct hit",
         root, {.ramp = Ramp::categories, .domain = MetricDomain::every, .categories = root_names}),
     tabled({"derivative_error", "u", "err.derivative"},
-           "error of dt/dx for every number x of origin, direction, points and lengths, by forward differentiation of "
-           "the form in the format: the largest error of a derivative, over the largest derivative of its vector; "
-           "without the direction for forms of unit directions; for a primitive without a matrix",
+           "error of the derivatives dt/dx, where x is a number of origin, direction, points or lengths: the largest "
+           "error of "
+           "a derivative, divided by the largest derivative of its vector. The derivatives come from forward "
+           "differentiation of the form in its format. Forms for unit directions are not differentiated by the "
+           "direction; a primitive under a matrix has no value",
            derivative_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-1})};
 
 }  // namespace

@@ -195,9 +195,10 @@ bool answers_as(const TestedForm& form, const Tape& tape, const RepairRequest& r
 RowQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& judge) {
     const Compared both = compared(request.row, tape, request, judge);
     if (both.same) return both.quality;
-    throw InputError(std::string(request.row.form->info->name) +
-                     ": its operations differ from ray to ray, because it decides by itself how far to go; name a form "
-                     "that does the same operations for every ray");
+    throw InputError(
+        std::string(request.row.form->info->name) +
+        ": its operations differ from ray to ray, because it uses more precision where a ray needs it; name a "
+        "form that does the same operations for every ray");
 }
 
 std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& row) {

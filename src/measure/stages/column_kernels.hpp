@@ -1,5 +1,7 @@
-// The instructions of column programs in registers of one width: loops over plain pointers around the operations of
-// `Running` over packs.
+// Kernels of column programs, for registers of one width. A column program proves the decisions for many rays at once:
+// each column holds one number of every ray, and each instruction computes new columns from others. A kernel runs one
+// instruction over all rays, a pack (one register of rays) at a time, with numbers that carry their error bound
+// (`Running`).
 #pragma once
 
 #include <array>
@@ -26,8 +28,9 @@ mask_t<P> mask_of(const P& x) {
     return mask_t<P>(x.words());
 }
 
-/// The columns of an instruction, in local variables, which stores cannot change. In most instructions every operand
-/// moves from pack to pack. Then all move alike, and one index is enough.
+/// The columns of an instruction. The pointers are copied into local variables: a store to a column might otherwise
+/// change a pointer in memory, and the compiler would load every pointer again after each store. If every operand moves
+/// from pack to pack, as in most instructions, one index serves all of them.
 template <class P, std::size_t count, bool all_move>
 class ColumnCursor {
 public:
@@ -100,7 +103,9 @@ struct StepOfWords {
     }
 };
 
-/// The bounded numbers of an instruction. If bit k of `exact_mask` is set, operand k is exact and takes one word.
+/// The bounded numbers of an instruction. If bit k of `exact_mask` is set, number k is exact: it has one word and no
+/// bound. `exact_mask` is a template argument, so the compiler drops the operations on words and bounds that do not
+/// exist.
 template <class W, unsigned exact_mask, std::size_t count>
 struct BoundedOperands {
     using E = Running<W>;

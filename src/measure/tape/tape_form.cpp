@@ -106,8 +106,8 @@ std::string refusal_of_tape(const Intersector& form) {
         return "it marches, so its operations differ from ray to ray; name a form of a primitive";
     if (form.is_set()) return "it stands for several forms; name one of them";
     if (intersect::bounding_box::innermost(form).filter_arithmetic)
-        return "it filters: it decides by itself how far to go with each ray; name a form that does the same "
-               "operations for every ray";
+        return "it filters: it uses more precision where a ray needs it, so its operations differ from ray to ray; "
+               "name a form that does the same operations for every ray";
     if (intersect::bounding_box::has_box(form))
         return "name the form without its box, such as " +
                std::string(intersect::bounding_box::innermost(form).info->name);

@@ -87,9 +87,9 @@ bool at_most(const Exact& a, const Exact& b) {
 /// m with 10^(m − 1) <= |v| < 10^m, for a number other than zero.
 int magnitude(const CellValue& v) { return v.exponent + static_cast<int>(v.digits.size()); }
 
-/// Judges two numbers if one is zero or less than 10^-40 of the other, and the tolerance is not close to the larger
-/// one. |a − b| is then the larger number to 40 digits. The exact computation would need 20 000 digits for `1e9999` and
-/// `1e-9999`.
+/// Judges two numbers of very different size: one is zero, or less than 10^-40 of the other. |a − b| is then the larger
+/// number to 40 digits. Returns nothing for other numbers, and if the tolerance is close to the larger number: the
+/// exact computation then decides. (For `1e9999` and `1e-9999` the exact computation would need 20 000 digits.)
 std::optional<PairVerdict> judge_far(const CellValue& x, const CellValue& y, const Tolerance* tolerance) {
     constexpr int far = 40;
     if (x.digits.empty() && y.digits.empty()) return {};

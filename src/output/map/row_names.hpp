@@ -19,8 +19,8 @@ using measure::evaluate::TestedForm;
     return std::ranges::find(shape_names, info.name.substr(0, info.name.find('.'))) != shape_names.end();
 }
 
-/// `unified` for `sphere.unified`, if all forms have one shape. Forms outside the catalogue and sets keep their whole
-/// names.
+/// `unified` for `sphere.unified`: the name without its shape, for tables whose forms all have one shape. Forms outside
+/// the catalogue and sets keep their whole names.
 [[nodiscard]] inline std::string short_name(const Info& info) {
     const bool is_single_form = is_of_catalogue(info) && info.name.find('.') == info.name.rfind('.');
     return std::string(info.name.substr(is_single_form ? info.name.find('.') + 1 : 0));
@@ -51,7 +51,7 @@ using measure::evaluate::TestedForm;
     return at;
 }
 
-/// Rows that are alike in these have the same truths of all rays.
+/// Properties of a row that its true answers depend on: rows with equal properties share the truth of every ray.
 struct TruthKind {
     intersect::Direction direction;
     intersect::Convention convention;

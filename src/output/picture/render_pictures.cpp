@@ -32,7 +32,8 @@ namespace picture_category {
 constexpr std::size_t not_a_number = 1, not_proved = 2;  // 0: the pixel has a colour
 }
 
-/// A difference map of numbers. Pixels on which the two see different things show classes instead.
+/// A map of the difference between the picture of a form and the certified picture. A pixel that shows different things
+/// in the two pictures has the colour of its class instead of a number.
 struct ErrorMap {
     const char* title;
     const char* unit;
@@ -99,7 +100,7 @@ public:
     [[nodiscard]] std::vector<PixelColumn<RenderBand>> take() { return std::move(columns_); }
 
 private:
-    /// The certified picture, which all rows share. It is drawn from the bands of the first.
+    /// The certified picture, which all rows share. It is drawn from the bands of the first row.
     void add_reference(std::size_t s) {
         pixel::ColumnSpec spec{
             .file = fmt::format("{}.reference.png", name_of(study_.stages[s])), .look = pictures_, .bare = true};

@@ -131,8 +131,9 @@ public:
         }
     }
 
-    /// Draws lines from the ends of the plotted lines to their names in the legend at pixel x. A line that ends before
-    /// the axis has no connection, because it would cross others. Its name says where it ends.
+    /// Draws lines from the ends of the plotted lines to their names in the legend, whose left edge is at `legend_x`. A
+    /// plotted line that ends before the right edge of the plot gets no such line, because it would cross other plotted
+    /// lines. Its name in the legend says where the plotted line ends.
     void leaders(Canvas& canvas, std::span<const PlotLine> lines, const PlotLegend& legend, int legend_x) {
         image::Stroke stroke({frame_.x, frame_.y - 20, legend_x - frame_.x, frame_.height + 40});
         for (std::size_t k = 0; k < lines.size(); ++k) {

@@ -116,8 +116,9 @@ const measure::metric::Distribution& metric_of(const TradeRequest& request, cons
 /// Conditions under which the times were measured.
 std::string timing_text(const TradeRequest& request, const TradeResult& result) {
     if (!request.scene)
-        return "Time per ray of the set `easy`, in which half of the rays hit. The data fill half of the L1 cache "
-               "(`l1`). The times are from this run, and vary from run to run.\n";
+        return "Time per ray: half of the timed rays hit, as in the set `easy`, and half miss. The data fill half of "
+               "the L1 "
+               "cache (`l1`). The times are from this run, and vary from run to run.\n";
     const auto& timed = result.times.front().front();
     return fmt::format(
         "Time per ray and primitive: {} of the scene against {} of its primitives. The times are from this run, and "

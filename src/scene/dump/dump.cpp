@@ -62,7 +62,7 @@ std::unique_ptr<Dump> open_dump(const std::filesystem::path& path, const DumpOpt
                              "given: --columns ox:f32,oy,oz,dx,dy,dz,hit:u8,t:f32; or say --container csv");
     }
     if (options.skip > 0 && container != Container::raw)
-        throw InputError(path.string() + ": --skip is only for bytes in front of raw numbers; leave it out");
+        throw InputError(path.string() + ": --skip is only for bytes in front of raw numbers; leave out --skip");
     switch (container) {
         case Container::csv: return std::make_unique<CsvDump>(path, options);
         case Container::npy: return std::make_unique<BinaryDump>(path, options, read_npy);

@@ -1,4 +1,4 @@
-"""Distances of computed points from their surface in binary32, as shares of the bounds of docs/offsets.md.
+"""Distances of computed points from their surface in binary32, as shares of the bounds of docs/offsets-proof.md.
 
     python3 tests/exact/theorems/offsets.py 20000     # points a search; prints the largest share of each bound
 

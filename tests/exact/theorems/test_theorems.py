@@ -54,7 +54,7 @@ class Backward(unittest.TestCase):
 
 
 class Offsets(unittest.TestCase):
-    """The distances of docs/offsets.md, in binary32."""
+    """The distances of docs/offsets-proof.md, in binary32."""
 
     def test_points_are_as_near_to_their_surface_as_is_proved(self):
         for name, share, start in offsets.SEARCHES:

@@ -170,7 +170,7 @@ TEST_CASE("a tape that cannot become a program is refused with the reason", "[ta
     for (const Intersector* form :
          {&filtered, &intersect::transform::through(intersect::transform::usual_transform_method(), filtered),
           &intersect::bounding_box::behind(intersect::bounding_box::usual_box_method(), box, filtered)})
-        CHECK_THROWS_WITH(tape_of(*form, format), Catch::Contains("decides by itself"));
+        CHECK_THROWS_WITH(tape_of(*form, format), Catch::Contains("uses more precision where a ray needs it"));
     CHECK_THROWS_WITH(tape_of(test::form_named("sphere.press+box.signs"), format), Catch::Contains("several forms"));
     CHECK_THROWS(word_of(bfloat16));
 }
