@@ -80,8 +80,8 @@ Table<ParetoRow> pareto_table() {
     Table<R> table{{"ray_set", "set of rays on which accuracy is measured", &R::set}};
     table.add(kernel_columns(form_meaning), &R::name);
     table.add({{"time_ns", "ns",
-                "median, per ray of the easy set, working set l1, hit rate 0.5; for a scene, per ray and primitive of "
-                "the scene",
+                "median, per ray, where half of the rays hit as in the easy set and half miss; working set l1; for a "
+                "scene, per ray and primitive of the scene",
                 [](const R& r) { return r.quality.time_ns; }},
                {"rays", "number of rays in the set", [](const R& r) { return r.accuracy->rays; }},
                {"lost_bits_p50", "bits", "median over the correct hits", quantile(&R::lost, 0.5)},
