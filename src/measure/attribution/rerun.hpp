@@ -26,7 +26,7 @@ struct Counterfactual {
 };
 
 struct Counterfactuals {
-    Counterfactual only_exact;   ///< only this operation is exact; a choice: only it chooses by exact values
+    Counterfactual only_exact;    ///< only this operation is exact; a choice: only it chooses by exact values
     Counterfactual only_rounded;  ///< only this operation is rounded; a choice: only it chooses as the format did
 };
 
