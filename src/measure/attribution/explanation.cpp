@@ -398,7 +398,7 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
         find_better(x, ray, around, beside);
         find_better_generators(x, ray, *pixel);
     }
-    std::ranges::stable_sort(x.better, {}, &FormResult::around);
+    std::ranges::stable_sort(x.better, {}, &FormResult::lost_nearby);
     return x;
 }
 

@@ -49,7 +49,7 @@ RowQuality exact_quality(const Band& meant, const Band& stored, const TestedForm
 
 /// Bits that half an ulp of a format in each input leaves, and the distance by which it moves the hit point.
 struct InherentLimit {
-    double kept, off;
+    double kept, distance_error;
 };
 InherentLimit inherent(const Band& band, const TestedForm& row, const Format& format, const Requirement& requirement) {
     const intersect::Direction unit = row.form->info->direction;

@@ -74,7 +74,7 @@ Table<GrowthMargin> margin_table() {
          {"rays", "number of rays at the failing factor", &RowQuality::rays},
          {"kept_bits", "bits", "bits kept at the failing factor", or_missing(&RowQuality::kept_bits)},
          {"distance_error", "length", "distance error at the failing factor; missing: the requirement has no tolerance",
-          or_missing(&RowQuality::off)}},
+          or_missing(&RowQuality::distance_error)}},
         [](const GrowthMargin& r) { return r.end == MarginEnd::fails ? &r.broken : nullptr; });
 }
 

@@ -101,7 +101,7 @@ void draw_difference(const std::filesystem::path& path, const PixelField& a, con
                      const DifferenceTexts& texts) {
     if (a.width != b.width || a.height != b.height)
         throw InputError(fmt::format("{}: {}x{} pixels in {}, {}x{} in {}; make both maps with the same --size",
-                                     words.title, a.width, a.height, words.first, b.width, b.height, words.second));
+                                     texts.title, a.width, a.height, texts.first, b.width, b.height, texts.second));
     double largest = 1;
     std::array<std::uint64_t, pixel_class_colours.size()> counts{};
     std::uint64_t more = 0, fewer = 0, hits = 0;
@@ -116,8 +116,8 @@ void draw_difference(const std::filesystem::path& path, const PixelField& a, con
         fewer += difference < 0;
         largest = std::max(largest, std::fabs(difference));
     }
-    const std::array<std::string, 4> names{"both miss correctly", "wrong in both", "wrong only in " + words.second,
-                                           "right only in " + words.second};
+    const std::array<std::string, 4> names{"both miss correctly", "wrong in both", "wrong only in " + texts.second,
+                                           "right only in " + texts.second};
     std::vector<image::LegendEntry> widest, legend;
     for (std::size_t c = 0; c < names.size(); ++c) {
         widest.push_back({names[c], pixel_class_colours[c], std::to_string(a.lost.size())});
@@ -125,8 +125,8 @@ void draw_difference(const std::filesystem::path& path, const PixelField& a, con
     }
     const image::ColourScale scale("difference", difference_ramp(), -largest, largest);
     image::HeatmapWriter picture(
-        path, {.title = words.title,
-               .subtitle = {fmt::format("From {} to {}.", words.first, words.second),
+        path, {.title = texts.title,
+               .subtitle = {fmt::format("From {} to {}.", texts.first, texts.second),
                             fmt::format(
                                 "Of {} pixels that both hit correctly, {} lose more bits (orange) and {} fewer (blue).",
                                 hits, more, fewer)},
