@@ -131,7 +131,7 @@ TEST_CASE("a claim names a study, its options and a row of its summary") {
         return "study = \"consistency\"\nscene = \"near-benign\"\n" + words + tested("sphere.half_b");
     };
     const std::string fraction = metric_in("disagree_fraction");
-    for (const char* words : {"options = { check = \"beyond\" }\n", "row = { check = \"beyond\" }\n"}) {
+    for (const char* words : {"options = { check = \"beyond\" }\n", "where = { check = \"beyond\" }\n"}) {
         scratch.write("c.toml", claims_of({{"c", given(words), fraction}}));
         CHECK(run("check c.toml", scratch.path()).code == 0);
     }
@@ -141,13 +141,13 @@ TEST_CASE("a claim names a study, its options and a row of its summary") {
                            "\"f32\"; say which one is meant, by check"},
                           {given("options = { chek = \"beyond\" }\n"), fraction, "did you mean \"check\"?"},
                           {given("options = { check = 3 }\n"), fraction, "a string is expected"},
-                          {given("row = { checks = \"beyond\" }\n"), fraction, "did you mean \"check\"?"},
-                          {given("row = { check = \"beyon\" }\n"), fraction, "has no row with check = \"beyon\""},
+                          {given("where = { checks = \"beyond\" }\n"), fraction, "did you mean \"check\"?"},
+                          {given("where = { check = \"beyon\" }\n"), fraction, "has no row with check = \"beyon\""},
                           {given("options = { check = \"beyond\" }\nstep = 3\n"), fraction, "step"},
                           {"study = \"consistenc\"\nscene = \"near-benign\"\n" + tested("sphere.half_b"), fraction,
                            "did you mean \"consistency\"?"},
                           {"study = \"consistency\"\n" + tested("sphere.half_b"), fraction, "A study needs a scene"},
-                          {"scene = \"near-benign\"\nrow = { check = \"beyond\" }\n" + tested("sphere.half_b"),
+                          {"scene = \"near-benign\"\nwhere = { check = \"beyond\" }\n" + tested("sphere.half_b"),
                            metric_in("false_hit_fraction"), "needs study"}});
 }
 

@@ -42,7 +42,7 @@ void require_names(const StudyClaim& asked, const StudyNames& names) {
                                                                  name, scene::toml::did_you_mean(name, known)));
     };
     require_known(asked.on.options, "option", names.options);
-    require_known(asked.on.row, "column of words", names.words);
+    require_known(asked.on.where, "column of words", names.words);
     if (!has(names.numbers, asked.claim.metric))
         scene::toml::fail(asked.claim.where,
                           fmt::format("unknown metric \"{}\" of study {}; {}", asked.claim.metric, asked.on.study,
@@ -52,7 +52,7 @@ void require_names(const StudyClaim& asked, const StudyNames& names) {
 /// The words that the row of a claim has in the summary.
 Words words_of_row(const StudyClaim& asked, const StudyNames& names) {
     Words words = options_of(asked, names).together;
-    words.insert(asked.on.row.begin(), asked.on.row.end());
+    words.insert(asked.on.where.begin(), asked.on.where.end());
     words["form"] = asked.claim.form;
     words["format"] = asked.claim.format;
     return words;

@@ -94,7 +94,7 @@ KindTexts words(const Claim& c, const StudySubject& on) {
         options += fmt::format(" --{} {}", option.first, shell_word(option.second));
         add(option);
     }
-    for (const auto& word : on.row) add(word);
+    for (const auto& word : on.where) add(word);
     return {.command = asked(c, on.study.c_str(), options),
             .kind = ", " + on.study,
             .part = fmt::format(", {}{}{}", on.study, place.empty() ? "" : ", ", place),

@@ -167,7 +167,7 @@ std::map<std::string, std::string> read_words(TableReader& table, std::string_vi
 Subject read_study(TableReader& table, Claim& claim, std::string name) {
     StudySubject study{.name = std::move(name), .study = table.string("study")};
     study.options = read_words(table, "options");
-    study.row = read_words(table, "row");
+    study.where = read_words(table, "where");
     read_row(table, claim);
     return study;
 }
@@ -184,7 +184,7 @@ Subject read_offsets(TableReader& table, Claim& claim, std::string name) {
     StudySubject offsets{.name = std::move(name),
                          .study = "offsets",
                          .options = {{"strategy", table.string("strategy")}, {"points", points}},
-                         .row = {{"side", table.optional_string("side").value_or("outside")}, {"point", points}}};
+                         .where = {{"side", table.optional_string("side").value_or("outside")}, {"point", points}}};
     read_row(table, claim);
     return offsets;
 }
@@ -234,7 +234,7 @@ constexpr OwnKey own_keys[] = {
     {"check", "consistency", "needs consistency = \"...\", a scene whose questions are asked in two ways"},
     {"stage", "render", "needs a scene to render: render = \"raycast-course.pixels\""},
     {"options", "study", of_study},
-    {"row", "study", of_study}};
+    {"where", "study", of_study}};
 
 /// Reads a subject that is neither timed nor mended: a form and the rays of one thing.
 Subject read_measured(TableReader& table, Claim& claim) {

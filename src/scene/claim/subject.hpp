@@ -43,11 +43,11 @@ struct SweepSubject {
 };
 
 /// A study of a scene, such as `lostbits offsets`. The claim is about the row of its summary that has these words in
-/// `row` and those of the options that are also columns.
+/// `where` and those of the options that are also columns.
 struct StudySubject {
     std::string name;                                           ///< name of the scene
     std::string study;                                          ///< `offsets`
-    std::map<std::string, std::string> options = {}, row = {};  ///< by option, by column of the summary
+    std::map<std::string, std::string> options = {}, where = {};  ///< by option, by column of the summary
 };
 
 /// The worst ray found by a sweep file with a `[search]` table.
