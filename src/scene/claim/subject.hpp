@@ -45,8 +45,8 @@ struct SweepSubject {
 /// A study of a scene, such as `lostbits offsets`. The claim is about the row of its summary that has these words in
 /// `where` and those of the options that are also columns.
 struct StudySubject {
-    std::string name;                                           ///< name of the scene
-    std::string study;                                          ///< `offsets`
+    std::string name;                                             ///< name of the scene
+    std::string study;                                            ///< `offsets`
     std::map<std::string, std::string> options = {}, where = {};  ///< by option, by column of the summary
 };
 

@@ -57,7 +57,7 @@ void require_same(const RowQuality& a, const RowQuality& b) {
     CHECK(a.rays == b.rays);
     CHECK(a.hits == b.hits);
     CHECK(a.wrong == b.wrong);
-    CHECK(a.first == b.first);
+    CHECK(a.main_fault == b.main_fault);
     CHECK(a.kept_bits == b.kept_bits);
 }
 

@@ -14,7 +14,7 @@ struct HalfSpace {
     static constexpr std::string_view name = "half_space", plural = "half spaces";
     static constexpr bool takes_tmax = false, inside_returns_zero = true, usually_unit = false, round = false,
                           edges = false;
-    static constexpr ShapeTexts words{.plainest = "a half space below z = -2",
+    static constexpr ShapeTexts texts{.plainest = "a half space below z = -2",
                                       .touching = "a ray along its plane",
                                       .point = "a normal of 0",
                                       .places = "points and normals"};
