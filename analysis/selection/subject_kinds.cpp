@@ -216,7 +216,7 @@ void refuse_other_kinds(const shell::Command& command, const fs::path& data) {
         for (const std::string& word : argument.words()) refuse_other_kind(word, row, command.command_path(), data);
     }
     if (std::ranges::find(done, usual_row.argument) != done.end()) return;
-    if (const shell::Option argument = command.option(usual_row.argument))
+    if (const shell::Option argument = last.option(usual_row.argument))
         for (const std::string& word : argument.words())
             refuse_other_kind(word, usual_row, command.command_path(), data);
 }

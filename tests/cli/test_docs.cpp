@@ -147,7 +147,7 @@ bool shows(std::span<const std::string> shown, std::span<const std::string> prin
 
 /// The files that a page asks the reader to save: "Save this as `NAME`", and the block that follows.
 void save_files(const Scratch& scratch, const std::string& page) {
-    static const std::regex told(R"([Ss]ave\s+(this|it)\s+as\s+`([^`]+)`)");
+    static const std::regex told(R"([Ss]ave\s+(this\s+file|this|it)\s+as\s+`([^`]+)`)");
     const auto lines = lines_of(contents(root / page));
     std::size_t begin = 0;
     for (const Block& block : blocks_of(page)) {
