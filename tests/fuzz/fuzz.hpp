@@ -15,6 +15,7 @@ namespace lostbits::fuzz {
 using Fuzz = void(std::string_view bytes);
 Fuzz fuzz_scene, fuzz_sweep, fuzz_claims, fuzz_report, fuzz_csv, fuzz_rays, fuzz_words, fuzz_ray;
 Fuzz fuzz_headers, fuzz_plugin, fuzz_requests, fuzz_shader, fuzz_shard, fuzz_exr, fuzz_mesh;
+Fuzz fuzz_llvm, fuzz_spirv;
 
 struct Target {
     std::string_view name;
@@ -24,7 +25,8 @@ inline constexpr Target targets[] = {
     {"scene", fuzz_scene},       {"sweep", fuzz_sweep},   {"claims", fuzz_claims}, {"report", fuzz_report},
     {"csv", fuzz_csv},           {"rays", fuzz_rays},     {"words", fuzz_words},   {"headers", fuzz_headers},
     {"exr", fuzz_exr},           {"shard", fuzz_shard},   {"ray", fuzz_ray},       {"plugin", fuzz_plugin},
-    {"requests", fuzz_requests}, {"shader", fuzz_shader}, {"mesh", fuzz_mesh},
+    {"requests", fuzz_requests}, {"shader", fuzz_shader}, {"mesh", fuzz_mesh},     {"llvm", fuzz_llvm},
+    {"spirv", fuzz_spirv},
 };
 
 /// A file in memory that holds the bytes until the next one is requested; its path ends in `extension`.
