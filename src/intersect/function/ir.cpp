@@ -47,7 +47,7 @@ bool is_value_word(std::string_view word) {
            std::ranges::find(words, word) != words.end();
 }
 
-constexpr std::size_t most_bytes = 1 << 20;  // of a type; larger ones are refused
+constexpr std::size_t most_bytes = 1 << 20, most_lanes = 1024;  // of a type; larger ones are refused
 
 }  // namespace
 
@@ -194,8 +194,8 @@ const Type* Module::simple_type(Cursor& at) {
         at.expect("x");
         const Type* const part = type(at);
         at.expect(c == '[' ? "]" : ">");
-        if (count < 0 || (part->size > 0 && static_cast<std::size_t>(count) > most_bytes / part->size))
-            at.fail("a type is too large");
+        const std::size_t most = c == '<' ? most_lanes : most_bytes / std::max<std::size_t>(part->size, 1);
+        if (count < 0 || static_cast<std::size_t>(count) > most) at.fail("a type is too large");
         Type made{.kind = Type::Kind::sequence, .is_vector = c == '<', .count = static_cast<std::size_t>(count)};
         made.parts = {part};
         made.size = part->size * made.count;

@@ -38,7 +38,7 @@ bool is_radius(std::string_view name) {
     return is_one_of(name, {"r", "rad", "radius", "w", "sr", "ra"}) && name != "w";
 }
 
-/// Count of the numbers in a type that consists of numbers of one size; -1 if it holds anything else.
+/// Count of the numbers in a type that consists of numbers of one size; -1 if it holds anything else, or too many.
 int floats_in(const SourceType& t, std::size_t& size, std::string& last) {
     if (t.kind == Kind::number) {
         if (size != 0 && size != t.size) return -1;
@@ -49,13 +49,13 @@ int floats_in(const SourceType& t, std::size_t& size, std::string& last) {
     if (t.kind == Kind::sequence) {
         std::string unused;
         const int one = floats_in(t.parts[0], size, unused);
-        return one < 0 || t.count > 64 ? -1 : one * static_cast<int>(t.count);
+        return one < 0 || one > 64 || t.count > 64 ? -1 : one * static_cast<int>(t.count);
     }
     if (t.kind != Kind::structure || t.parts.empty()) return -1;
     int all = 0;
     for (const SourceType& p : t.parts) {
         const int one = floats_in(p, size, last);
-        if (one < 0) return -1;
+        if (one < 0 || all > 4096) return -1;
         all += one;
     }
     return all;
@@ -114,6 +114,7 @@ private:
     }
 
     void flatten(const SourceType& t, std::size_t at, const std::string& path, const std::string& last) {
+        if (--left_ < 0) return;
         std::size_t size = 0;
         std::string last_name;
         const int count = floats_in(t, size, last_name);
@@ -156,7 +157,7 @@ private:
     }
 
     std::string around_;
-    int argument_ = 0;
+    int argument_ = 0, left_ = 2000;  ///< arrays of arrays may have more parts than memory holds
     bool out_ = false;
 };
 

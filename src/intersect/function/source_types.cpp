@@ -42,19 +42,37 @@ std::string qualified(const Module& module, std::string_view text, SourceLanguag
     return name;
 }
 
-SourceType type_of(const Module& module, int number, SourceLanguage language, int depth = 0) {
+/// A type by its number. A type inside itself is unknown, and so are all after the first thousands: a ray has no such
+/// type, and a program's types may lead to each other on more ways than can be followed.
+class TypeReader {
+public:
+    TypeReader(const Module& module, SourceLanguage language) : module_(module), language_(language) {}
+    SourceType type(int number);
+
+private:
+    SourceType known_type(std::string_view text, SourceType made);
+    void add_members(std::string_view text, SourceType& made);
+
+    const Module& module_;
+    SourceLanguage language_;
+    std::vector<int> around_ = {};  ///< types that are being read
+    int left_ = 5000;
+};
+
+SourceType TypeReader::type(int number) {
     if (number < 0) return {.kind = Kind::nothing, .name = "void"};
-    const std::string_view text = module.metadata(number);
+    const std::string_view text = module_.metadata(number);
+    SourceType made{.name = qualified(module_, text, language_), .size = number_in(field(text, "size")) / 8};
+    if (around_.size() > 12 || std::ranges::find(around_, number) != around_.end() || --left_ < 0) return made;
+    around_.push_back(number);
+    made = known_type(text, std::move(made));
+    around_.pop_back();
+    return made;
+}
+
+SourceType TypeReader::known_type(std::string_view text, SourceType made) {
     const std::string tag = field(text, "tag");
-    SourceType made{.name = qualified(module, text, language), .size = number_in(field(text, "size")) / 8};
-    const auto inner = [&](const char* key = "baseType") {
-        return type_of(module, reference(field(text, key)), language, depth + 1);
-    };
-    if (depth > 12) return made;
-    const auto offset_and_size = [&module](int member) {
-        const std::string_view m = module.metadata(member);
-        return std::pair(number_in(field(m, "offset")) / 8, number_in(field(m, "size")) / 8);
-    };
+    const auto inner = [&] { return type(reference(field(text, "baseType"))); };
     if (text.find("DIBasicType") != std::string_view::npos) {
         const std::string encoding = field(text, "encoding");
         const bool is_number = encoding == "DW_ATE_float" && (made.size == 4 || made.size == 8);
@@ -70,15 +88,15 @@ SourceType type_of(const Module& module, int number, SourceLanguage language, in
         const bool is_reference = tag == "DW_TAG_reference_type";
         made.kind = Kind::pointer;
         made.parts = {inner()};
-        if (language == SourceLanguage::rust)
+        if (language_ == SourceLanguage::rust)
             made.is_const = !made.name.starts_with("&mut") && !made.name.starts_with("*mut");
         else made.is_const = made.parts[0].is_const, made.name = is_reference ? "&" : "*";
         made.size = 8;
     } else if (tag == "DW_TAG_array_type") {
         made.kind = Kind::sequence, made.parts = {inner()}, made.count = 1;
         std::vector<std::size_t> counts;
-        for (const int range : references(module.metadata(reference(field(text, "elements")))))
-            counts.push_back(number_in(field(module.metadata(range), "count")));
+        for (const int range : references(module_.metadata(reference(field(text, "elements")))))
+            counts.push_back(number_in(field(module_.metadata(range), "count")));
         for (std::size_t k = counts.size(); k-- > 0;) {
             const std::size_t size = made.parts[0].size * counts[k];
             if (k + 1 < counts.size()) {
@@ -88,46 +106,54 @@ SourceType type_of(const Module& module, int number, SourceLanguage language, in
             } else made.size = size, made.count = counts[k];
         }
     } else if (tag == "DW_TAG_structure_type" || tag == "DW_TAG_class_type") {
-        made.kind = Kind::structure;
-        if (language == SourceLanguage::c && !made.name.empty()) made.name.insert(0, "struct ");
-        const bool is_optional = made.name.starts_with("Option<") || made.name.starts_with("std::optional<") ||
-                                 made.name.find("::optional<") != std::string::npos;
-        for (const int m : references(module.metadata(reference(field(text, "elements"))))) {
-            const std::string_view member = module.metadata(m);
-            const std::string kind = field(member, "tag");
-            if (is_optional && language == SourceLanguage::rust && kind == "DW_TAG_variant_part") {
-                std::tie(made.flag_at, made.flag_size) = offset_and_size(reference(field(member, "discriminator")));
-                for (const int v : references(module.metadata(reference(field(member, "elements"))))) {
-                    const std::string_view variant = module.metadata(v);
-                    if (field(variant, "name") != "Some") continue;
-                    const SourceType some = type_of(module, reference(field(variant, "baseType")), language, depth + 1);
-                    made.kind = Kind::optional;
-                    made.parts = some.parts;
-                }
-                return made;
-            }
-            if ((kind != "DW_TAG_member" && kind != "DW_TAG_inheritance") ||
-                member.find("DIFlagStaticMember") != std::string_view::npos)
-                continue;
-            SourceType part = type_of(module, reference(field(member, "baseType")), language, depth + 1);
-            part.member = field(member, "name");
-            part.at = number_in(field(member, "offset")) / 8;
-            made.parts.push_back(std::move(part));
-        }
-        for (const SourceType& p : made.parts)  // the flag of std::optional, which may stand in a base
-            if (p.flag_size > 0) made.flag_at = p.at + p.flag_at, made.flag_size = p.flag_size;
-            else if (p.member == "_M_engaged" || p.member == "__engaged_") made.flag_at = p.at, made.flag_size = 1;
-        if (is_optional && language == SourceLanguage::cpp) {
-            made.kind = Kind::optional;
-            SourceType value;
-            for (const int p : references(module.metadata(reference(field(text, "templateParams")))))
-                value = type_of(module, reference(field(module.metadata(p), "type")), language, depth + 1);
-            made.parts = {value};
-        }
+        add_members(text, made);
     } else if (tag == "DW_TAG_enumeration_type") {
         made.kind = Kind::whole;
     }
     return made;
+}
+
+void TypeReader::add_members(std::string_view text, SourceType& made) {
+    const auto offset_and_size = [this](int member) {
+        const std::string_view m = module_.metadata(member);
+        return std::pair(number_in(field(m, "offset")) / 8, number_in(field(m, "size")) / 8);
+    };
+    made.kind = Kind::structure;
+    if (language_ == SourceLanguage::c && !made.name.empty()) made.name.insert(0, "struct ");
+    const bool is_optional = made.name.starts_with("Option<") || made.name.starts_with("std::optional<") ||
+                             made.name.find("::optional<") != std::string::npos;
+    for (const int m : references(module_.metadata(reference(field(text, "elements"))))) {
+        const std::string_view member = module_.metadata(m);
+        const std::string kind = field(member, "tag");
+        if (is_optional && language_ == SourceLanguage::rust && kind == "DW_TAG_variant_part") {
+            std::tie(made.flag_at, made.flag_size) = offset_and_size(reference(field(member, "discriminator")));
+            for (const int v : references(module_.metadata(reference(field(member, "elements"))))) {
+                const std::string_view variant = module_.metadata(v);
+                if (field(variant, "name") != "Some") continue;
+                const SourceType some = type(reference(field(variant, "baseType")));
+                made.kind = Kind::optional;
+                made.parts = some.parts;
+            }
+            return;
+        }
+        if ((kind != "DW_TAG_member" && kind != "DW_TAG_inheritance") ||
+            member.find("DIFlagStaticMember") != std::string_view::npos)
+            continue;
+        SourceType part = type(reference(field(member, "baseType")));
+        part.member = field(member, "name");
+        part.at = number_in(field(member, "offset")) / 8;
+        made.parts.push_back(std::move(part));
+    }
+    for (const SourceType& p : made.parts)  // the flag of std::optional, which may stand in a base
+        if (p.flag_size > 0) made.flag_at = p.at + p.flag_at, made.flag_size = p.flag_size;
+        else if (p.member == "_M_engaged" || p.member == "__engaged_") made.flag_at = p.at, made.flag_size = 1;
+    if (is_optional && language_ == SourceLanguage::cpp) {
+        made.kind = Kind::optional;
+        SourceType value;
+        for (const int p : references(module_.metadata(reference(field(text, "templateParams")))))
+            value = type(reference(field(module_.metadata(p), "type")));
+        made.parts = {value};
+    }
 }
 
 /// Arguments and result of a function without debug information.
@@ -287,7 +313,7 @@ UserSignature signature_of(Module& module, const std::string& path, const std::s
         references(module.metadata(reference(field(module.metadata(reference(field(text, "type"))), "types"))));
     if (types.empty())
         throw InputError(path + ": the function " + name + " has no debug information; compile it with -g");
-    s.returned = type_of(module, types[0], language);
+    s.returned = TypeReader(module, language).type(types[0]);
     const auto is_of_function = [&](int scope) { return module.metadata(scope) == text; };
     std::map<std::size_t, std::string> names;
     bool has_this = false;
@@ -308,7 +334,7 @@ UserSignature signature_of(Module& module, const std::string& path, const std::s
     s.is_method = has_this && language == SourceLanguage::cpp;
     for (std::size_t k = 1; k < types.size(); ++k) {
         Argument a{.name = names.contains(k) ? names[k] : "p" + std::to_string(k - 1),
-                   .type = type_of(module, types[k], language)};
+                   .type = TypeReader(module, language).type(types[k])};
         a.is_this = k == 1 && has_this;
         s.arguments.push_back(std::move(a));
     }

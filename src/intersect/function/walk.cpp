@@ -83,10 +83,10 @@ std::vector<Case> Walk::distinct(std::vector<Case> cases) {
             std::ranges::find_if(found, [&c](const Case& f) { return f.object == c.object && f.value == c.value; });
         if (same == found.end()) found.push_back(c);
         else same->when = nodes_.either(same->when, c.when);
+        if (found.size() > most_cases) fail("an integer that depends on numbers takes too many values");
     }
     if (found.empty()) found.push_back({yes, 0, 0});  // cannot be reached
     if (found.size() == 1) found[0].when = yes;
-    if (found.size() > most_cases) fail("an integer that depends on numbers takes too many values");
     return found;
 }
 
@@ -97,7 +97,8 @@ std::vector<Case> Walk::cases_of(const Value& value, const Type& type) {
     if (value.size() == 1 && value.begin()->first == 0 && first.kind == Scalar::Kind::whole) return first.cases;
     if (value.size() == 1 && first.kind == Scalar::Kind::undefined) return {{yes, 0, 0}};
     // Bytes beside each other, and numbers that are known.
-    if (type.size > 8) fail("integers of more than 64 bits are not followed");
+    if (type.size > 8 || type.size == 0 || std::prev(value.end())->first >= 8)
+        fail("integers of more than 64 bits are not followed");
     std::vector<Case> all{{yes, 0, 0}};
     for (const auto& [at, cell] : value) {
         std::vector<Case> bits;
@@ -182,8 +183,10 @@ void Walk::put(Value& into, std::size_t at, std::size_t size, const Value& value
         place = into.erase(place);
     }
     for (auto& [k, cell] : kept) into[k] = cell;
-    for (const auto& [k, cell] : value)
-        if (k < size) into[at + k] = cell;
+    const auto last = value.empty() ? value.end() : std::prev(value.end());
+    const bool fits = value.empty() || last->first + last->second.size <= size;
+    const Value cut = fits ? Value() : part_of(value, 0, size);
+    for (const auto& [k, cell] : fits ? value : cut) into[at + k] = cell;
 }
 
 Scalar Walk::join(Mask when, const Scalar& a, const Scalar& b, std::size_t size) {

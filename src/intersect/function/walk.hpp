@@ -145,7 +145,7 @@ private:
     // Places and names
     int index_of(std::string_view line, const Frame& frame);
     int ir_place(std::string_view line, int caller);
-    int place_at(int location, int caller);
+    int place_at(int location, int caller, int depth = 0);
     void name_value(int variable, const Value& value, std::size_t from, int depth);
     std::string path_in(int variable, std::size_t offset) const;
     void declare(State& state, std::string_view line, Cursor at, bool is_record);

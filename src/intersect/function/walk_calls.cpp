@@ -94,6 +94,7 @@ std::optional<Value> Walk::known_call(State& state, const std::string& name, con
         const std::vector<Case> byte = cases_of(arguments[1], *types[1]);
         Value all;
         if (byte.size() == 1 && byte[0].value == 0) all = whole(byte, n);
+        else if (n > 4096) fail("it fills more than 4096 bytes with another number than 0");
         else
             for (std::size_t k = 0; k < n; ++k) put(all, k, 1, whole(byte, 1));
         if (n > 0) store(state, arguments[0], n, all);

@@ -13,7 +13,8 @@ namespace lostbits::intersect::function {
 
 // Places and names
 
-int Walk::place_at(int location, int caller) {
+int Walk::place_at(int location, int caller, int depth) {
+    if (depth > 1000) return -1;
     const auto [known, is_new] = known_places_.try_emplace({location, caller}, -1);
     if (!is_new) return known->second;
     const std::string_view text = module_.metadata(location);
@@ -28,7 +29,7 @@ int Walk::place_at(int location, int caller) {
     made.line = number(line), made.column = number(field(text, "column"));
     made.caller = caller;
     if (const int inlined = reference(field(text, "inlinedAt")); inlined >= 0 && inlined != location)
-        made.caller = place_at(inlined, caller);
+        made.caller = place_at(inlined, caller, depth + 1);
     const int scope = reference(field(text, "scope"));
     const std::string_view file = module_.metadata(reference(field(module_.metadata(scope), "file")));
     made.file = field(file, "filename");

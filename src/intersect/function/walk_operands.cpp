@@ -74,7 +74,7 @@ Value Walk::element_address(State& state, Cursor& at) {
                                          ? type->part(static_cast<std::size_t>(index[0].value), offset)
                                          : nullptr;
             if (part == nullptr) fail("an address is outside of its type");
-            for (Case& c : all) c.value += static_cast<std::int64_t>(offset);
+            for (Case& c : all) c.value = static_cast<std::int64_t>(static_cast<std::uint64_t>(c.value) + offset);
             type = part;
             continue;
         }

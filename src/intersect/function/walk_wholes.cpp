@@ -76,6 +76,8 @@ std::optional<Value> Walk::on_bits(std::string_view op, const Type& type, const 
 }
 
 Value Walk::combine(std::string_view op, const Type& type, const Value& a, const Value& b) {
+    if (type.bits > 64) fail("integers of more than 64 bits are not followed");
+    if (type.kind != Type::Kind::integer) fail("an operation on integers that has other operands is not followed");
     if (auto known = on_bits(op, type, a, b)) return *known;
     if (type.bits == 1 && (op == "and" || op == "or" || op == "xor")) {
         const Mask x = mask_of(a), y = mask_of(b);
@@ -83,7 +85,6 @@ Value Walk::combine(std::string_view op, const Type& type, const Value& a, const
         if (op == "or") return from_mask(nodes_.either(x, y));
         return from_mask(nodes_.choose(x, nodes_.opposite(y), y));
     }
-    if (type.bits > 64) fail("integers of more than 64 bits are not followed");
     std::vector<Case> all;
     for (const Case& x : cases_of(a, type))
         for (const Case& y : cases_of(b, type)) {
@@ -133,10 +134,8 @@ Value Walk::converted(State& state, std::string_view op, Cursor& at) {
         }
         if (op == "fptosi" || op == "fptoui") {
             const NodeId n = number_of(v, a);
-            bool others = false;
-            if (nodes_[n].op != TapeOp::constant || std::fabs(nodes_[n].value) > 1e9)
+            if (nodes_[n].op != TapeOp::constant || !(std::fabs(nodes_[n].value) <= 1e9))
                 fail("a number becomes an integer, which is not followed");
-            static_cast<void>(others);
             return integer(static_cast<std::int64_t>(nodes_[n].value), b);
         }
         if (op == "sitofp" || op == "uitofp") {

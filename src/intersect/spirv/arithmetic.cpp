@@ -132,9 +132,18 @@ TypedText Translator::times(const TypedText& matrix, const TypedText& vector) {
 
 bool Translator::matrix(const SpirvInstruction& i) {
     if (i.op.find("Times") == std::string::npos && i.op != "OpTranspose") return false;
-    const SpirvType& type = type_of(i.at(0), i);
-    const TypedText a = value(i.at(1), i);
-    const auto b = [&] { return value(i.at(2), i); };
+    const auto of_few = [&i](const SpirvType& type) -> const SpirvType& {
+        if (type.count > 16) i.fail("neither a vector nor a matrix");
+        return type;
+    };
+    const auto operand = [&](std::size_t k) {
+        const TypedText x = value(i.at(k), i);
+        of_few(*x.type);
+        return x;
+    };
+    const SpirvType& type = of_few(type_of(i.at(0), i));
+    const TypedText a = operand(1);
+    const auto b = [&] { return operand(2); };
     Values columns;
     if (i.op == "OpVectorTimesScalar") values_[i.result] = scaled(a, b());
     else if (i.op == "OpMatrixTimesVector") values_[i.result] = times(a, b());
@@ -188,6 +197,7 @@ bool Translator::arithmetic(const SpirvInstruction& i) {
             compare("fcmp oeq", intrinsic("fabs", {x(1)}), splat(std::numeric_limits<double>::infinity(), *x(1).type));
     else if (i.op == "OpAny" || i.op == "OpAll") {
         const TypedText all = x(1);
+        if (all.type->kind != Kind::vector) i.fail("a vector is missing");
         result = part(all, 0);
         for (std::size_t k = 1; k < all.type->count; ++k)
             result = binary(i.op == "OpAny" ? "or" : "and", result, part(all, k));

@@ -126,10 +126,10 @@ TypedText Translator::refuse(const SpirvType& type, const std::string& sentence)
 
 void Translator::instruction(const SpirvInstruction& i) {
     constexpr std::array silent{"OpNop", "OpName", "OpSelectionMerge", "OpLoopMerge", "OpNoLine"};
+    const auto place = [&](std::size_t k) { return static_cast<int>(std::clamp(wholes_[i.at(k)], 0.0, 0x1p30)); };
     if (i.op == "OpLine") return declare(i);
     if (is_note(i)) {
-        if (i.at(2) == "DebugLine")
-            places_.visit(static_cast<int>(wholes_[i.at(4)]), static_cast<int>(wholes_[i.at(6)]));
+        if (i.at(2) == "DebugLine") places_.visit(place(4), place(6));
         return;
     }
     if (std::ranges::find(silent, i.op) != silent.end()) return;

@@ -111,6 +111,7 @@ const SpirvType& Translator::pointer_to(const SpirvType& target) {
 
 void Translator::add_type(const SpirvInstruction& i, SpirvType type) {
     if (type.size > most_bytes || type.count > most_bytes) i.fail("a type is too large");
+    if (types_.contains(i.result)) i.fail("a type is defined twice");
     type.id = i.result;
     types_[i.result] = std::move(type);
 }
@@ -139,6 +140,7 @@ void Translator::declare_type(const SpirvInstruction& i) {
         const SpirvType& item = *part(0);
         const double known = is_matrix ? static_cast<double>(number_in(i, 1)) : wholes_[i.at(1)];
         if (!(known >= 1 && known * static_cast<double>(item.size) <= most_bytes)) i.fail("a type is too large");
+        if (is_matrix && (known > 4 || item.kind != Kind::vector)) i.fail("a matrix has columns that are not followed");
         const auto count = static_cast<std::size_t>(known);
         return add_type(i, {is_matrix ? Kind::matrix : Kind::sequence,
                             {},
