@@ -158,7 +158,9 @@ private:
         const P rest = min(size(1) / (P(24) * size(4) * length * length * length), P(1));
         return P(most) * min(min(size(1) / (P(12) * size(2)), sqrt(size(1) / (P(18) * size(3)))), length * rest);
     }
-    /// The inequality of `steady` (power 1) or of `bent` (power 2).
+    /// The inequality of `steady` (power 1) or of `bent` (power 2). The reach keeps it by 4 % with the words of the
+    /// coefficients alone. It fails where the bounds of these words matter: the second coefficient may be a tenth of
+    /// its word.
     [[nodiscard]] Mask is_within(const P& reach, std::size_t power) const {
         const E t{W(reach)}, half(W(P(0.5)));
         const E later = E(3) * abs(g_.c[3]) * t;
@@ -168,7 +170,8 @@ private:
     }
     [[nodiscard]] Mask high() const { return (rise_ && above_) || (fall_ && below_); }
     [[nodiscard]] Mask low() const { return (rise_ && below_) || (fall_ && above_); }
-    /// h(m) > h′(m)²/(2|g₂|), with m near the lowest point of h.
+    /// h(m) > h′(m)²/(2|g₂|), with m near the lowest point of h. There the words of h′ nearly vanish, so that it is their
+    /// bound that the inequality needs.
     [[nodiscard]] Mask stays_high() const {
         using lostbits::max, lostbits::min;
         P m(0);
