@@ -12,11 +12,9 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
-#include "counts.hpp"
+#include "followed.hpp"
 #include "intersect/external/plugin.hpp"
-#include "intersect/function/function.hpp"
 #include "intersect/function/walk.hpp"
-#include "number/error.hpp"
 #include "random_functions.hpp"
 
 namespace test_functions {
@@ -27,59 +25,9 @@ namespace table = lostbits::intersect::table;
 
 namespace {
 
-const std::string folder = std::string(LOSTBITS_SOURCE_DIR) + "/tests/external/functions/";
+const std::string& folder = functions_folder;
 
 bool has_rustc() { return std::system("rustc --version >/dev/null 2>&1") == 0; }
-
-/// The message of a function that is refused; empty if it is not.
-std::string refusal(const std::string& named) {
-    try {
-        intersect::function::load_function(folder + named, {});
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return "";
-}
-
-/// Compares the answers of both rows on random rays at random primitives; returns how many differ in a bit.
-template <class S>
-std::size_t differences(const intersect::table::Kernel<S>& a, const intersect::table::Kernel<S>& b, Shape shape) {
-    std::mt19937_64 random(7);
-    const auto uniform = [&random] { return static_cast<S>(static_cast<double>(random() >> 11) * 0x1p-52 - 1); };
-    const std::size_t count = is_long() ? 1'000'000 : 20'000;
-    std::vector<Primitive<S>> primitives(count, Primitive<S>(shape));
-    std::array<std::vector<S>, 6> rays;
-    for (Primitive<S>& primitive : primitives) {
-        std::size_t at = 0;
-        for (const Key& key : row_of(shape).keys)
-            for (std::size_t k = 0; k < key.count(); ++k, ++at) {
-                primitive.numbers[at] = key.is_length() ? std::fabs(uniform()) + S(0.1) : uniform();
-                if (shape == Shape::box && at >= 3)
-                    primitive.numbers[at] = primitive.numbers[at - 3] + std::fabs(uniform());
-            }
-        for (std::size_t k = 0; k < 3; ++k) {
-            rays[k].push_back(4 * uniform());
-            rays[k + 3].push_back(primitive.numbers[k] - rays[k].back() + uniform() / 2);
-        }
-    }
-    const intersect::table::RayBatch<S> batch{rays[0], rays[1], rays[2], rays[3], rays[4], rays[5]};
-    std::array<std::array<std::vector<S>, 3>, 2> t;
-    std::array<std::vector<std::uint8_t>, 2> hit;
-    for (std::size_t k : {0, 1}) {
-        for (auto& column : t[k]) column.resize(count);
-        hit[k].resize(count);
-        (k == 0 ? a : b)(batch, intersect::Target<S>(std::span<const Primitive<S>>(primitives)),
-                         {t[k][0], t[k][1], t[k][2], hit[k]});
-    }
-    std::size_t differ = 0, hits = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        hits += hit[0][i];
-        const bool same = t[0][0][i] == t[1][0][i] || (std::isnan(t[0][0][i]) && std::isnan(t[1][0][i]));
-        if (hit[0][i] != hit[1][i] || (hit[0][i] != 0 && !same)) ++differ;
-    }
-    CHECK(hits > count / 20);
-    return differ;
-}
 
 }  // namespace
 
@@ -112,9 +60,11 @@ TEST_CASE("functions: the operations give the bits of the compiled function", "[
         if (std::string(named).find(".rs:") != std::string::npos && !has_rustc()) continue;
         const auto f = intersect::function::load_function(folder + named, {});
         CHECK(f->shown.find(says) != std::string::npos);
-        const auto alone = f->written->row(f->answers->info);
-        if (f->answers->of32) CHECK(differences(f->row.native32, alone.native32, f->row.shape) == 0);
-        else CHECK(differences(f->row.native64, alone.native64, f->row.shape) == 0);
+        CHECK(differences(*f) == 0);
+        if (!std::string(named).starts_with("public")) continue;
+        const auto other = load_in_other_format(folder + named);
+        CHECK(other->bits + f->bits == 96);
+        CHECK(differences(*other) == 0);
     }
 }
 
@@ -133,9 +83,7 @@ TEST_CASE("functions: whole numbers beside a number have the bits of the C libra
                 own + "(o[0] * 4) + " + own + "(d[1] * 0.5) * " + own + "(c[0] * 1e9) + r;\n}\n");
         for (const char* const name : {":in_float", ":in_double"}) {
             const auto g = intersect::function::load_function(file + name + ":sphere(o, d, c, r)", {});
-            const auto alone = g->written->row(g->answers->info);
-            if (g->answers->of32) CHECK(differences(g->row.native32, alone.native32, g->row.shape) == 0);
-            else CHECK(differences(g->row.native64, alone.native64, g->row.shape) == 0);
+            CHECK(differences(*g) == 0);
         }
     }
 }
@@ -251,16 +199,18 @@ TEST_CASE("functions: plugin check, choose, diff and claims take them", "[extern
 }
 
 TEST_CASE("functions: what cannot be followed is refused with its place", "[external]") {
-    CHECK(refusal("refused.c:sine").find("refused.c:4:78: it calls sin") != std::string::npos);
-    CHECK(refusal("refused.c:endless").find("refused.c:8:5: a loop has no bound") != std::string::npos);
-    CHECK(refusal("refused.c:rounded").find("refused.c:12:88: a number becomes an integer") != std::string::npos);
-    CHECK(refusal("refused.c:counting").find("refused.c:16:11: a global variable is written") != std::string::npos);
-    CHECK(refusal("refused.c:calls").find("does not compile") != std::string::npos);
-    CHECK(refusal("refused.c:nothing")
+    CHECK(refusal(folder + "refused.c:sine").find("refused.c:4:78: it calls sin") != std::string::npos);
+    CHECK(refusal(folder + "refused.c:endless").find("refused.c:8:5: a loop has no bound") != std::string::npos);
+    CHECK(refusal(folder + "refused.c:rounded").find("refused.c:12:88: a number becomes an integer") !=
+          std::string::npos);
+    CHECK(refusal(folder + "refused.c:counting").find("refused.c:16:11: a global variable is written") !=
+          std::string::npos);
+    CHECK(refusal(folder + "refused.c:calls").find("does not compile") != std::string::npos);
+    CHECK(refusal(folder + "refused.c:nothing")
               .ends_with("refused.c: has no function \"nothing\"; it defines \"counting\", \"endless\", \"rounded\", "
                          "\"sine\""));
-    CHECK(refusal("sphere.c").find("names no function") != std::string::npos);
-    CHECK(refusal("nowhere.c:f").find("no such file") != std::string::npos);
+    CHECK(refusal(folder + "sphere.c").find("names no function") != std::string::npos);
+    CHECK(refusal(folder + "nowhere.c:f").find("no such file") != std::string::npos);
 }
 
 TEST_CASE("functions: LLVM IR as text and as bitcode, with and without debug information", "[external]") {
@@ -284,9 +234,7 @@ TEST_CASE("functions: LLVM IR as text and as bitcode, with and without debug inf
         CAPTURE(named);
         const auto f = intersect::function::load_function(to + named, {});
         CHECK(f->shown.find(says) != std::string::npos);
-        const auto alone = f->written->row(f->answers->info);
-        if (f->answers->of32) CHECK(differences(f->row.native32, alone.native32, f->row.shape) == 0);
-        else CHECK(differences(f->row.native64, alone.native64, f->row.shape) == 0);
+        CHECK(differences(*f) == 0);
     }
     const auto culprit = [&](const std::string& file) {
         return must("explain rtg-fig-7-3-4100-oblique --pixel 128,128 -f f32 -i function.schoolbook --function " + to +
@@ -297,12 +245,7 @@ TEST_CASE("functions: LLVM IR as text and as bitcode, with and without debug inf
     const std::string line = culprit("none.ll");
     CHECK(line.find("none.ll:") != std::string::npos);
     CHECK(line.find(" = call float @llvm.fmuladd.f32(") != std::string::npos);
-    try {
-        intersect::function::load_function(to + "none.ll:hit_sphere", {});
-        CHECK(false);
-    } catch (const InputError& error) {
-        CHECK(std::string(error.what()).find("compile it with -g") != std::string::npos);
-    }
+    CHECK(refusal(to + "none.ll:hit_sphere").find("compile it with -g") != std::string::npos);
 }
 
 namespace {
@@ -347,9 +290,7 @@ void compare_random(std::uint64_t seed, int count, RandomCounts& counts) {
     REQUIRE(std::system(("clang -O0 -S -emit-llvm" + flags + "-o " + name + ".ll " + name + ".c").c_str()) == 0);
     REQUIRE(std::system(("clang -O2 -shared -fPIC" + flags + "-o " + name + ".so " + name + ".c -lm").c_str()) == 0);
     const auto library = intersect::external::load_library(name + ".so");
-    std::ostringstream text;
-    text << std::ifstream(name + ".ll").rdbuf();
-    intersect::function::Module module(text.str());
+    intersect::function::Module module(contents(name + ".ll"));
     const auto fail = [&](int k, const std::string& words) {
         if (counts.first.empty())
             counts.first = "seed " + std::to_string(seed) + " function " + std::to_string(k) +
@@ -480,15 +421,7 @@ end:
     REQUIRE(read(whole));
     for (std::size_t size = 0; size < whole.size(); size += 3) read(whole.substr(0, size));
     std::mt19937 random(3);
-    for (int k = 0; k < 3000; ++k) {
-        std::string text = whole;
-        for (unsigned changes = 1 + random() % 4; changes > 0; --changes) {
-            const std::size_t at = random() % text.size();
-            if (random() % 2 == 0) text[at] = "%@!0123456789 ()[]{}<>,*\"x"[random() % 26];
-            else text.erase(at, 1 + random() % 9);
-        }
-        read(text);
-    }
+    for (int k = 0; k < 3000; ++k) read(damaged(whole, random, "%@!0123456789 ()[]{}<>,*\"x", 9));
 }
 
 }  // namespace test_functions

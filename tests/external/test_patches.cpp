@@ -23,12 +23,6 @@ namespace {
 
 const std::string sources = LOSTBITS_SOURCE_DIR;
 
-std::string text_of(const std::filesystem::path& path) {
-    std::ostringstream text;
-    text << std::ifstream(path, std::ios::binary).rdbuf();
-    return text.str();
-}
-
 int shell(const Scratch& made, const std::string& command) {
     return std::system(("cd '" + made.path().string() + "' && " + command).c_str());
 }
@@ -62,7 +56,7 @@ std::size_t check_patches(const std::string& file, const std::string& function, 
         std::ofstream(made.path() / folder / "own.patch") << diff;
         CAPTURE(diff);
         REQUIRE(shell(made, "cd " + folder + " && patch -s -p0 < own.patch") == 0);
-        CHECK(text_of(made.path() / folder / name) != text_of(made.path() / name));
+        CHECK(contents(made.path() / folder / name) != contents(made.path() / name));
         const std::string scene = request.substr(0, request.find(" --bits"));
         must("map " + scene + words + " -o out", made.path() / folder);
         const auto rows = read_csv(made.path() / folder / "out" / scene.substr(0, scene.find(' ')) / "summary.csv");
@@ -145,7 +139,7 @@ TEST_CASE("patches: patch makes the new text from the old one", "[external]") {
         std::ofstream(made.path() / "own.patch") << lostbits::measure::repair::unified_diff("own.c", old, *now);
         CAPTURE(old, *now);
         REQUIRE(shell(made, "patch -s -p0 < own.patch") == 0);
-        CHECK(text_of(made.path() / "own.c") == *now);
+        CHECK(contents(made.path() / "own.c") == *now);
     }
 }
 

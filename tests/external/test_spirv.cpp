@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <random>
-#include <sstream>
 #include <string>
 
 #include "catch.hpp"
 #include "cli/program.hpp"
-#include "counts.hpp"
-#include "intersect/function/function.hpp"
+#include "followed.hpp"
 #include "intersect/function/signature.hpp"
 #include "intersect/spirv/llvm_text.hpp"
-#include "number/error.hpp"
 
 namespace test_spirv {
 
@@ -23,23 +19,7 @@ using intersect::function::load_function;
 
 namespace {
 
-const std::string folder = std::string(LOSTBITS_SOURCE_DIR) + "/tests/external/functions/";
-
-/// The message of a function that is refused; empty if it is not.
-std::string refusal(const std::string& named) {
-    try {
-        load_function(named, {});
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return "";
-}
-
-std::string text_of(const std::filesystem::path& path) {
-    std::ostringstream text;
-    text << std::ifstream(path, std::ios::binary).rdbuf();
-    return text.str();
-}
+const std::string& folder = functions_folder;
 
 void shell(const std::string& command) { REQUIRE(std::system(command.c_str()) == 0); }
 
@@ -65,7 +45,7 @@ void main() { colour = vec4(ball(vec3(0), vec3(1), vec4(2))); }
 
 }  // namespace
 
-TEST_CASE("spirv: signatures of GLSL and HLSL", "[external]") {
+TEST_CASE("spirv: signatures of GLSL and HLSL, and bits in both formats", "[external]") {
     struct Case {
         const char *named, *says;
     };
@@ -85,7 +65,13 @@ TEST_CASE("spirv: signatures of GLSL and HLSL", "[external]") {
           Case{"../../../examples/shaders/box.glsl:slabs",
                "t = its x, far = its y; hit where t <= far and far is not"}}) {
         CAPTURE(named);
-        CHECK(load_function(folder + named, {})->shown.find(says) != std::string::npos);
+        const auto f = load_function(folder + named, {});
+        CHECK(f->shown.find(says) != std::string::npos);
+        CHECK(differences(*f) == 0);
+        if (!std::string(named).starts_with("public")) continue;
+        const auto other = load_in_other_format(folder + named);
+        CHECK(other->bits + f->bits == 96);
+        CHECK(differences(*other) == 0);
     }
 }
 
@@ -163,7 +149,7 @@ TEST_CASE("spirv: damaged SPIR-V and GLSL give a sentence", "[external]") {
     const std::string spirv = compiled(made, sphere, "-g");
     const std::string own = made.path().string() + "/own.spvasm";
     shell("spirv-dis --no-color --no-header -o " + own + " " + spirv);
-    const std::string whole = text_of(own), binary = text_of(spirv);
+    const std::string whole = contents(own), binary = contents(spirv);
     const auto read = [](const std::string& assembly) {
         try {
             const std::string text = intersect::spirv::llvm_text_of(assembly, "/x/own.spv", {}, false);
@@ -180,15 +166,7 @@ TEST_CASE("spirv: damaged SPIR-V and GLSL give a sentence", "[external]") {
     std::size_t refused = 0;
     for (std::size_t size = 0; size < whole.size(); size += 11) refused += read(whole.substr(0, size)) ? 0 : 1;
     std::mt19937 random(5);
-    const auto changed = [&random](std::string text, const std::string& letters) {
-        for (unsigned changes = 1 + random() % 4; changes > 0; --changes) {
-            const std::size_t at = random() % text.size();
-            if (random() % 2 == 0) text[at] = letters[random() % letters.size()];
-            else text.erase(at, 1 + random() % 5);
-        }
-        return text;
-    };
-    for (int k = 0; k < 3000; ++k) refused += read(changed(whole, "%_0123456789 \"\nOpv")) ? 0 : 1;
+    for (int k = 0; k < 3000; ++k) refused += read(damaged(whole, random, "%_0123456789 \"\nOpv", 5)) ? 0 : 1;
     CHECK(refused > 300);
     // The whole way to a form, with real programs.
     const int count = is_long() ? 400 : 40;
@@ -197,7 +175,7 @@ TEST_CASE("spirv: damaged SPIR-V and GLSL give a sentence", "[external]") {
         for (int changes = 0; changes < 2; ++changes)
             words[20 + random() % (words.size() - 20)] ^= char(1 << random() % 8);
         std::ofstream(made.path() / "some.spv", std::ios::binary) << words;
-        std::ofstream(made.path() / "some.glsl") << changed(sphere, "(){};,.+-*/0f \n#\\");
+        std::ofstream(made.path() / "some.glsl") << damaged(sphere, random, "(){};,.+-*/0f \n#\\", 5);
         for (const char* const ending : {"spv", "glsl"}) refusal(made.path().string() + "/some." + ending + ":ball");
     }
 }

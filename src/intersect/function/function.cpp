@@ -7,7 +7,6 @@
 #include <deque>
 #include <filesystem>
 #include <limits>
-#include <random>
 #include <sstream>
 
 #include "intersect/external/guard.hpp"
@@ -16,6 +15,7 @@
 #include "intersect/function/compiler.hpp"
 #include "intersect/function/signature.hpp"
 #include "intersect/function/walk.hpp"
+#include "intersect/table/random_rays.hpp"
 #include "number/error.hpp"
 #include "shapes/number_names.hpp"
 
@@ -237,66 +237,28 @@ std::vector<NamedNumber> names_of(const UserSignature& s, const Walk& walk, cons
     return all;
 }
 
-template <class S>
-bool same(S a, S b) {
-    return a == b || (std::isnan(a) && std::isnan(b));
-}
-
 /// Compares the operations that were read with the compiled function on random rays. InputError if they differ.
 template <class S>
 void require_same(const table::Kernel<S>& native, const table::Kernel<S>& written, Shape shape, bool tells_t,
                   const std::string& who) {
-    constexpr std::size_t count = 4096;
-    std::mt19937_64 random(1);
-    const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1; };  // -1 to 1
-    std::vector<Primitive<S>> primitives;
-    std::array<std::vector<S>, 6> columns;
-    for (std::size_t i = 0; i < count; ++i) {
-        Primitive<S> primitive(shape);
-        std::size_t at = 0;
-        const double scale = std::ldexp(1.0, static_cast<int>(random() % 12));
-        for (const Key& key : row_of(shape).keys)
-            for (std::size_t k = 0; k < key.count(); ++k, ++at) {
-                double x = key.is_length() ? std::fabs(uniform()) + 0x1p-10 : 2 * uniform();
-                if (key.limit == Key::Limit::at_least_before)
-                    x = static_cast<double>(primitive.numbers[at - 3]) + std::fabs(x);
-                if (key.limit == Key::Limit::non_negative_below_previous)
-                    x = static_cast<double>(primitive.numbers[at - 1]) * 0.5 * x;
-                primitive.numbers[at] = static_cast<S>(x);
-            }
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double o = scale * uniform();
-            columns[k].push_back(static_cast<S>(o));
-            // Every second ray goes near the first point of the primitive.
-            columns[k + 3].push_back(static_cast<S>(
-                i % 2 == 0 ? uniform()
-                           : (static_cast<double>(primitive.numbers[k]) + 0.3 * uniform() - o) / (1 + scale)));
-        }
-        primitives.push_back(primitive);
-    }
-    const table::RayBatch<S> rays{columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]};
-    std::array<std::vector<S>, 6> numbers;
-    for (auto& column : numbers) column.resize(count);
-    std::array<std::vector<std::uint8_t>, 2> hits{std::vector<std::uint8_t>(count), std::vector<std::uint8_t>(count)};
-    native(rays, Target<S>(std::span<const Primitive<S>>(primitives)), {numbers[0], numbers[1], numbers[2], hits[0]});
-    written(rays, Target<S>(std::span<const Primitive<S>>(primitives)), {numbers[3], numbers[4], numbers[5], hits[1]});
-    for (std::size_t i = 0; i < count; ++i) {
-        if (hits[0][i] == hits[1][i] && (hits[0][i] == 0 || !tells_t || same(numbers[0][i], numbers[3][i]))) continue;
+    const table::RandomRays<S> rays(shape, 4096, false);
+    const table::RowAnswers<S> compiled = rays.answers(native), read = rays.answers(written);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (compiled.are_same(read, i, tells_t)) continue;
         std::ostringstream text;
         text << who << ": the operations that were read differ from the compiled function, on the ray ";
         text.precision(std::numeric_limits<S>::max_digits10);
-        for (std::size_t k = 0; k < 6; ++k) text << (k == 0 ? "" : ",") << columns[k][i];
+        for (std::size_t k = 0; k < 6; ++k) text << (k == 0 ? "" : ",") << rays.input(i, k);
         text << " and the " << name_of(shape) << " ";
-        for (std::size_t k = 0; k < primitives[i].used().size(); ++k)
-            text << (k == 0 ? "" : ",") << primitives[i].used()[k];
-        const auto said = [&](std::size_t which) {
-            if (hits[which][i] == 0) text << "a miss";
-            else text << "t = " << numbers[3 * which][i];
+        for (std::size_t k = 0; k < rays.numbers(i).size(); ++k) text << (k == 0 ? "" : ",") << rays.numbers(i)[k];
+        const auto said = [&](const table::RowAnswers<S>& answers) {
+            if (answers.hit[i] == 0) text << "a miss";
+            else text << "t = " << answers.numbers[0][i];
         };
         text << ": ";
-        said(1);
+        said(read);
         text << ", and compiled ";
-        said(0);
+        said(compiled);
         text << "; it may keep state between calls";
         throw InputError(text.str());
     }

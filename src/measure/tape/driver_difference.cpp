@@ -5,10 +5,9 @@
 #include <bit>
 #include <cmath>
 #include <numeric>
-#include <random>
 
+#include "intersect/table/random_rays.hpp"
 #include "measure/tape/tape_form.hpp"
-#include "shapes/number_names.hpp"
 
 namespace lostbits::measure::tape {
 namespace {
@@ -19,69 +18,8 @@ constexpr std::size_t ray_count = 4096;
 constexpr int most_ulps = 4;
 constexpr std::size_t most_sites = 12;  ///< operations whose subsets are all tried
 
-struct Answer {
-    bool hit;
-    float t;
-    friend bool operator==(const Answer& a, const Answer& b) {
-        if (a.hit != b.hit) return false;
-        return !a.hit || std::bit_cast<std::uint32_t>(a.t) == std::bit_cast<std::uint32_t>(b.t) ||
-               (std::isnan(a.t) && std::isnan(b.t));
-    }
-};
-
-/// Random rays, half of which go near the first point of their primitive.
-class Rays {
-public:
-    Rays(Shape shape, bool unit) {
-        std::mt19937_64 random(1);
-        const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1; };  // -1 to 1
-        for (std::size_t i = 0; i < ray_count; ++i) {
-            Primitive<float> primitive(shape);
-            const double scale = std::ldexp(1.0, static_cast<int>(random() % 6));
-            std::size_t at = 0;
-            for (const Key& key : row_of(shape).keys)
-                for (std::size_t k = 0; k < key.count(); ++k, ++at) {
-                    double x = key.is_length() ? std::fabs(uniform()) + 0x1p-6 : 2 * uniform();
-                    if (key.limit == Key::Limit::at_least_before) x = primitive.numbers[at - 3] + std::fabs(x);
-                    if (key.limit == Key::Limit::non_negative_below_previous) x = primitive.numbers[at - 1] * 0.5 * x;
-                    primitive.numbers[at] = static_cast<float>(x);
-                }
-            std::array<double, 3> o{}, d{};
-            for (std::size_t k = 0; k < 3; ++k) {
-                o[k] = static_cast<float>(scale * uniform());
-                d[k] = i % 2 == 0 ? uniform() : static_cast<double>(primitive.numbers[k]) + 0.3 * uniform() - o[k];
-            }
-            const double length = unit ? std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) : 1 + scale;
-            for (std::size_t k = 0; k < 3; ++k) {
-                columns_[k].push_back(static_cast<float>(o[k]));
-                columns_[k + 3].push_back(static_cast<float>(d[k] / length));
-            }
-            primitives_.push_back(primitive);
-        }
-    }
-    [[nodiscard]] std::vector<Answer> answers(const Intersector& row) const {
-        const intersect::table::RayBatch<float> rays{columns_[0], columns_[1], columns_[2],
-                                                     columns_[3], columns_[4], columns_[5]};
-        std::array<std::vector<float>, 3> t;
-        for (auto& column : t) column.resize(ray_count);
-        std::vector<std::uint8_t> hit(ray_count);
-        row.native32(rays, intersect::Target<float>(std::span<const Primitive<float>>(primitives_)),
-                     {t[0], t[1], t[2], hit});
-        std::vector<Answer> all;
-        for (std::size_t i = 0; i < ray_count; ++i) all.push_back({hit[i] != 0, t[0][i]});
-        return all;
-    }
-    /// The numbers of a ray in the order of a tape's inputs.
-    [[nodiscard]] float input(std::size_t ray, std::size_t k) const {
-        if (k < 6) return columns_[k][ray];
-        const auto numbers = primitives_[ray].used();
-        return k - 6 < numbers.size() ? numbers[k - 6] : INFINITY;
-    }
-
-private:
-    std::array<std::vector<float>, 6> columns_;
-    std::vector<Primitive<float>> primitives_;
-};
+using intersect::table::RandomRays;
+using intersect::table::RowAnswers;
 
 /// A program with rewritings, as a driver might run it.
 struct Suspect {
@@ -126,7 +64,12 @@ double rounded(TapeOp op, double a, double b, double c, bool is_float) {
     }
 }
 
-Answer answer_of(const Suspect& s, const Rays& rays, std::size_t ray, std::vector<double>& values) {
+struct Answer {
+    bool hit;
+    float t;
+};
+
+Answer answer_of(const Suspect& s, const RandomRays<float>& rays, std::size_t ray, std::vector<double>& values) {
     const Tape& tape = s.made.tape;
     values.resize(tape.nodes.size());
     for (NodeId i = 0; i < tape.size(); ++i) {
@@ -150,7 +93,7 @@ Answer answer_of(const Suspect& s, const Rays& rays, std::size_t ray, std::vecto
 
 class Search {
 public:
-    Search(const Tape& tape, const Rays& rays, const std::vector<Answer>& driver)
+    Search(const Tape& tape, const RandomRays<float>& rays, const RowAnswers<float>& driver)
         : rays_(rays), driver_(driver), names_(driver_rewritings()) {
         own_.tape = tape;
         own_.origins.resize(tape.nodes.size());
@@ -187,9 +130,13 @@ private:
         }
         return made;
     }
+    bool is_drivers(const Suspect& s, std::size_t ray) {
+        const Answer own = answer_of(s, rays_, ray, values_);
+        return RowAnswers<float>::are_same(own.hit, own.t, driver_.hit[ray] != 0, driver_.numbers[0][ray]);
+    }
     bool explains(const Suspect& s) {
         for (std::size_t i = 0; i < ray_count; ++i)
-            if (!(answer_of(s, rays_, i, values_) == driver_[i])) return false;
+            if (!is_drivers(s, i)) return false;
         return true;
     }
     /// Tries the rewritings of a set at some of the operations only, at few of them first.
@@ -255,13 +202,13 @@ private:
         for (int size = 0; size <= most_ulps; ++size)
             for (const int sign : {1, -1}) {
                 s.ulps = sign * size;
-                if (answer_of(s, rays_, ray, values_) == driver_[ray]) return size;
+                if (is_drivers(s, ray)) return size;
             }
         return most_ulps + 1;
     }
 
-    const Rays& rays_;
-    const std::vector<Answer>& driver_;
+    const RandomRays<float>& rays_;
+    const RowAnswers<float>& driver_;
     std::vector<std::string> names_;
     DerivedTape own_;
     std::vector<double> values_;
@@ -278,10 +225,10 @@ NodeId DriverDifference::first() const {
 }
 
 DriverDifference driver_difference(const Intersector& driver, const Intersector& program) {
-    const Rays rays(program.shape, driver.info->direction == intersect::Direction::unit);
-    const std::vector<Answer> theirs = rays.answers(driver), ours = rays.answers(program);
+    const RandomRays<float> rays(program.shape, ray_count, driver.info->direction == intersect::Direction::unit);
+    const RowAnswers<float> theirs = rays.answers(driver.native32), ours = rays.answers(program.native32);
     DriverDifference found{.rays = ray_count, .differ = 0, .rewritings = {}};
-    for (std::size_t i = 0; i < ray_count; ++i) found.differ += theirs[i] == ours[i] ? 0 : 1;
+    for (std::size_t i = 0; i < ray_count; ++i) found.differ += theirs.are_same(ours, i) ? 0 : 1;
     if (found.differ > 0) Search(tape_of(program, *find_format("f32")), rays, theirs).find(found);
     return found;
 }

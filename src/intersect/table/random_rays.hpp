@@ -1,0 +1,92 @@
+// Random rays at random primitives of a shape, and the answers of a row for them: two rows that compute the same give
+// the same bits.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <span>
+#include <vector>
+
+#include "intersect/table/table.hpp"
+
+namespace lostbits::intersect::table {
+
+/// The answers for all rays.
+template <class S>
+struct RowAnswers {
+    std::array<std::vector<S>, 3> numbers;  ///< t, near, far
+    std::vector<std::uint8_t> hit;
+
+    /// True if both answers have the same bits. All misses are the same, and so are all NaNs.
+    static bool are_same(bool a_hits, S a, bool b_hits, S b) {
+        if (a_hits != b_hits) return false;
+        return !a_hits || (a == b && std::signbit(a) == std::signbit(b)) || (std::isnan(a) && std::isnan(b));
+    }
+    [[nodiscard]] bool are_same(const RowAnswers& other, std::size_t ray, bool with_t = true) const {
+        return are_same(hit[ray] != 0, with_t ? numbers[0][ray] : 0, other.hit[ray] != 0,
+                        with_t ? other.numbers[0][ray] : 0);
+    }
+};
+
+/// The same rays on every machine. Every second one goes near the first point of its primitive. Origins are up to 2048
+/// away. Directions are of unit length, or shorter than that of the way to the primitive.
+template <class S>
+class RandomRays {
+public:
+    RandomRays(Shape shape, std::size_t count, bool have_unit_directions) {
+        std::mt19937_64 random(1);
+        const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1; };  // -1 to 1
+        for (std::size_t i = 0; i < count; ++i) {
+            Primitive<S> primitive(shape);
+            const double scale = std::ldexp(1.0, static_cast<int>(random() % 12));
+            std::size_t at = 0;
+            for (const Key& key : row_of(shape).keys)
+                for (std::size_t k = 0; k < key.count(); ++k, ++at) {
+                    double x = key.is_length() ? std::fabs(uniform()) + 0x1p-10 : 2 * uniform();
+                    if (key.limit == Key::Limit::at_least_before)
+                        x = static_cast<double>(primitive.numbers[at - 3]) + std::fabs(x);
+                    if (key.limit == Key::Limit::non_negative_below_previous)
+                        x = static_cast<double>(primitive.numbers[at - 1]) * 0.5 * x;
+                    primitive.numbers[at] = static_cast<S>(x);
+                }
+            std::array<double, 3> d{};
+            for (std::size_t k = 0; k < 3; ++k) {
+                columns_[k].push_back(static_cast<S>(scale * uniform()));
+                const auto o = static_cast<double>(columns_[k].back());
+                d[k] = i % 2 == 0 ? uniform() : static_cast<double>(primitive.numbers[k]) + 0.3 * uniform() - o;
+            }
+            const double length = have_unit_directions ? std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
+                                  : i % 2 == 0         ? 1
+                                                       : 1 + scale;
+            for (std::size_t k = 0; k < 3; ++k) columns_[k + 3].push_back(static_cast<S>(d[k] / length));
+            primitives_.push_back(primitive);
+        }
+    }
+
+    [[nodiscard]] std::size_t size() const { return primitives_.size(); }
+    [[nodiscard]] std::span<const S> numbers(std::size_t ray) const { return primitives_[ray].used(); }
+    /// Input k of a tape: origin, direction, numbers of the primitive, and the end of the ray, which has none.
+    [[nodiscard]] S input(std::size_t ray, std::size_t k) const {
+        if (k < 6) return columns_[k][ray];
+        return k - 6 < numbers(ray).size() ? numbers(ray)[k - 6] : std::numeric_limits<S>::infinity();
+    }
+
+    [[nodiscard]] RowAnswers<S> answers(const Kernel<S>& row) const {
+        RowAnswers<S> all;
+        for (auto& column : all.numbers) column.resize(size());
+        all.hit.resize(size());
+        row({columns_[0], columns_[1], columns_[2], columns_[3], columns_[4], columns_[5]},
+            Target<S>(std::span<const Primitive<S>>(primitives_)),
+            {all.numbers[0], all.numbers[1], all.numbers[2], all.hit});
+        return all;
+    }
+
+private:
+    std::array<std::vector<S>, 6> columns_;
+    std::vector<Primitive<S>> primitives_;
+};
+
+}  // namespace lostbits::intersect::table
