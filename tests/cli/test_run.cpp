@@ -27,7 +27,7 @@ public:
         stand_in("bin/npm", "");
         stand_in("bin/apt-get", "");
         stand_in("bin/sudo", "exec \"$@\"");
-        stand_in("bin/dpkg-query", "echo install ok installed");
+        stand_in("bin/dpkg-query", "shift 3; for name; do echo \"$name install ok installed\"; done");
         stand_in("build/lostbits", "echo made by the program");
         stand_in("tests/instrumented_tbb", "");
     }

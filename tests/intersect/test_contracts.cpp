@@ -2,6 +2,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "catch.hpp"
 #include "intersect/catalogue.hpp"
@@ -12,18 +13,37 @@ namespace lostbits::test {
 
 using intersect::Info;
 
+namespace {
+
+/// Properties of a form that follow from its type. All checks are outside of the template, so they are compiled once.
+struct FormFacts {
+    const Info* info;
+    Shape shape;
+    bool marches;
+};
+
+std::vector<FormFacts> facts_of_catalogue() {
+    std::vector<FormFacts> facts;
+    intersect::for_each_form([&facts]<class Form>() {
+        facts.push_back({&Form::info, intersect::shape_of<Form>, intersect::marches<Form>});
+    });
+    return facts;
+}
+
+}  // namespace
+
 TEST_CASE("every form has a name, a title and a source, and the table keeps the catalogue's order",
           "[intersect][info]") {
     std::set<std::string> names, titles;
     std::size_t i = 0;
-    intersect::for_each_form([&]<class Form>() {
-        const Info& info = Form::info;
+    for (const FormFacts& form : facts_of_catalogue()) {
+        const Info& info = *form.info;
         INFO(info.name);
-        const std::string shape = std::string(name_of(intersect::shape_of<Form>)) + '.';
+        const std::string shape = std::string(name_of(form.shape)) + '.';
         CHECK(names.emplace(info.name).second);
         // Several forms of the other shapes do the same operations in another order. Their sources differ, not their
         // titles.
-        if (intersect::shape_of<Form> <= Shape::triangle) CHECK(titles.insert(shape + std::string(info.title)).second);
+        if (form.shape <= Shape::triangle) CHECK(titles.insert(shape + std::string(info.title)).second);
         CHECK(info.name.starts_with(shape));
         CHECK(info.name.size() > shape.size());
         CHECK(info.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_", shape.size()) ==
@@ -31,25 +51,26 @@ TEST_CASE("every form has a name, a title and a source, and the table keeps the 
         CHECK_FALSE(info.title.empty());
         CHECK_FALSE(info.source.empty());
 
+        REQUIRE(i < intersect::table::catalogue().size());
         const intersect::table::Intersector& row = intersect::table::catalogue()[i++];
-        CHECK(row.info == &Form::info);
+        CHECK(row.info == &info);
         CHECK(row.native32 != nullptr);
         CHECK(row.ball != nullptr);
         CHECK(row.interval != nullptr);
-        CHECK((row.log != nullptr) == intersect::marches<Form>);
-        const bool everywhere = Form::info.formats == intersect::Formats::all;
+        CHECK((row.log != nullptr) == form.marches);
+        const bool everywhere = info.formats == intersect::Formats::all;
         CHECK((row.native64 != nullptr) == everywhere);
         CHECK((row.rounded != nullptr) == everywhere);
         CHECK(row.exists_in(*find_format("f32")));
         for (const char* format : {"f64", "fp16", "bf16", "tf32", "p24", "p53"})
             CHECK(row.exists_in(*find_format(format)) == everywhere);
         // Boxes, triangles and marches have more rules.
-        if (intersect::shape_of<Form> == Shape::box)
+        if (form.shape == Shape::box)
             CHECK((info.direction == intersect::Direction::any && info.roots == intersect::Roots::both && everywhere));
-        if (intersect::shape_of<Form> == Shape::triangle) CHECK(info.roots == intersect::Roots::first_only);
-        if (intersect::marches<Form>)
+        if (form.shape == Shape::triangle) CHECK(info.roots == intersect::Roots::first_only);
+        if (form.marches)
             CHECK((info.direction == intersect::Direction::unit && info.roots == intersect::Roots::first_only));
-    });
+    }
     CHECK(i == intersect::table::catalogue().size());
 }
 
