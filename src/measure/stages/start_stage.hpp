@@ -170,8 +170,8 @@ private:
     }
     [[nodiscard]] Mask high() const { return (rise_ && above_) || (fall_ && below_); }
     [[nodiscard]] Mask low() const { return (rise_ && below_) || (fall_ && above_); }
-    /// h(m) > h′(m)²/(2|g₂|), with m near the lowest point of h. There the words of h′ nearly vanish, so that it is their
-    /// bound that the inequality needs.
+    /// h(m) > h′(m)²/(2|g₂|), with m near the lowest point of h. There the words of h′ nearly vanish, and their bound
+    /// remains.
     [[nodiscard]] Mask stays_high() const {
         using lostbits::max, lostbits::min;
         P m(0);
