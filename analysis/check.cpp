@@ -180,7 +180,8 @@ void check_shard_options(const CheckOptions& o) {
         throw InputError(
             "--shard " + o.shard +
             ": cannot be combined with --junit, --export-csv, --export-json, --annotations, --measure or --profile "
-            "timing: a shard does not judge claims; give the first three to `lostbits merge`");
+            "timing: a shard does not judge claims; pass --junit, --export-csv and --export-json to `lostbits merge` "
+            "instead");
 }
 
 Exit run(const CheckOptions& o, const Common& common) {

@@ -231,11 +231,11 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
     const auto emulated =
         std::erase_if(request.rows, [](const auto& row) { return selection::is_emulated(row.format); });
     if (emulated > 0 && !common.quiet)
-        fmt::print(
-            stderr,
-            "lostbits: {}: only f32 and f64 are compared; emulated formats are for the requirement map of a scene, "
-            "which files of rays do not have\n",
-            id);
+        fmt::print(stderr,
+                   "lostbits: {}: for files of rays, only f32 and f64 are compared; emulated formats were left out, "
+                   "since they "
+                   "apply only to the requirement map of a scene\n",
+                   id);
     const auto folder = std::filesystem::path(o.out) / id;
     const auto owner = own_folder(folder, common, opened.words);
     output::choice::ChoiceFiles files(folder);

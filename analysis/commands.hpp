@@ -1,4 +1,4 @@
-// The subcommands of the program, and what those that write results share.
+// The subcommands of the program, and functions that they share.
 #pragma once
 
 #include <cstdint>
@@ -72,8 +72,8 @@ int take_standard_output(const std::string& command);
 /// Throws InputError if the value of -o is empty.
 void require_folder(const std::string& out);
 
-/// Takes a folder for the results of this run, see `ResultFolder`; the rule `force` is that of the command line.
-/// `subject` is the subject of the command, in words of a shell.
+/// Takes a folder for the results of this run, see `ResultFolder`. The rule `force` is set from `--force`. `subject` is
+/// the part of the command line that names what is measured, quoted for a shell.
 [[nodiscard]] std::unique_ptr<output::file::ResultFolder> own_folder(const std::filesystem::path& folder,
                                                                      const Common& common, const std::string& subject,
                                                                      output::file::ResultFolder::Rules rules = {});
@@ -90,7 +90,7 @@ struct RunDivision {
     }
 };
 
-/// The same for a run that may be a shard, which has a folder of its own: null there.
+/// Like `own_folder(folder, …)` for a run that may be a shard. Returns null in a shard, which already has a folder.
 [[nodiscard]] std::unique_ptr<output::file::ResultFolder> own_folder(const RunDivision& divided,
                                                                      const std::filesystem::path& folder,
                                                                      const Common& common, const std::string& subject,
@@ -140,8 +140,8 @@ void add_shard(const shell::Command& command, std::string& word);
                                  const std::vector<std::filesystem::path>& files, const Common& common,
                                  bool resumed = false);
 
-/// Ends such a run: the file of a shard gets its final name, which is printed. Returns false for a shard, whose results
-/// are a part of those of the run.
+/// Ends a divided run. Gives the file of a shard its final name and prints the name. Returns false for a shard, which
+/// has only a part of the results.
 bool finish(RunDivision& divided, const Common& common);
 
 /// Throws EnvironmentError if the file cannot be written, so that a run fails before its first ray and not after the
@@ -152,7 +152,7 @@ void probe(const std::filesystem::path& file);
 [[nodiscard]] std::function<void(std::uint64_t)> advancing(output::file::Progress& progress,
                                                            output::file::Estimate* estimate = nullptr);
 
-/// Joins the values, each with `before` and `after` around it: ` -f f32 -f f64`.
+/// Joins the values, each with `before` in front of it and `after` behind it: ` -f f32 -f f64`.
 [[nodiscard]] std::string each(const char* before, const std::vector<std::string>& values, const char* after = "");
 
 /// Parses the value of `--at`, a share of the hits: p50, p99 or max. Throws InputError.
@@ -175,10 +175,12 @@ void print_pairs(const std::vector<measure::evaluate::TestedForm>& rows,
 /// represent the form.
 [[nodiscard]] std::string lost_bits_cell(const measure::evaluate::FormSummary& summary, std::size_t lost, double q);
 
-/// Columns of a table on stdout, and their cells for a summary: the outcomes that only meshes have, and the wrong
-/// decisions. `told` is false for the answers of a file, where cracks and double hits cannot be recognised.
+/// Adds columns to a table on stdout, and the cells of a summary: `mesh` for the outcomes that only meshes have,
+/// `wrong` for the wrong decisions. `recognises_cracks` is false for the answers of a file, where cracks and double
+/// hits cannot be recognised.
 void add_mesh_columns(std::vector<shell::TextColumn>& columns);
-void add_mesh_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& summary, bool told);
+void add_mesh_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& summary,
+                    bool recognises_cracks);
 void add_wrong_columns(std::vector<shell::TextColumn>& columns);
 void add_wrong_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& summary);
 

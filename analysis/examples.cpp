@@ -63,7 +63,7 @@ const ExamplesOf all_examples[] = {
        "Makes a page about two scenes"}}},
     {"sweep",
      {{"lostbits sweep sphere-distance -i sphere.unified -f f32 --steps 8 --seeds 0",
-       "Measures a form at 8 distances of a sphere"},
+       "Measures a form at 8 distances of a sphere, without further draws of the rays"},
       {"lostbits sweep worst/near --worst -i sphere.press -f f32 --set starts=2,generations=4",
        "Searches ranges of numbers for the worst ray"}}},
     {"trade",

@@ -300,7 +300,8 @@ Exit run(const JudgeOptions& o, const Common& common) {
 }  // namespace
 
 void add_judge(const shell::Command& program, const Common& common) {
-    auto command = program.add_command("judge", "Judge the answers in a file of rays, or let forms answer the rays");
+    auto command =
+        program.add_command("judge", "Judge the answers in a file of rays, or those of forms for the same rays");
     const auto o = std::make_shared<JudgeOptions>();
     o->stop = common.stop;
     command
@@ -308,7 +309,7 @@ void add_judge(const shell::Command& program, const Common& common) {
              "A file of rays (CSV, .npy or raw) with columns such as ox,oy,oz,dx,dy,dz,hit,t (docs/judge.md)")
         .required();
     selection::add_ray_options(command, *o);
-    command.add_list("-i,--form", o->forms, "Forms that also answer the rays, by name or glob");
+    command.add_list("-i,--form", o->forms, "Forms to run on the same rays, by name or glob");
     command.add_list("-f", o->formats, "Formats of these forms (default: the format of the file)");
     command.add("--against", o->against, "Also compare the answers with those of this form");
     command.add_list("--metric", o->metrics,

@@ -198,8 +198,9 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     const auto claims = o.no_claims ? std::vector<Claim>{} : read_all_claims(data);
     for (const std::string& glob : o.claims) {
         if (std::ranges::none_of(claims, [&glob](const Claim& c) { return selection::matches_any({glob}, c.id); }))
-            throw InputError("--claims " + glob +
-                             ": no claim of the profile results has this id; `lostbits list claims` lists all claims");
+            throw InputError(
+                "--claims " + glob +
+                ": no claim of the profile `results` has this id; `lostbits list claims` lists all claims");
     }
     const auto rows = selection::cross(selection::select_forms(selection::form_words_or(o.forms, defaults.forms)),
                                        selection::select_formats(o.formats.empty() ? defaults.formats : o.formats));

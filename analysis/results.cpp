@@ -204,10 +204,10 @@ void add_mesh_columns(std::vector<shell::TextColumn>& columns) {
     columns.insert(columns.end(), {{"crack", 7}, {"double hit", 10}, {"wrong neighbour", 15}, {"out of order", 12}});
 }
 
-void add_mesh_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& s, bool told) {
+void add_mesh_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& s, bool recognises_cracks) {
     using measure::answer::Outcome;
     for (const Outcome o : {Outcome::crack, Outcome::double_hit, Outcome::wrong_neighbour, Outcome::out_of_order})
-        cells.push_back(told || o == Outcome::wrong_neighbour ? std::to_string(s.count(o)) : "-");
+        cells.push_back(recognises_cracks || o == Outcome::wrong_neighbour ? std::to_string(s.count(o)) : "-");
 }
 
 void add_wrong_columns(std::vector<shell::TextColumn>& columns) {

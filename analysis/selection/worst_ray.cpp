@@ -116,7 +116,7 @@ SelectedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& 
     if (!ray->given)
         throw InputError(
             fmt::format("--worst: the worst ray of sweep {} cannot be explained by itself, since it has too many "
-                        "primitives or each format makes it; explain a pixel of its scene with --set",
+                        "primitives, or each format computes a ray of its own; explain a pixel of its scene with --set",
                         sweep.id));
     std::string step;
     for (std::size_t a = 0; a < sweep.axes.size(); ++a)

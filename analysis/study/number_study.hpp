@@ -34,18 +34,18 @@ namespace lostbits::analysis::study {
 
 /// A pixel on which a form hits the primitive that the ray truly hits first.
 struct RightHit {
-    const measure::consistency::FormOnBand& on;
+    const measure::consistency::FormOnBand& form_on_band;
     std::size_t pixel;
     measure::truth::Truth truth;
 
-    [[nodiscard]] Ray<Real> ray() const { return lift_ray<Real>(on.rays()[pixel]); }
+    [[nodiscard]] Ray<Real> ray() const { return lift_ray<Real>(form_on_band.rays()[pixel]); }
     [[nodiscard]] Primitive<Real> primitive() const {
-        return lift_primitive<Real>(on.inputs.primitives[static_cast<std::size_t>(truth.object)]);
+        return lift_primitive<Real>(form_on_band.inputs.primitives[static_cast<std::size_t>(truth.object)]);
     }
     /// The t that the form computed, and the true one.
-    [[nodiscard]] Real t() const { return Real(on.closest.t[pixel]); }
+    [[nodiscard]] Real t() const { return Real(form_on_band.closest.t[pixel]); }
     [[nodiscard]] Real true_t() const {
-        const auto& t = on.is_unit() ? truth.distance : truth.t;
+        const auto& t = form_on_band.is_unit() ? truth.distance : truth.t;
         return ldexp(Real(Real(t.hi) + Real(t.lo)), static_cast<int>(t.exponent));
     }
 };
@@ -63,7 +63,7 @@ struct NumberSummary {
 LOSTBITS_FIELDS(NumberSummary, unresolved, numbers)
 
 /// A study, see measure/study/study.hpp.
-template <class Number>
+template <class Quantity>
 struct NumberStudy {
     using Band = NumberBand;
     using Summary = NumberSummary;
@@ -71,7 +71,7 @@ struct NumberStudy {
 
     const scene::file::Scene& scene;
     std::vector<measure::evaluate::TestedForm> rows;
-    Number number;
+    Quantity number;
     measure::truth::TruthLimit limit{};
     measure::shard::Share share = {};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
@@ -102,15 +102,15 @@ struct NumberRow {
 /// An adapter, see analysis/study/studies.hpp, and its view, see output/study/study_files.hpp. One sheet has a column
 /// for each form and a line for each format. `<form>.<format>.csv` has one row per pixel,
 /// `<form>.<format>.exr` one channel.
-template <class Number>
+template <class Quantity>
 struct NumberAdapter {
     using View = NumberAdapter;
-    using Study = NumberStudy<Number>;
+    using Study = NumberStudy<Quantity>;
     using Band = NumberBand;
     using SummaryRow = NumberRow;
     using Summaries = std::vector<NumberSummary>;
-    static constexpr const char* name = Number::name;
-    static constexpr const char* title = Number::title;
+    static constexpr const char* name = Quantity::name;
+    static constexpr const char* title = Quantity::title;
     static constexpr const char* none_taken = "none of the selected forms is for a primitive; try -i 'sphere.*'";
     static constexpr const char* kinds = "; primitives of any kind";
     static constexpr const char* form_help = "Forms, by name or glob (default: all that fit)";
@@ -118,7 +118,7 @@ struct NumberAdapter {
     static constexpr const char* summary_title = "One row per form and format";
     static constexpr const char* pixel_title = "One row per pixel";
 
-    static std::vector<StudyOption> options() { return Number::options(); }
+    static std::vector<StudyOption> options() { return Quantity::options(); }
     static std::vector<shell::Example> examples() {
         return {
             {fmt::format("lostbits {} near-benign --size 32x32", name), "Measures every form for spheres"},
@@ -129,7 +129,7 @@ struct NumberAdapter {
     static void require(const scene::file::Scene&) {}
     static Study on(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
                     const StudyValues& values, intersect::process::StopToken stop) {
-        return {.scene = scene, .rows = std::move(rows), .number = Number(values), .limit = {.stop = stop}};
+        return {.scene = scene, .rows = std::move(rows), .number = Quantity(values), .limit = {.stop = stop}};
     }
     static void say(const Study& study, const Summaries& rows, bool) {
         for (std::size_t r = 0; r < rows.size(); ++r)
@@ -149,7 +149,7 @@ struct NumberAdapter {
                    [](const NumberRow& r) { return r.summary->numbers.count(); }});
         for (const auto& [end, q] : {std::pair{"p50", 0.5}, std::pair{"p99", 0.99}, std::pair{"max", 1.0}})
             table.add(
-                {fmt::format("{}_{}", name, end), Number::unit, fmt::format("{}: {}", Number::meaning, end),
+                {fmt::format("{}_{}", name, end), Quantity::unit, fmt::format("{}: {}", Quantity::meaning, end),
                  [q](const NumberRow& r) { return output::file::number_or_missing(r.summary->numbers.quantile(q)); }});
         return table;
     }
@@ -161,7 +161,7 @@ struct NumberAdapter {
     static output::table::Table<output::study::PixelInBand<NumberBand>> pixel_table(const Study&) {
         using R = output::study::PixelInBand<NumberBand>;
         return output::study::place_columns<NumberBand>().add(
-            {name, Number::unit, Number::meaning,
+            {name, Quantity::unit, Quantity::meaning,
              [](const R& r) { return output::file::number_or_missing(r.band->numbers[r.i]); }});
     }
 
@@ -190,14 +190,14 @@ struct NumberAdapter {
     static std::vector<output::pixel::PixelColumn<NumberBand>> columns(const Study& study) {
         const auto look = std::make_shared<const output::pixel::Look>(
             output::pixel::Look{{{"no number", output::pixel::colour_of(measure::answer::Outcome::agree_miss)}, {""}},
-                                Number::scale(),
-                                Number::unit});
+                                Quantity::scale(),
+                                Quantity::unit});
         std::vector<output::pixel::PixelColumn<NumberBand>> all;
         for (std::size_t r = 0; r < study.rows.size(); ++r) {
             const measure::evaluate::TestedForm& row = study.rows[r];
             all.push_back(
                 {{.file = row_name(study, r) + ".png",
-                  .title = Number::meaning,
+                  .title = Quantity::meaning,
                   .subtitle = {fmt::format("{} in {}", row.form->info->name, row.format.name)},
                   .look = look,
                   .places = {place_of(study, r)}},
@@ -210,11 +210,12 @@ struct NumberAdapter {
         return all;
     }
     static output::pixel::Sheet sheet(const Study& study, const std::filesystem::path& file) {
-        output::image::SheetSpec spec{.title = study.scene.title,
-                                      .subtitle = {fmt::format("{}, {} x {} pixels: {}", study.scene.id,
-                                                               study.scene.width, study.scene.height, Number::meaning)},
-                                      .scales = {Number::scale()},
-                                      .unit = Number::unit};
+        output::image::SheetSpec spec{
+            .title = study.scene.title,
+            .subtitle = {fmt::format("{}, {} x {} pixels: {}", study.scene.id, study.scene.width, study.scene.height,
+                                     Quantity::meaning)},
+            .scales = {Quantity::scale()},
+            .unit = Quantity::unit};
         for (const auto* const form : forms_of(study)) spec.forms.push_back(output::map::short_name(*form->info));
         for (const std::string& format : formats_of(study)) spec.formats.push_back(format);
         return {file, std::move(spec)};

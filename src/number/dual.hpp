@@ -1,5 +1,5 @@
-// Dual: the sensitivity of the problem itself. A value and its gradient with respect to the inputs, by forward
-// differentiation: the same formula, with the chain rule applied to each operation.
+// Dual: a value and its gradient with respect to the inputs, which measures the sensitivity of the problem itself.
+// Forward differentiation runs the same formula and applies the chain rule to each operation.
 #pragma once
 
 #include <algorithm>
@@ -12,10 +12,10 @@
 
 namespace lostbits {
 
-/// x and ∂x/∂(input i) in the arithmetic F. Each number carries its number of inputs, up to N, so one type serves
-/// problems of many sizes. A constant has no stored gradient; its gradient is zero. Decisions are those of the value;
-/// `select` takes the side of the value, so at a kink the gradient is one-sided. √ has no derivative at zero: the
-/// division by zero gives what F gives for it.
+/// x and ∂x/∂(input i) in the arithmetic F. Each value stores the length of its own gradient, up to N, so one type
+/// serves problems of many sizes. A constant has no stored gradient; its gradient is zero. Decisions are those of the
+/// value; `select` takes the side of the value, so at a kink the gradient is one-sided. √ has no derivative at zero;
+/// its gradient there is da/(√a + √a) as F computes it, an infinity or NaN in IEEE arithmetic.
 template <class F, std::size_t N>
 class Dual {
 public:
@@ -85,7 +85,7 @@ public:
         const auto negative = a.value_ < F(0);
         return of_one(abs(a.value_), a, [&](const F& da) { return select(negative, -da, da); });
     }
-    /// |a| with the sign of b. The derivative of b has no effect, except where b is zero.
+    /// |a| with the sign of b. The derivative of b is not used: at b = 0 the result jumps.
     friend Dual copysign(const Dual& a, const Dual& b) {
         const F result = copysign(a.value_, b.value_);
         const auto same = (a.value_ < F(0) && result < F(0)) || (!(a.value_ < F(0)) && !(result < F(0)));

@@ -77,7 +77,7 @@ auto Compiler::ir_of_file() -> FileText {
 
 std::string Compiler::ir(const std::string& text, bool optimised) {
     const fs::path source = write(text), made = folder_.path / "function.ll";
-    process::ProgramArguments words = language_ == SourceLanguage::rust ? rust_words("lib") : c_words();
+    process::ProgramArguments words = language_ == SourceLanguage::rust ? rust_arguments("lib") : c_arguments();
     if (language_ == SourceLanguage::rust)
         words.insert(words.end(), {"--emit=llvm-ir", "-Cdebuginfo=2", optimised ? "-Copt-level=1" : "-Copt-level=0",
                                    "-Cno-vectorize-loops", "-Cno-vectorize-slp"});
@@ -89,11 +89,11 @@ std::string Compiler::ir(const std::string& text, bool optimised) {
 external::Library Compiler::library(const std::string& text, bool is_long) {
     const fs::path source = write(text), made = folder_.path / "function.so";
     if (language_ == SourceLanguage::rust) {
-        process::ProgramArguments words = rust_words("cdylib");
+        process::ProgramArguments words = rust_arguments("cdylib");
         words.emplace_back(is_long ? "-Copt-level=0" : "-Copt-level=3");
         run(std::move(words), source, made);
     } else {
-        process::ProgramArguments words = c_words();
+        process::ProgramArguments words = c_arguments();
         words.insert(words.end(), {is_long ? "-O0" : "-O2", "-shared", "-fPIC"});
         if (language_ == SourceLanguage::llvm) words.emplace_back("-xir");
         run(std::move(words), source, made, {"-xnone", "-lm"});
@@ -172,7 +172,7 @@ fs::path Compiler::write(const std::string& text) {
     return source;
 }
 
-process::ProgramArguments Compiler::c_words() const {
+process::ProgramArguments Compiler::c_arguments() const {
     process::ProgramArguments words{program_, "-w", "-ffp-contract=off"};
     if (language_ == SourceLanguage::llvm) return words;
     words.insert(words.end(),
@@ -182,7 +182,7 @@ process::ProgramArguments Compiler::c_words() const {
 }
 
 /// `kind` is the type of the crate: lib or cdylib.
-process::ProgramArguments Compiler::rust_words(const std::string& kind) const {
+process::ProgramArguments Compiler::rust_arguments(const std::string& kind) const {
     return {program_,
             "--edition=2021",
             "-Awarnings",

@@ -25,15 +25,15 @@ class Compiler {
 public:
     Compiler(const fs::path& file, SourceLanguage language, const CompileTerms& terms);
 
-    /// Returns the LLVM IR of a file of LLVM IR or of a shader, and the text that its places name. llvm-dis reads
-    /// bitcode.
+    /// LLVM IR of a file, and the source text that the line numbers in the IR refer to.
     struct FileText {
         std::string ir, source;
     };
-    FileText ir_of_file();
-    /// Compiles a file that ends in `text`, and returns its LLVM IR.
+    /// Returns the LLVM IR of a file that holds LLVM IR, bitcode (read by llvm-dis) or a shader. FileText ir_of_file();
+    /// Compiles the user's file with `text` appended, and returns the LLVM IR.
     std::string ir(const std::string& text, bool optimised);
-    /// `is_long`: without optimisation, whose time grows with the square of a function's length. The bits are the same.
+    /// Compiles the user's file with `text` appended into a library. With `is_long`, the compiler does not optimise,
+    /// since its time grows with the square of a function's length. The answers have the same bits.
     external::Library library(const std::string& text, bool is_long);
     [[nodiscard]] const fs::path& file() const { return file_; }
 
@@ -43,8 +43,8 @@ private:
     fs::path spirv_of_shader(std::string& source, spirv::ShaderLines& lines);
     bool has_opaque_pointers();
     fs::path write(const std::string& text);
-    [[nodiscard]] process::ProgramArguments c_words() const;
-    [[nodiscard]] process::ProgramArguments rust_words(const std::string& kind) const;
+    [[nodiscard]] process::ProgramArguments c_arguments() const;
+    [[nodiscard]] process::ProgramArguments rust_arguments(const std::string& kind) const;
     void run(process::ProgramArguments words, const fs::path& source, const fs::path& made,
              const process::ProgramArguments& last = {});
     void require_in_path(const std::string& program, const std::string& package) const;

@@ -36,9 +36,9 @@ private:
     std::size_t lanes_ = 0;
 };
 
-/// A form's kernels. They are null for a march; in binary64 also if the shape does not come in many or the form does
-/// not exist (see `Info::formats`). Any number of primitives; nothing is read or written beyond the spans, nothing
-/// allocated.
+/// A form's kernels. They are null for a march; in binary64 also if the shape has no kernels for many primitives or the
+/// form does not exist (see `Info::formats`). A kernel takes any number of primitives, allocates no memory, and does
+/// not access memory beyond the spans.
 struct ManyRow {
     const Info* info = nullptr;
     bool takes_tmax = false;

@@ -12,9 +12,9 @@
 
 namespace lostbits::intersect::simd {
 
-/// The forms that may be given a box's planes in order along the ray: they choose by the sign of 1/d, which is the sign
-/// of d and the same for all boxes. box.embree_fma is not one of them, since it changes the sign of a tiny d. For a NaN
-/// neither sign nor order matters, as every t is NaN.
+/// Forms that accept the planes of a box in order along the ray. Such a form orders them by the sign of 1/d, which is
+/// the sign of d and so the same for all boxes. box.embree_fma changes the sign of a tiny d, so it does not qualify. If
+/// d is NaN, every t is NaN, and the order has no effect.
 template <class Form, class T>
 concept TakesOrderedBox = requires(const Ray<T>& ray, const box::OrderedBox<T>& box, const T& limit) {
     Form::intersect(ray, box, limit);
@@ -30,9 +30,9 @@ template <class Form, class F, class Width>
     const auto turns = [r = batch.ray](int axis) { return in_order && __builtin_signbit(r[3 + axis]); };
     const bool turned[3] = {turns(0), turns(1), turns(2)};
     const auto column = [&](int k) { return batch.numbers[turned[k % 3] ? (k + 3) % 6 : k]; };
-    // Local pointers, which no store of the loop can change, each read from the batch by itself. A copy of the struct
-    // by wide moves would wait for the narrow stores that filled it. Together with dead stores in the loop that made
-    // 256 boxes 8 % slower than the loop by hand.
+    // Each pointer is read from the batch into a local variable, which no store of the loop can change. A copy of the
+    // whole struct uses wide moves, which wait for the narrow stores that filled the struct. This wait, and dead stores
+    // in the loop, made 256 boxes 8 % slower than a loop written by hand.
     const F *const first_x = column(0), *const first_y = column(1), *const first_z = column(2);
     const F *const second_x = column(3), *const second_y = column(4), *const second_z = column(5);
     F* const t = batch.t;
@@ -65,8 +65,8 @@ template <class Form, class F, class Width>
     }
 }
 
-/// The kernels of a form; null if it marches. In binary64 also null if the form does not exist there, or if the shape
-/// does not come in many.
+/// Fills a row for each form with its kernels. They are null for a march; in binary64 also if the form does not exist
+/// in this format or the shape has no kernels for many primitives (`has_many_kernels`).
 template <class Width>
 void fill_many_raw(RawManyRow* row) {
     for_each_form([&row]<class Form>() {

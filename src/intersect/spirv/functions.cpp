@@ -60,7 +60,7 @@ std::string Translator::parameters_of(std::size_t first, std::size_t end, const 
              ", arg: " + std::to_string(number) + ", scope: " + scope + ", file: " + file_ + ", type: " + its + ")");
     }
     if (number + 1 != type.parts.size()) all_[first].fail("the parameters of a function are not those of its type");
-    notes_.push_back("!DISubroutineType(types: " + note("!{" + notes + "}") + ")");
+    metadata_.push_back("!DISubroutineType(types: " + note("!{" + notes + "}") + ")");
     return list;
 }
 
@@ -72,13 +72,13 @@ void Translator::function(std::size_t first, std::size_t end) {
                     [](const SpirvInstruction& i) { return i.op == "OpLabel"; });
     if (!is_defined) return;
     scope_ = note("");
-    const std::size_t own = notes_.size() - 1;
+    const std::size_t own = metadata_.size() - 1;
     const std::string list = parameters_of(first, end, scope_);
-    const std::string types = "!" + std::to_string(notes_.size() - 1), name = name_of(head.result);
+    const std::string types = "!" + std::to_string(metadata_.size() - 1), name = name_of(head.result);
     const int line = lines_.file.empty() ? head.line : places_.last().line;
-    notes_[own] = "distinct !DISubprogram(name: " + quoted_name(name.empty() ? head.result : name) +
-                  ", scope: " + file_ + ", file: " + file_ + ", line: " + std::to_string(std::max(line, 0)) +
-                  ", type: " + types + ", unit: " + unit_ + ", spFlags: DISPFlagDefinition)";
+    metadata_[own] = "distinct !DISubprogram(name: " + quoted_name(name.empty() ? head.result : name) +
+                     ", scope: " + file_ + ", file: " + file_ + ", line: " + std::to_string(std::max(line, 0)) +
+                     ", type: " + types + ", unit: " + unit_ + ", spFlags: DISPFlagDefinition)";
     body_.push_back("define internal " + returned.text + " " + symbol(head.result) + "(" + list + ") !dbg " + scope_ +
                     " {");
     places_.begin_function();
@@ -145,14 +145,14 @@ void Translator::instruction(const SpirvInstruction& i) {
         const bool reads = used != values_.end() && !used->second.refused.empty() && !is_chain(i);
         if (!reads) continue;
         const std::string why = used->second.refused;
-        const SpirvType& type = i.result.empty() ? simple_type(Kind::whole, 32) : type_of(i.at(0), i);
+        const SpirvType& type = i.result.empty() ? simple_type(Kind::integer, 32) : type_of(i.at(0), i);
         const TypedText none = refuse(type, why);
         if (!i.result.empty()) values_[i.result] = none;
         return;
     }
     if (memory(i) || composite(i) || matrix(i) || arithmetic(i)) return;
     if (i.result.empty())
-        refuse(simple_type(Kind::whole, 32), "the instruction " + i.op + " of SPIR-V is not followed");
+        refuse(simple_type(Kind::integer, 32), "the instruction " + i.op + " of SPIR-V is not followed");
     else {
         const SpirvType& type = type_of(i.at(0), i);
         values_[i.result] = refuse(type, "the instruction " + i.op + " of SPIR-V is not followed");
@@ -180,7 +180,7 @@ bool Translator::control(const SpirvInstruction& i) {
     else if (i.op == "OpReturnValue") line("ret " + value(i.at(0), i).typed());
     else if (i.op == "OpUnreachable") line("unreachable");
     else if (i.op == "OpKill" || i.op == "OpTerminateInvocation") {
-        refuse(simple_type(Kind::whole, 32), "it discards the fragment, which is not followed");
+        refuse(simple_type(Kind::integer, 32), "it discards the fragment, which is not followed");
         line("unreachable");
     } else return false;
     return true;

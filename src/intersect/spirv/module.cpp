@@ -127,12 +127,13 @@ void Translator::declare_type(const SpirvInstruction& i) {
         const int n = bits();
         const std::string text = is_whole ? "i" + std::to_string(n) : n == 32 ? "float" : n == 64 ? "double" : "half";
         const auto bytes = static_cast<std::size_t>(std::max(n / 8, 1));
-        return add_type(i,
-                        {is_whole ? Kind::whole : Kind::number, {}, text, bytes, bytes, n, is_whole && i.at(1) == "1"});
+        return add_type(
+            i, {is_whole ? Kind::integer : Kind::floating, {}, text, bytes, bytes, n, is_whole && i.at(1) == "1"});
     }
     if (i.op == "OpTypeVector") {
         const std::size_t count = number_in(i, 1);
-        if (count < 2 || count > 16) i.fail("a vector has a length that is not followed");
+        if (count < 2 || count > 16)
+            i.fail("a vector has fewer than 2 or more than 16 components, which is not supported");
         return add_type(i, vector_of(*part(0), count));
     }
     if (i.op == "OpTypeMatrix" || i.op == "OpTypeArray") {
@@ -199,9 +200,9 @@ void Translator::declare_constant(const SpirvInstruction& i) {
         const char close = is_vector ? '>' : type.kind == Kind::structure ? '}' : ']';
         made.text = open + made.text + close;
         if (made.text.size() > most_bytes) i.fail("a constant is too large");
-    } else if (type.kind == Kind::number) {
+    } else if (type.kind == Kind::floating) {
         made.text = literal(number_of(i.at(1), type.bits), type);
-    } else if (type.kind == Kind::whole && i.op != "OpSpecConstantOp") {
+    } else if (type.kind == Kind::integer && i.op != "OpSpecConstantOp") {
         const std::string& digits = i.at(1);
         std::int64_t x = 0;
         if (std::from_chars(digits.data(), digits.data() + digits.size(), x).ptr != digits.data() + digits.size())
@@ -210,11 +211,11 @@ void Translator::declare_constant(const SpirvInstruction& i) {
         made.text = std::to_string(x);
     } else {
         made.text = "undef";
-        made.refused = "it uses a constant that is computed when the shader is loaded, which is not followed";
+        made.refused = "it uses a constant that is computed when the shader is loaded, which is not supported";
     }
     if (made.text == "zeroinitializer" && type.kind == Kind::pointer) made.text = "null";
-    if (made.text == "zeroinitializer" && type.kind == Kind::number) made.text = literal(0, type);
-    if (made.text == "zeroinitializer" && (type.kind == Kind::whole || type.kind == Kind::boolean)) made.text = "0";
+    if (made.text == "zeroinitializer" && type.kind == Kind::floating) made.text = literal(0, type);
+    if (made.text == "zeroinitializer" && (type.kind == Kind::integer || type.kind == Kind::boolean)) made.text = "0";
 }
 
 /// A variable outside of functions. Its value is known if only one constant is ever written there: at its declaration,
@@ -248,8 +249,8 @@ void Translator::declare(const SpirvInstruction& i) {
 // Debug information
 
 std::string Translator::note(const std::string& text) {
-    notes_.push_back(text);
-    return "!" + std::to_string(notes_.size() - 1);
+    metadata_.push_back(text);
+    return "!" + std::to_string(metadata_.size() - 1);
 }
 
 std::string Translator::note_of_vector(const SpirvType& type) {
@@ -262,10 +263,10 @@ std::string Translator::note_of_vector(const SpirvType& type) {
             note("!DIDerivedType(tag: DW_TAG_member, name: \"" + name + "\", baseType: " + note_of(lane) +
                  ", size: " + std::to_string(8 * lane.size) + ", offset: " + std::to_string(8 * lane.size * k) + ")");
     }
-    const std::string prefix = lane.kind == Kind::boolean ? "b"
-                               : lane.kind == Kind::whole ? "i"
-                               : lane.bits == 64          ? "d"
-                                                          : "";
+    const std::string prefix = lane.kind == Kind::boolean   ? "b"
+                               : lane.kind == Kind::integer ? "i"
+                               : lane.bits == 64            ? "d"
+                                                            : "";
     return note("!DICompositeType(tag: DW_TAG_structure_type, name: \"" + prefix + "vec" + std::to_string(type.count) +
                 "\", size: " + std::to_string(8 * type.size) + ", elements: " + note("!{" + members + "}") + ")");
 }
@@ -303,7 +304,7 @@ std::string Translator::note_of(const SpirvType& type) {
     else
         made = note("!DIBasicType(name: \"" + (type.kind == Kind::boolean ? "bool" : type.text) + "\"" + size +
                     ", encoding: " +
-                    (type.kind == Kind::number    ? "DW_ATE_float"
+                    (type.kind == Kind::floating  ? "DW_ATE_float"
                      : type.kind == Kind::boolean ? "DW_ATE_boolean"
                      : type.is_signed             ? "DW_ATE_signed"
                                                   : "DW_ATE_unsigned") +
@@ -319,7 +320,7 @@ std::string Translator::place_now(const SpirvInstruction& i) {
     if (lines_.file.empty()) p.line = i.line, p.column = i.column;
     const std::string text = "!DILocation(line: " + std::to_string(std::max(p.line, 0)) +
                              ", column: " + std::to_string(std::clamp(p.column, 0, 65535)) + ", scope: " + scope_ + ")";
-    const auto [known, is_new] = known_places_.try_emplace(text, static_cast<int>(notes_.size()));
+    const auto [known, is_new] = known_places_.try_emplace(text, static_cast<int>(metadata_.size()));
     if (is_new) note(text);
     return ", !dbg !" + std::to_string(known->second);
 }
@@ -355,7 +356,7 @@ std::string Translator::module() {
         for (const std::string& one : *part) text += one + "\n";
     for (const std::string& one : declarations_) text += one + "\n";
     text += "!llvm.dbg.cu = !{" + unit_ + "}\n!llvm.module.flags = !{" + version + "}\n";
-    for (std::size_t k = 0; k < notes_.size(); ++k) text += "!" + std::to_string(k) + " = " + notes_[k] + "\n";
+    for (std::size_t k = 0; k < metadata_.size(); ++k) text += "!" + std::to_string(k) + " = " + metadata_[k] + "\n";
     return text;
 }
 

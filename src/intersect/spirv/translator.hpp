@@ -13,7 +13,19 @@
 namespace lostbits::intersect::spirv {
 
 struct SpirvType {
-    enum class Kind { nothing, boolean, whole, number, vector, matrix, sequence, structure, pointer, function, other };
+    enum class Kind {
+        nothing,
+        boolean,
+        integer,
+        floating,
+        vector,
+        matrix,
+        sequence,
+        structure,
+        pointer,
+        function,
+        other
+    };
     Kind kind = Kind::other;
     std::string id, text;             ///< name in SPIR-V; text in LLVM IR
     std::size_t size = 0, align = 1;  ///< in bytes, as LLVM lays it out
@@ -134,7 +146,7 @@ private:
     std::map<std::string, std::string> notes_of_types_;
     std::map<std::string, int> known_places_;
     std::set<std::string> declarations_;
-    std::vector<std::string> notes_, head_, body_;
+    std::vector<std::string> metadata_, head_, body_;
     struct OpenPhi {
         std::size_t line;
         const SpirvInstruction* instruction;

@@ -12,10 +12,10 @@ namespace lostbits::intersect::table {
 /// format in common. t is compared between primitives, so all forms yield it or none does.
 std::string refusal_of_set(const std::vector<const Intersector*>& parts);
 
-/// The row `sphere.unified+box.signs` of two or more forms of different shapes, in any order. Each of its functions
-/// calls that of the form for the shape of the target; it exists if all forms have it. If one form takes unit
-/// directions, all get those, and every t is a distance. The truth of each primitive is by the contract of its own
-/// form. The row is made once and kept, as enrolled rows are. InputError if `refusal_of_set` has a reason.
+/// The row `sphere.unified+box.signs` of two or more forms of different shapes, in any order. Each function of the row
+/// calls the same function of the form for the target's shape. A function is null unless all forms have it. If one form
+/// takes unit directions, all get those, and every t is a distance. The truth of each primitive is by the contract of
+/// its own form. The row is made once and kept, as enrolled rows are. InputError if `refusal_of_set` has a reason.
 const Intersector& set_of(std::vector<const Intersector*> parts);
 
 }  // namespace lostbits::intersect::table

@@ -17,21 +17,22 @@
 
 namespace lostbits::measure::offset {
 
-/// Faults of a next ray; it can have several at once.
+/// Faults of a next ray. One ray can have several.
 ///
-///   self_hit            Outside: the exact half-line from the new origin, beyond t_min, meets inner points of the
-///                       primitive that it leaves, before that one's far side begins (`far_side`). A surface
-///                       without an inside is crossed there instead.
-///                       Inside: it meets the surface at which it starts once more.
+///   self_hit            Outside: the exact half-line from the new origin, beyond tmin, meets inner points of the
+///                       primitive that the ray leaves, before the far side of this primitive begins (`far_side`). For
+///                       a surface without an inside: the half-line crosses the surface there.
+///                       Inside: the half-line meets the surface at which it starts once more.
 ///   self_hit_by_form    Outside: the form's own arithmetic finds a t in (tmin, tmax) on the primitive that the ray
-///                       leaves, before that one's far side begins.
-///                       Inside: it finds one before half of the true way to the other side.
+///                       leaves, before the far side of this primitive begins.
+///                       Inside: the form finds a t before half of the true way to the other side.
 ///   lost_occluder       The ray starts past a neighbour: the exact ray from p meets another primitive, whose surface
 ///                       lies between p and the start of the new ray.
-///                       The far wall of the primitive that it leaves counts too, even where that is not tested.
+///                       The far wall of the primitive that the ray leaves counts too, even if the ray is not tested
+///                       against this primitive.
 ///   begins_in_neighbour The new ray starts inside another primitive, and p does not lie in it.
-///   lost_exit           Inside: the exact half-line meets no inner points of the primitive, or only those past its
-///                       way out of it, or it is not tested.
+///   lost_exit           Inside: the exact half-line meets no inner points of the primitive, or only inner points
+///                       beyond its exit from the primitive, or the ray is not tested against the primitive.
 ///   lost_exit_by_form   Inside: the form finds no t in (tmin, tmax).
 ///   wrong_side          The new origin is an inner point of the primitive (outside), or not in it (inside); for a
 ///                       surface, it lies behind the surface.
@@ -61,7 +62,7 @@ struct NewRay {
     unsigned faults = 0;  ///< set of faults, by `bit_of`
 
     [[nodiscard]] bool has(Fault f) const { return (faults & bit_of(f)) != 0; }
-    /// True where the ray has a fault that shows in a picture: any but `wrong_side`, which alone harms nothing.
+    /// True if the ray has a fault other than `wrong_side`, which changes no picture by itself.
     [[nodiscard]] bool is_bad() const { return (faults & ~bit_of(Fault::wrong_side)) != 0; }
 };
 
@@ -71,7 +72,7 @@ LOSTBITS_FIELDS(NewRay, ray, tmin, tmax, tests_left_primitive, faults)
 struct StrategyAtPoint {
     std::array<std::uint8_t, fault_names.size()> count{};
     std::uint8_t bad = 0;  ///< rays with a fault other than `wrong_side`
-    double size = 0;       ///< the largest |new origin − p|, world units; for `tmin` the t that is skipped
+    double size = 0;  ///< the largest |new origin − p|, world units; for the strategy `tmin`, the t that is skipped
 
     [[nodiscard]] std::uint8_t operator[](Fault f) const { return count[static_cast<std::size_t>(f)]; }
 };
@@ -80,10 +81,10 @@ struct StrategyAtPoint {
 struct SideOfPoint {
     std::uint8_t rays = 0;
     double safe = truth::missing;   ///< the smallest safe offset; infinite where there is none
-    double quiet = truth::missing;  ///< the same, with no self-hit by the form's arithmetic either
+    double quiet = truth::missing;  ///< the smallest offset that is safe and has no `self_hit_by_form`
 };
 
-/// Hit of a form on a primitive: the ray and the answer, and the primitives of its format.
+/// Hit of a form: the ray, the t that the form found, and the index of the primitive.
 struct FormHit {
     Ray<double> ray{};
     double t = 0;
@@ -93,25 +94,25 @@ struct FormHit {
 /// Measures points of one form in one format. The scene's primitives and light are numbers of the format.
 class PointWork {
 public:
-    /// `near` finds primitives near a point; null: each is looked at.
+    /// `near` finds primitives near a point; if it is null, every primitive is tested.
     PointWork(const evaluate::TestedForm& row, HitPoint point, const scene::rays::PrimitiveList<double>& primitives,
               const culling::BoxTree* near, std::optional<Vec<double>> light,
               std::span<const Strategy* const> strategies)
         : row_(row), point_(point), primitives_(primitives), near_(near), light_(light), strategies_(strategies) {}
 
-    /// Measures both sides. The index of a strategy in `by_strategy` is side·strategies + its own index. False where
-    /// the computed point or its normal is not finite: nothing is filled in then. With `quiet`, the quiet offset is
-    /// looked for; otherwise it stays missing.
+    /// Measures both sides. The index of a strategy in `by_strategy` is side·strategies + its own index. Returns false
+    /// and fills in nothing if the computed point or its normal is not finite. Searches for the quiet offset only with
+    /// `quiet`; otherwise it stays missing.
     bool measure(const FormHit& met, std::array<SideOfPoint, 2>& sides, std::span<StrategyAtPoint> by_strategy,
                  bool quiet = true) const;
 
     /// Rays of one strategy to one side, with their faults.
     [[nodiscard]] std::vector<NewRay> rays(const FormHit& met, const Strategy& strategy, Side side) const;
 
-    /// True where all rays to a side that start at p + side·e·n are safe by truth and, with `by_form`, by the form's
+    /// True if all rays to a side that start at p + side·e·n are safe by truth and, with `by_form`, by the form's
     /// arithmetic as well.
     [[nodiscard]] bool is_safe(const FormHit& met, Side side, double e, bool by_form) const;
-    /// Computed point and its normal; nothing where they are not finite.
+    /// Computed point and its normal; nothing if they are not finite.
     struct Start {
         Vec<double> p, n;
     };

@@ -1,5 +1,5 @@
-// The point where a ray has hit a primitive, the fixed set of rays that leave it, and where each starts: over any
-// number.
+// The point where a ray has hit a primitive, the fixed set of rays that leave this point, and their origins, over any
+// number type.
 #pragma once
 
 #include <array>

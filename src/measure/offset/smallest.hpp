@@ -12,10 +12,10 @@ namespace lostbits::measure::offset {
 /// Verdict on an offset.
 enum class OffsetVerdict : std::int8_t { too_little, enough, too_much };
 
-/// Finds a number e ≥ 0 of the format with judge(e) = enough whose lower neighbour is too little; 0 where that is
-/// enough; infinity where nothing up to `most` is. From `start` on, e is doubled until it is not too little; then the
-/// floats in between are bisected. Where `judge` is monotone, the result is the smallest. Where it is not (a step of
-/// one component can turn a grazing ray back), it is one of the places where "too little" ends.
+/// Finds a number e ≥ 0 of the format with judge(e) = enough whose lower neighbour is too little. Returns 0 if 0 is
+/// enough, and infinity if no number up to `most` is. From `start` on, e is doubled until it is not too little; then
+/// the floats in between are bisected. Where `judge` is monotone, the result is the smallest. Where it is not (a step
+/// of one component can turn a grazing ray back), it is one of the places where "too little" ends.
 template <class Judge>
 double smallest_enough(const FloatFormat& format, double start, double most, const Judge& judge) {
     if (judge(0.0) == OffsetVerdict::enough) return 0;

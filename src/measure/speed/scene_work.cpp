@@ -19,8 +19,8 @@ constexpr int timed_pixels = 2048;
 constexpr std::size_t max_timed_primitives = 4;
 constexpr std::size_t numbers_a_ray = 9;  // origin, direction; t, near, far
 
-/// Counts the rays of the band that truly hit each primitive first. Hits of equal primitives are counted together:
-/// `same_as[k]` is the index of the primitive that the hits of primitive k are counted for. Empty: primitive k itself.
+/// Counts the rays of the band that truly hit each primitive first. Hits of equal primitives are counted together: Hits
+/// of primitive k count for primitive `same_as[k]`. If `same_as` is empty, they count for k itself.
 std::map<int, std::size_t> hits_of(const truth::Band& band, const std::vector<int>& same_as) {
     std::map<int, std::size_t> hits;
     for (std::size_t i = 0; i < band.pixels(); ++i) {

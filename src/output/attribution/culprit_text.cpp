@@ -30,19 +30,19 @@ std::optional<std::string> lost_input(const Explanation& x) {
 }
 
 /// Sentence on the cancellation that amplifies the culprit's rounding, and on earlier errors of its operands.
-std::string amplifier_text(const Explanation& x, const OperationView& words) {
+std::string amplifier_text(const Explanation& x, const OperationView& view) {
     const NodeId amplifier = x.amplifier(x.attribution.culprit);
     if (amplifier == no_node) return "";
     const TapeNode& a = x.tape[amplifier];
-    std::string text = fmt::format("{} cancels {} of {} bits", words.text().definition(amplifier),
-                                   words.of(amplifier).cancelled, x.tape.format_of(amplifier).precision);
+    std::string text = fmt::format("{} cancels {} of {} bits", view.text().definition(amplifier),
+                                   view.of(amplifier).cancelled, x.tape.format_of(amplifier).precision);
     const auto& operands = a.operands;
     for (auto place = operands.begin(); place != operands.end(); ++place) {
         const NodeId operand = *place;
         if (std::find(operands.begin(), place, operand) != place) continue;  // already named, as in fma(b, b, c)
-        if (operand == no_node || words.of(operand).error == 0 || x.tape[operand].op == TapeOp::constant) continue;
-        const std::string off = ulps_or_nothing(std::fabs(words.ulps_of_value(operand, words.of(operand).error)));
-        if (!off.empty()) text += fmt::format("; {} was already off by {}", words.text().operand(operand), off);
+        if (operand == no_node || view.of(operand).error == 0 || x.tape[operand].op == TapeOp::constant) continue;
+        const std::string off = ulps_or_nothing(std::fabs(view.ulps_of_value(operand, view.of(operand).error)));
+        if (!off.empty()) text += fmt::format("; {} was already off by {}", view.text().operand(operand), off);
     }
     return text + ". ";
 }
@@ -50,9 +50,9 @@ std::string amplifier_text(const Explanation& x, const OperationView& words) {
 /// Operations that contribute as much as the culprit.
 class EqualsText {
 public:
-    EqualsText(const Explanation& x, const OperationView& words) : x_(x), words_(words), equals_(x.attribution.equals) {
+    EqualsText(const Explanation& x, const OperationView& view) : x_(x), view_(view), equals_(x.attribution.equals) {
         const auto is_opposite = [&](NodeId i) {
-            return std::signbit(words.contribution(i)) != std::signbit(words.contribution(x.attribution.culprit));
+            return std::signbit(view.contribution(i)) != std::signbit(view.contribution(x.attribution.culprit));
         };
         opposite_ = static_cast<std::size_t>(std::ranges::count_if(equals_, is_opposite));
     }
@@ -61,8 +61,8 @@ public:
     [[nodiscard]] bool cancel() const { return 2 * opposite_ == equals_.size() + 1; }
     /// Sum of the contributions of the culprit and these operations.
     [[nodiscard]] double sum() const {
-        double sum = words_.contribution(x_.attribution.culprit);
-        for (const NodeId i : equals_) sum += words_.contribution(i);
+        double sum = view_.contribution(x_.attribution.culprit);
+        for (const NodeId i : equals_) sum += view_.contribution(i);
         return sum;
     }
 
@@ -71,14 +71,14 @@ public:
         constexpr std::size_t most = 3;
         std::vector<std::string> named;
         for (const NodeId i : equals_) {
-            if (named.size() < most) named.push_back(words_.text().operand(i));
+            if (named.size() < most) named.push_back(view_.text().operand(i));
         }
         if (equals_.size() > most) named.push_back(fmt::format("{} more", equals_.size() - most));
         return file::enumerated(named);
     }
 
     /// `; b·b, from which it is computed, contributes the same with the opposite sign`
-    [[nodiscard]] std::string who() const {
+    [[nodiscard]] std::string equals_clause() const {
         if (equals_.empty()) return "";
         std::string text = "; " + names();
         const bool before = std::ranges::all_of(equals_, [&](NodeId i) {
@@ -93,38 +93,34 @@ public:
 
 private:
     const Explanation& x_;
-    const OperationView& words_;
+    const OperationView& view_;
     const std::vector<NodeId>& equals_;
     std::size_t opposite_;
 };
 
 /// Text for a culprit that its equals cancel: the remaining error, and the largest part of it.
-std::string rest_text(const Explanation& x, const OperationView& words) {
+std::string rest_text(const Explanation& x, const OperationView& view) {
     const measure::attribution::Attribution& a = x.attribution;
     const std::string undo = a.equals.size() == 1 ? ". The two undo each other" : ". They undo each other";
     if (a.error == 0) return undo + ", and no error is left";
-    double least = std::fabs(words.of(a.culprit).contribution);
-    for (const NodeId i : a.equals) least = std::min(least, std::fabs(words.of(i).contribution));
+    double least = std::fabs(view.of(a.culprit).contribution);
+    for (const NodeId i : a.equals) least = std::min(least, std::fabs(view.of(i).contribution));
     const auto others = largest_contributions(x.tape, a, least);
-    const std::string left = ulps_or_nothing(std::fabs(a.error / words.ulp()));
+    const std::string left = ulps_or_nothing(std::fabs(a.error / view.ulp()));
     if (left.empty()) return undo;
     if (others.empty()) return fmt::format("{}, and an error of {} is left", undo, left);
     return fmt::format(
         "{}: the error of {} is assigned to the other operations, the largest part, {} ulp, to "
         "{}",
-        undo, left, short_number(std::fabs(words.contribution(others.front()))), words.text().operand(others.front()));
+        undo, left, short_number(std::fabs(view.contribution(others.front()))), view.text().operand(others.front()));
 }
-
-}  // namespace
-
-namespace {
 
 /// The error that the culprit itself makes: a rounding, a wrong choice, or a step to the next number; with its size in
 /// ulps if that is finite.
-std::string own_error(const Explanation& x, const OperationView& words) {
+std::string own_error(const Explanation& x, const OperationView& view) {
     const NodeId culprit = x.attribution.culprit;
-    const measure::attribution::OperationError& e = words.of(culprit);
-    const std::string ulps = ulps_or_nothing(std::fabs(words.ulps_of_value(culprit, e.rounding)));
+    const measure::attribution::OperationError& e = view.of(culprit);
+    const std::string ulps = ulps_or_nothing(std::fabs(view.ulps_of_value(culprit, e.rounding)));
     const char* const what = e.turned                                                  ? "wrong choice"
                              : measure::attribution::is_on_purpose(x.tape[culprit].op) ? "step"
                                                                                        : "rounding";
@@ -132,24 +128,24 @@ std::string own_error(const Explanation& x, const OperationView& words) {
 }
 
 /// `is assigned 3940 ulp in t`, and the operations that contribute the same.
-std::string shares_text(const Explanation& x, const OperationView& words) {
+std::string shares_text(const Explanation& x, const OperationView& view) {
     const measure::attribution::Attribution& a = x.attribution;
     const std::string arrives =
-        is_decision(x.tape[a.subject].op) ? fmt::format("in {}", words.text().expression(a.subject)) : "in t";
-    const EqualsText equals(x, words);
-    const std::string assigned = ulps_or_nothing(std::fabs(words.contribution(a.culprit)));
+        is_decision(x.tape[a.subject].op) ? fmt::format("in {}", view.text().expression(a.subject)) : "in t";
+    const EqualsText equals(x, view);
+    const std::string assigned = ulps_or_nothing(std::fabs(view.contribution(a.culprit)));
     if (assigned.empty()) {
         const std::string rest = a.equals.empty() ? "" : fmt::format(", as {}", equals.names());
-        const std::string off = ulps_or_nothing(std::fabs(a.error / words.ulp()));
+        const std::string off = ulps_or_nothing(std::fabs(a.error / view.ulp()));
         return fmt::format("has no finite share {}{}{}.", arrives, rest,
                            off.empty() ? "" : fmt::format(", which is off by {}", off));
     }
-    std::string text = fmt::format("is assigned {} {}{}", assigned, arrives, equals.who());
-    if (equals.cancel()) return text + rest_text(x, words) + ".";
+    std::string text = fmt::format("is assigned {} {}{}", assigned, arrives, equals.equals_clause());
+    if (equals.cancel()) return text + rest_text(x, view) + ".";
     if (!a.equals.empty()) text += fmt::format(": together {} ulp", short_number(std::fabs(equals.sum())));
-    const double share = equals.sum() * words.ulp() / a.error;
+    const double share = equals.sum() * view.ulp() / a.error;
     // As many digits as `counterfactual_sentence` writes, since it often repeats the number.
-    const double left = std::fabs(a.error / words.ulp());
+    const double left = std::fabs(a.error / view.ulp());
     if (share > 1 && std::isfinite(left))
         text += fmt::format("; the other roundings cancel all but {:.4g} ulp of it", left);
     else if (share < 0 && std::isfinite(left))
@@ -174,14 +170,14 @@ std::string culprit_sentence(const Explanation& x) {
     }
     if (measure::attribution::is_plain_miss(x.tape, a))
         return "Rounding changed no decision of the form, so no operation is to blame.";
-    const OperationView words(x);
+    const OperationView view(x);
     if (a.culprit == no_node) return lost_input(x).value_or("No operation rounded on the way to the answer.");
     const TapeNode& n = x.tape[a.culprit];
-    const std::string what = words.text().definition(a.culprit);
+    const std::string what = view.text().definition(a.culprit);
     const bool blamed = culprit_operation(x) != no_node;
     if (!std::isfinite(n.value) && !blamed && x.result.outcome == measure::answer::Outcome::agree_hit)
         return fmt::format("{} is {}, and so is the rounded true t.", what, number_phrase(n.value));
-    if (std::isnan(n.value) && std::isnan(words.of(a.culprit).exact) && !blamed)
+    if (std::isnan(n.value) && std::isnan(view.of(a.culprit).exact) && !blamed)
         return fmt::format(
             "No operation is to blame: {} is not a number even without rounding. Everything after it follows from "
             "that.",
@@ -191,19 +187,19 @@ std::string culprit_sentence(const Explanation& x) {
     if (measure::attribution::is_on_purpose(n.op))
         return fmt::format("{}: the form goes to the next number on purpose, in {}. That {} {}",
                            blamed ? "No rounding is to blame" : "The largest contribution is not a rounding", what,
-                           own_error(x, words), shares_text(x, words));
-    return fmt::format("{}{} {}: its {} {}", amplifier_text(x, words),
-                       blamed ? "The culprit is" : "The largest contribution is that of", what, own_error(x, words),
-                       shares_text(x, words));
+                           own_error(x, view), shares_text(x, view));
+    return fmt::format("{}{} {}: its {} {}", amplifier_text(x, view),
+                       blamed ? "The culprit is" : "The largest contribution is that of", what, own_error(x, view),
+                       shares_text(x, view));
 }
 
 std::string counterfactual_sentence(const Explanation& x) {
     if (!x.culprit_alone || x.attribution.subject == no_node) return "";
-    const OperationView words(x);
+    const OperationView view(x);
     const auto& [only_exact, only_rounded] = *x.culprit_alone;
     const NodeId culprit = x.attribution.culprit;
     const bool steps = measure::attribution::is_on_purpose(x.tape[culprit].op);
-    const std::string what = words.text().operand(culprit), without = steps ? "Without" : "With",
+    const std::string what = view.text().operand(culprit), without = steps ? "Without" : "With",
                       exact = steps ? "" : " alone exact", rounded = steps ? " alone" : " alone rounded";
     if (x.attribution.subject != x.tape.outputs.t) {
         const auto decides = [](bool hit) { return hit ? "hits" : "misses"; };
@@ -213,7 +209,7 @@ std::string counterfactual_sentence(const Explanation& x) {
     }
     const auto off = [&](std::string_view cause, const measure::attribution::Counterfactual& c) {
         if (!c.hit) return std::string("the form misses");
-        return std::isfinite(c.error) ? fmt::format("{} puts t {:.4g} ulp off", cause, std::fabs(c.error / words.ulp()))
+        return std::isfinite(c.error) ? fmt::format("{} puts t {:.4g} ulp off", cause, std::fabs(c.error / view.ulp()))
                                       : "t is not finite";
     };
     return fmt::format("{} {}{}, {}; with {}{}, {}.", without, what, exact, off("rounding", only_exact), what, rounded,

@@ -1,4 +1,4 @@
-// Command lines that explain a ray named in a file.
+// Builds the `explain` commands that result files give for a ray.
 #pragma once
 
 #include <string>
@@ -8,26 +8,28 @@
 
 namespace lostbits::output::attribution {
 
-/// A word as a shell reads it back: in single quotes if it holds more than letters, digits and _./=,:+-.
+/// Quotes an argument for a shell: in single quotes if it contains anything but letters, digits and _./=,:+-.
 std::string shell_word(std::string_view word);
 
-/// `near-benign --pixel 3,4`: a pixel of `scene`, which is a word of the command line and perhaps options after it.
+/// Arguments of `explain` for a pixel: `near-benign --pixel 3,4`. `scene` is an argument quoted for a shell, possibly
+/// with options after it.
 std::string name_of_pixel(const std::string& scene, int x, int y);
 
-/// `--sphere=0,0,5,2 --ray=…`: a ray with its primitives, every number exact, with its end and the constants of the
-/// march if it has them. Empty for no ray.
+/// Arguments of `explain` for a ray and its primitives: `--sphere=0,0,5,2 --ray=…`, with exact numbers, the end of the
+/// ray, and the constants of a march. Empty if `one` is null.
 std::string name_of_ray(const scene::rays::RayGroup* one);
 
-/// Options that a command needs for forms from outside (` --plugin ./mine.so`). Set once, before any command is made.
+/// Sets the options that a command needs for external forms (` --plugin ./mine.so`). Call it once, before any command
+/// is built.
 void set_plugin_options(const std::string& words);
-/// The same options; empty if all forms are the catalogue's.
+/// Options set by `set_plugin_options`; empty if all forms belong to the catalogue.
 [[nodiscard]] const std::string& plugin_options();
 
-/// The same options if a form of that name is not the catalogue's; otherwise empty.
+/// `plugin_options()` if the form of this name is external; otherwise empty.
 [[nodiscard]] std::string plugin_options_for(std::string_view form);
 
-/// `lostbits explain NAME -i FORM -f FORMAT`, with the convention that judges the row if it is not the form's own, and
-/// the options for a form from outside. Empty for the answers of a file, which cannot be asked again.
+/// `lostbits explain NAME -i FORM -f FORMAT`, with the convention that judges the row if it differs from the form's
+/// own, and the options for an external form. Empty for the answers of a file, which cannot be computed again.
 std::string explain_command(const std::string& name, const measure::evaluate::TestedForm& row);
 
 }  // namespace lostbits::output::attribution

@@ -99,7 +99,6 @@ std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& ma
 /// + 2 ≤ 53: Figueroa 1995). For more bits the program also uses the sign of the double's remainder (TwoSum; fma for
 /// products, quotients and roots). Throws InputError if such a format moves to a neighbour or fuses, and if a wider one
 /// comes so near to the ends of double's range that the remainder is not a double.
-/// ends of double's range that what is left out has no double.
 std::string explain_c(const Explanation& x);
 
 /// FPCore 2.0 of t. The arguments are the inputs that it depends on. :pre keeps each within 2^-12 of this ray's, and

@@ -45,8 +45,8 @@ public:
     [[nodiscard]] std::vector<NodeId> named_in(NodeId i) const;
     /// Ulp of the subject.
     [[nodiscard]] double ulp() const { return ulp_; }
-    /// Name of the value that contributions go to, and in whose ulps they are: t, or the value that the decision
-    /// compares.
+    /// Name of the value that contributions go to: t, or the value that the decision compares. Contributions are in
+    /// ulps of this value.
     [[nodiscard]] std::string subject() const;
 
 private:

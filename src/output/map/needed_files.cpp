@@ -53,9 +53,9 @@ NeededColumns pictures_of(const NeededStudy& request, const NeededFilesOptions& 
                                    request.bits == 1 ? "bit" : "bits"),
               .subtitle = {std::string(form->info->title),
                            fmt::format(
-                               "colour: the smallest width that decides correctly and, on a hit, keeps {} correct "
-                               "bits, as does every wider one up to {}; inputs are rounded to this width too",
-                               request.bits, measure::evaluate::most_width)},
+                               "colour: the smallest width from which on every width up to {} decides correctly "
+                               "and, on a hit, keeps {} correct bits; inputs are rounded to this width too",
+                               measure::evaluate::most_width, request.bits)},
               .look = look},
              columns.size(),
              pixel::drawn_by<NeededBand>(
@@ -64,7 +64,7 @@ NeededColumns pictures_of(const NeededStudy& request, const NeededFilesOptions& 
              .sheets = {},
              .single_picture_folder = options.folder,
              .stop = request.limit.stop,
-             .opened = !options.keep},
+             .opened = !options.keep_piece},
             std::move(columns)};
 }
 
@@ -78,7 +78,10 @@ struct NeededRow {
 Table<NeededRow> needed_table() {
     using R = NeededRow;
     Table<R> table{{"form", "form under test", &R::form},
-                   {"bits_asked", "bits", "B: the answer must be within half an ulp of B significand bits", &R::bits},
+                   {"bits_asked", "bits",
+                    "correct bits that are asked for, B: the answer must be within half an ulp of a format with B "
+                    "significand bits",
+                    &R::bits},
                    {"pixels", "rays, one per pixel", [](const R& r) { return r.summary->pixels(); }}};
     const auto add = [&table](const std::string& prefix, const char* over, const auto& counts_of) {
         for (const measure::metric::Statistic& s : statistics)
@@ -91,7 +94,7 @@ Table<NeededRow> needed_table() {
         "needed_", " of the widths needed, over the pixels that have one",
         [](const R& r) -> const auto& { return r.all; });
     add(
-        "hit_needed_", " of the same over the rays that truly hit",
+        "hit_needed_", " of the widths needed, over the rays that truly hit",
         [](const R& r) -> const auto& { return r.summary->hits; });
     using S = NeededSummary;
     return table.add<S>(
@@ -142,7 +145,7 @@ struct NeededFiles::Parts {
         std::unique_ptr<table::TableFile<NeededPixel>> pixels;
         if (options.pixels_csv)
             pixels = std::make_unique<table::TableFile<NeededPixel>>(
-                options.keep ? "" : options.folder, stem(form) + ".csv",
+                options.keep_piece ? "" : options.folder, stem(form) + ".csv",
                 fmt::format("One row per pixel: bits needed by {}", form.name), needed_pixel_table(request.bits));
         NeededFormFiles::Writers writers{
             .add_pixel =
@@ -150,7 +153,7 @@ struct NeededFiles::Parts {
                     to.add({&band, i, band.truth(i)});
                 },
             .pixels = [](const NeededBand& band) { return band.needed.size(); }};
-        pixel::BandFiles<NeededBand> files{pictures, {}, options.keep};
+        pixel::BandFiles<NeededBand> files{pictures, {}, options.keep_piece};
         if (MapExr* const exr = options.exr) {
             writers.exr_rows = [exr](const NeededBand& band, std::span<const image::Rgb8> preview) {
                 return exr->rows_of(band, preview);
@@ -163,7 +166,7 @@ struct NeededFiles::Parts {
 
 NeededFiles::NeededFiles(const NeededStudy& request, const NeededFilesOptions& options)
     : parts_(new Parts{request, options}) {
-    if (!options.keep)
+    if (!options.keep_piece)
         parts_->table.emplace(
             options.folder, "needed.csv",
             fmt::format("One row per form: significand bits needed for {} correct bits", request.bits), needed_table());

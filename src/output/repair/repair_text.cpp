@@ -33,16 +33,23 @@ std::string in_words(const RowQuality& quality, const measure::choice::Requireme
     return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong, scene::toml::counted(quality.rays, "ray"));
 }
 
-std::string margin_text(const GrowthMargin& margin, const RepairSummary& r) {
-    const auto way = measure::choice::growth_names[static_cast<std::size_t>(margin.growth)];
-    const auto& requirement = r.request.requirement;
-    if (margin.holds == 0)
-        return fmt::format("{}: fails already as it is, on a smaller picture: {}", way,
-                           in_words(margin.broken, requirement));
-    return fmt::format("{}: holds up to {:.4g}-fold ({:.6g})", way, margin.holds, margin.value) +
-           choice::margin_end_text(
-               margin, r.request.rays,
-               fmt::format("; first broken at {:.4g}-fold: {}", margin.beyond, in_words(margin.broken, requirement)));
+/// `keep 22.1 bits and decide no ray wrongly`, after the subject of the sentence. std::string in_a_clause(const
+/// RowQuality& quality, const measure::choice::Requirement& requirement) { const std::string kept =
+/// std::isnan(quality.kept_bits) ? "agree with the truth on no hit" : fmt::format("keep {} bits",
+/// choice::bits_text_near(quality.kept_bits, requirement)); if (quality.wrong == 0) return kept + " and decide no ray
+/// wrongly"; return fmt::format("{} and decide {} of {} wrongly", kept, quality.wrong,
+/// scene::toml::counted(quality.rays, "ray")); } std::string margin_text(const GrowthMargin& margin, const
+/// RepairSummary& r) {
+const auto way = measure::choice::growth_names[static_cast<std::size_t>(margin.growth)];
+const auto& requirement = r.request.requirement;
+if (margin.holds == 0)
+    return fmt::format("{}: fails already as it is, on a smaller picture: {}", way,
+                       in_words(margin.broken, requirement));
+return fmt::format("{}: holds up to a factor of {:.4g} ({:.6g} {})", way, margin.holds, margin.value,
+                   margin.growth == measure::choice::Growth::view ? "degrees" : "units of length") +
+       choice::margin_end_text(margin, r.request.rays,
+                               fmt::format("; first broken at a factor of {:.4g}: {}", margin.beyond,
+                                           in_words(margin.broken, requirement)));
 }
 
 std::string own_is_enough(const RepairSummary& r) {
@@ -54,7 +61,7 @@ std::string own_is_enough(const RepairSummary& r) {
                                          in_words(r.repair.own_held_out, r.request.requirement)));
 }
 
-/// The change of a proposal: as a patch of the user's file, and else as lines of the formula.
+/// The change of a proposal: a patch of the user's file if there is one, otherwise lines of the formula.
 std::string change_of(const RepairSummary& r, std::size_t k) {
     const measure::repair::Patch* const patch = k < r.patches.size() ? &r.patches[k] : nullptr;
     std::string text;
@@ -101,7 +108,7 @@ std::string margins_text(const std::vector<GrowthMargin>& margins, const RepairS
 std::string probes_text(const RepairSummary& r, const std::vector<RowQuality>& probed) {
     const auto& requirement = r.request.requirement;
     if (r.repair.probes.empty())
-        return "  Exchanged axes were not tried: the scene has a flake, a mesh from a file, or more than 1024 "
+        return "  Exchanged axes were not tried: the scene has a sphereflake, a mesh from a file, or more than 1024 "
                "primitives.\n";
     std::vector<std::string> holds;
     std::vector<std::pair<std::string, std::vector<std::string>>> fails;  // probes with the same worth together
@@ -151,8 +158,9 @@ std::string wider_set_text(const RepairSummary& r) {
     text += change_of(r, 0);
     const auto best = std::ranges::min_element(m.set->without, measure::repair::is_more_accurate);
     text += fmt::format(
-        "  No operation can be spared: with any one of the {} as it was, the requirement fails; the best of these {} "
-        "has {}.\n",
+        "  No operation can be spared: if any one of the {} is not widened, the requirement fails; the best of these "
+        "{} "
+        "variants keeps {}.\n",
         n, n, in_words(*best, requirement));
     if (m.set->none_of > 0) {
         const std::string sets =
@@ -174,15 +182,16 @@ std::string obstruction_text(const RepairSummary& r) {
     if (requirement.bits > r.request.row.format.parameters.precision)
         return fmt::format("  In the way: {} has {} bits. Try a wider format.\n", r.request.row.format.name,
                            r.request.row.format.parameters.precision);
-    std::string without = fmt::format("without any rounding its operations keep {}", in_words(exact, requirement));
+    std::string without = "without any rounding, its operations " + in_a_clause(exact, requirement);
     if (exact.wrong > 0)
-        without += fmt::format(" ({} of them {})", exact.main_fault_count,
+        without += fmt::format(" ({} of these are {})", exact.main_fault_count,
                                exact.main_fault == measure::answer::Outcome::false_hit ? "false hits" : "missed hits");
     if (with_unit && !exact.meets(requirement) && measure::repair::is_more_accurate(*with_unit, exact))
         return fmt::format(
-            "  In the way: {} assumes directions of length one, and rounded to {} they differ from it by up to {:.2g}. "
-            "On a sample, {}; with directions of length one to 53 bits, {}.\n",
-            form.name, r.request.row.format.name, off_unit, without, in_words(*with_unit, requirement));
+            "  In the way: {} assumes directions of length one, but after rounding to {} their lengths differ from one "
+            "by up to {:.2g}. "
+            "On a sample, {}; with directions of length one to 53 bits, they {}.\n",
+            form.name, r.request.row.format.name, off_unit, without, in_a_clause(*with_unit, requirement));
     if (!exact.meets(requirement))
         return fmt::format("  In the way: the formula itself, at any precision. On a sample, {}.\n", without);
     return fmt::format("  In the way: more rounding than {} removes. On a sample, {}; a wider format is needed.\n",
@@ -211,11 +220,12 @@ std::string rewritten_text(const RepairSummary& r, std::size_t k) {
     return k < r.rewritten_margins.size() ? text + margins_text(r.rewritten_margins[k], r) : text;
 }
 
-/// `1.2 ns a ray in packs of 512 bits (0.8-fold), 4.1 ns alone (0.9-fold)`: times, and their ratios to the form's.
+/// `1.2 ns a ray in packs of 512 bits (0.8 times the form's time), 4.1 ns alone (0.9 times)`.
 std::string price_text(const Price& price, const Price& own) {
-    return fmt::format("{:.3g} ns a ray in packs of {} bits ({:.2f}-fold), {:.3g} ns alone ({:.2f}-fold)",
-                       price.packed.median * 1e9, price.isa, price.packed.median / own.packed.median,
-                       price.single.median * 1e9, price.single.median / own.single.median);
+    return fmt::format(
+        "{:.3g} ns a ray in packs of {} bits ({:.2f} times the form's time), {:.3g} ns alone ({:.2f} times)",
+        price.packed.median * 1e9, price.isa, price.packed.median / own.packed.median, price.single.median * 1e9,
+        price.single.median / own.single.median);
 }
 
 std::string prices_text(const RepairSummary& r) {
@@ -223,8 +233,9 @@ std::string prices_text(const RepairSummary& r) {
     if (r.prices.empty()) return "";
     const Price& own = r.prices.front();
     std::string text =
-        "Compiled, compared with their tapes to the bit on all rays, and timed (*: no other is as accurate and as "
-        "fast):\n";
+        "These forms were compiled, compared bit by bit with their recorded operations on all rays, and timed (*: no "
+        "other "
+        "is both as accurate and as fast):\n";
     std::string rest;
     for (const FormRow& row : rows_of(r)) {
         if (!row.price || !row.is_shown) continue;

@@ -116,7 +116,8 @@ const measure::metric::Distribution& metric_of(const TradeRequest& request, cons
 /// Conditions under which the times were measured.
 std::string timing_text(const TradeRequest& request, const TradeResult& result) {
     if (!request.scene)
-        return "Time per ray: half of the timed rays hit, as in the set `easy`, and half miss. The data fill half of "
+        return "Time per ray: half of the timed rays hit, like those of the set `easy`; the other half miss. The data "
+               "fill half of "
                "the L1 "
                "cache (`l1`). The times are from this run, and vary from run to run.\n";
     const auto& timed = result.times.front().front();

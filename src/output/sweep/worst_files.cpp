@@ -173,8 +173,7 @@ table::Table<NearestRow> nearest_table() {
          {"found", "true if a ray with that outcome was found", [](const R& r) { return r.nearest.has_value(); }}});
     table.add<N>(
         {{"distance_edges", "1",
-          "distance of the nearest such ray, from the eye to the point of the edge that it aims at, in lengths of the "
-          "edge",
+          "distance of the nearest such ray, in edge lengths: from the eye to the point on the edge that it aims at",
           &N::distance}},
         nearest);
     table.add({"rays", "rays tried", &R::rays});
@@ -199,13 +198,13 @@ table::Table<CensusRow> census_table() {
     using R = CensusRow;
     table::Table<R> table;
     table.add(table::subject_columns(), &R::row);
-    table.add(
-        {{"target", "what the rays are aimed at: points of an edge, or its ends (vertex)",
-          [](const R& r) { return std::string(measure::edges::edge_target_names.at(r.target)); }},
-         {"rays", "rays, from all distances of the search", [](const R& r) { return r.count.rays; }},
-         {"crack", "rays that the form lets through the surface", [](const R& r) { return r.count.outcomes[0]; }},
-         {"double_hit", "crossings that the form counts twice, without rays that truly meet two triangles at one t",
-          [](const R& r) { return r.count.outcomes[1]; }}});
+    table.add({{"target", "what the rays are aimed at: points of an edge, or its ends (vertex)",
+                [](const R& r) { return std::string(measure::edges::edge_target_names.at(r.target)); }},
+               {"rays", "rays, from all distances of the search", [](const R& r) { return r.count.rays; }},
+               {"crack", "rays that the form lets through the surface", [](const R& r) { return r.count.outcomes[0]; }},
+               {"double_hit",
+                "crossings that the form counts twice, not counting rays that truly meet two triangles at one t",
+                [](const R& r) { return r.count.outcomes[1]; }}});
     return table;
 }
 
@@ -213,11 +212,12 @@ table::Table<CensusRow> census_table() {
 std::string census_phrase(const measure::edges::EdgeFinding& found) {
     std::string text;
     for (std::size_t k = 0; k < found.census.size(); ++k) {
-        const auto& [rays, with] = found.census.at(k);
+        const auto& [rays, outcomes] = found.census.at(k);
         if (rays == 0) continue;
-        const std::string counts = with[0] + with[1] == 0 ? "none"
-                                                          : scene::toml::counted(with[0], "crack") + " and " +
-                                                                scene::toml::counted(with[1], "double hit");
+        const std::string counts = outcomes[0] + outcomes[1] == 0
+                                       ? "none"
+                                       : scene::toml::counted(outcomes[0], "crack") + " and " +
+                                             scene::toml::counted(outcomes[1], "double hit");
         text += fmt::format("{}{} of {}{}", text.empty() ? "" : ", ", counts,
                             text.empty() ? scene::toml::counted(rays, "ray") : std::to_string(rays),
                             k == 0 ? " at edges" : " at vertices");

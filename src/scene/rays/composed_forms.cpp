@@ -1,5 +1,7 @@
 #include "scene/rays/composed_forms.hpp"
 
+#include <fmt/format.h>
+
 #include <string>
 #include <tuple>
 
@@ -25,11 +27,12 @@ const Intersector& with_generator(const RayGenerator& generator, const Intersect
     const std::string name =
         std::string(form.info->name) + "@" + std::string(generator_prefix) + std::string(generator.info->name);
     if (form.is_set() || form.is_placed || generator_of(form))
-        throw InputError(name +
-                         ": a ray generator follows one form without a transform; for several shapes, or "
-                         "primitives under matrices, write camera.rays = \"" +
-                         std::string(generator.info->name) +
-                         "\" into the scene, or --set camera.rays=" + std::string(generator.info->name));
+        throw InputError(
+            fmt::format("{}: {} cannot be combined with {}; name one form without a transform, or write camera.rays = "
+                        "\"{}\" into the "
+                        "scene, or use --set camera.rays={}",
+                        name, form.info->name, std::string(generator_prefix) + std::string(generator.info->name),
+                        generator.info->name, generator.info->name));
     return rows().row_of({&generator, &form}, [&](Rows::Made& made) {
         made.name = name;
         made.title = std::string(form.info->title) + "; rays: " + std::string(generator.info->title);

@@ -12,7 +12,7 @@ Vec<T> divided(const Vec<T>& a, const Vec<T>& b) {
     return {a.x / b.x, a.y / b.y, a.z / b.z};
 }
 
-/// The ray in radii: f = (o − G)/r and d/r.
+/// The ray in units of the radii r around the centre G: f = (o − G)/r, and d/r.
 template <Number T>
 struct RayInRadii {
     Vec<T> f, d;
