@@ -29,7 +29,8 @@ public:
     struct FileText {
         std::string ir, source;
     };
-    /// Returns the LLVM IR of a file that holds LLVM IR, bitcode (read by llvm-dis) or a shader. FileText ir_of_file();
+    /// Returns the LLVM IR of a file that holds LLVM IR, bitcode (read by llvm-dis) or a shader.
+    FileText ir_of_file();
     /// Compiles the user's file with `text` appended, and returns the LLVM IR.
     std::string ir(const std::string& text, bool optimised);
     /// Compiles the user's file with `text` appended into a library. With `is_long`, the compiler does not optimise,

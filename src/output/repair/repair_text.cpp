@@ -33,23 +33,27 @@ std::string in_words(const RowQuality& quality, const measure::choice::Requireme
     return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong, scene::toml::counted(quality.rays, "ray"));
 }
 
-/// `keep 22.1 bits and decide no ray wrongly`, after the subject of the sentence. std::string in_a_clause(const
-/// RowQuality& quality, const measure::choice::Requirement& requirement) { const std::string kept =
-/// std::isnan(quality.kept_bits) ? "agree with the truth on no hit" : fmt::format("keep {} bits",
-/// choice::bits_text_near(quality.kept_bits, requirement)); if (quality.wrong == 0) return kept + " and decide no ray
-/// wrongly"; return fmt::format("{} and decide {} of {} wrongly", kept, quality.wrong,
-/// scene::toml::counted(quality.rays, "ray")); } std::string margin_text(const GrowthMargin& margin, const
-/// RepairSummary& r) {
-const auto way = measure::choice::growth_names[static_cast<std::size_t>(margin.growth)];
-const auto& requirement = r.request.requirement;
-if (margin.holds == 0)
-    return fmt::format("{}: fails already as it is, on a smaller picture: {}", way,
-                       in_words(margin.broken, requirement));
-return fmt::format("{}: holds up to a factor of {:.4g} ({:.6g} {})", way, margin.holds, margin.value,
-                   margin.growth == measure::choice::Growth::view ? "degrees" : "units of length") +
-       choice::margin_end_text(margin, r.request.rays,
-                               fmt::format("; first broken at a factor of {:.4g}: {}", margin.beyond,
-                                           in_words(margin.broken, requirement)));
+/// `keep 22.1 bits and decide no ray wrongly`, after the subject of the sentence.
+std::string in_a_clause(const RowQuality& quality, const measure::choice::Requirement& requirement) {
+    const std::string kept = std::isnan(quality.kept_bits)
+                                 ? "agree with the truth on no hit"
+                                 : fmt::format("keep {} bits", choice::bits_text_near(quality.kept_bits, requirement));
+    if (quality.wrong == 0) return kept + " and decide no ray wrongly";
+    return fmt::format("{} and decide {} of {} wrongly", kept, quality.wrong,
+                       scene::toml::counted(quality.rays, "ray"));
+}
+
+std::string margin_text(const GrowthMargin& margin, const RepairSummary& r) {
+    const auto way = measure::choice::growth_names[static_cast<std::size_t>(margin.growth)];
+    const auto& requirement = r.request.requirement;
+    if (margin.holds == 0)
+        return fmt::format("{}: fails already as it is, on a smaller picture: {}", way,
+                           in_words(margin.broken, requirement));
+    return fmt::format("{}: holds up to a factor of {:.4g} ({:.6g} {})", way, margin.holds, margin.value,
+                       margin.growth == measure::choice::Growth::view ? "degrees" : "units of length") +
+           choice::margin_end_text(margin, r.request.rays,
+                                   fmt::format("; first broken at a factor of {:.4g}: {}", margin.beyond,
+                                               in_words(margin.broken, requirement)));
 }
 
 std::string own_is_enough(const RepairSummary& r) {
