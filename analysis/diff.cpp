@@ -237,8 +237,7 @@ void add_diff(const shell::Command& program, const Common& common) {
     command.add("--compare-pictures", w->pictures, "Also compare pictures");
     command.add_list("-i,--form", w->forms, "Compare two forms of the maps in A; replaces B");
     command.add_list("-f,--format", w->formats, "Formats that --draw draws (default: all)");
-    command.add("--draw", w->draw,
-                "Folder for pictures of the difference; the maps must have been written with --pixels csv or --exr");
+    command.add("--draw", w->draw, "Folder for pictures of the difference; both maps need their pixels, as CSV or EXR");
     command.runs([w, &common] { return run(*w, common); });
 }
 

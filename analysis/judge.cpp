@@ -158,8 +158,7 @@ LOSTBITS_FIELDS(JudgeFindings, result, worst, stages)
 std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output::judge::JudgeFiles& files,
                                       shard::Division& division,
                                       const std::function<std::unique_ptr<Dump>()>& open_again) {
-    if (division.share().count > 1)  // counting reads the file once more
-        request.pieces = division.share().of_units(measure::judge::count_pieces(*open_again(), request));
+    request.pieces = division.units_of_shard([&] { return measure::judge::count_pieces(*open_again(), request); });
     auto found = shard::result_with_files(
         JudgeFindings{.worst = files.worst()}, files, division, "judge", [&]() -> JudgeFindings {
             JudgeResult result = measure::judge::run_judge(

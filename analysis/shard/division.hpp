@@ -64,6 +64,12 @@ public:
     [[nodiscard]] bool is_shard() const { return file_ != nullptr; }
     [[nodiscard]] bool joins() const { return joined_ != nullptr; }
 
+    /// The units of a shard, of as many as `count` returns; nothing in other runs, where it is not called.
+    template <class Count>
+    [[nodiscard]] std::optional<measure::shard::Units> units_of_shard(const Count& count) const {
+        return is_shard() ? std::optional(share_.of_units(count())) : std::nullopt;
+    }
+
     /// In a shard: records what it found, under the name of a job.
     template <class... T>
     void put(const std::string& job, const T&... found) {

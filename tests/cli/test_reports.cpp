@@ -87,7 +87,7 @@ constexpr std::string_view kinds[] = {"arithmetic",           "box-one",
                                       "sdf-by-hand.miss",     "sphere-impact",
                                       "hard/padding",         "padding, searched",
                                       "exhaustive-impact",    "box-far, consistency",
-                                      "offset-tiny, offsets", "raycast-acne.ulp1, rendered"};
+                                      "offset-tiny, offsets", "raycast-acne.ulp1, render"};
 
 /// The sections of the document, each from its heading on.
 std::set<std::string> sections(const std::string& document) {

@@ -65,13 +65,22 @@ inline std::string in_other_format(const std::string& text) {
     return made.append(from, text.end());
 }
 
-/// Loads a function from a file with the other format in place of its own.
-inline std::unique_ptr<intersect::function::UserFunction> load_in_other_format(const std::string& named) {
-    const std::size_t colon = named.find(':');
+/// Compares the operations of a function with its compiled code after float and double are exchanged in its file.
+/// Returns false if a constant or a call, such as sqrtf, keeps its format: such a function is refused.
+inline bool agrees_in_other_format(const std::string& named, int bits) {
+    const std::size_t colon = named.find(':', named.rfind('/'));
     const std::filesystem::path file = named.substr(0, colon);
     const Scratch made;
-    return intersect::function::load_function(
-        made.write(file.filename().string(), in_other_format(contents(file))) + named.substr(colon), {});
+    const std::string other =
+        made.write(file.filename().string(), in_other_format(contents(file))) + named.substr(colon);
+    if (const std::string why = refusal(other); !why.empty()) {
+        CHECK(why.find("that computes in float inside is not followed") != std::string::npos);
+        return false;
+    }
+    const auto f = intersect::function::load_function(other, {});
+    CHECK(f->bits + bits == 96);
+    CHECK(differences(*f) == 0);
+    return true;
 }
 
 /// Changes up to four places of a text: a letter becomes one of `letters`, or up to `most` of them are left out.

@@ -150,7 +150,7 @@ public:
           file_(request.search),
           subject_(subject),
           row_(row),
-          format_(row.format.parameters.precision < binary32.precision ? row.format.parameters : binary32),
+          format_(row.format.parameters),
           random_(file_.seed) {}
 
     void count(EdgeFinding& finding) {

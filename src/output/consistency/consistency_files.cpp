@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "output/attribution/explain_command.hpp"
@@ -105,15 +106,19 @@ std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const Consist
 pixel::Sheet ConsistencyView::sheet(const ConsistencyStudy& study, const std::filesystem::path& file) {
     image::SheetSpec spec{
         .title = study.scene.title,
-        .subtitle =
-            {fmt::format(
-                 "{}, {} x {} pixels: one question asked in two ways, and whether a form gives the same answer to both",
-                 study.scene.id, study.scene.width, study.scene.height),
-             "shares are of the pixels of which both are asked; reverse and placed have on the ramp by how much more "
-             "than the exact answers both chords, or both t, differ"},
-        .scales = {excess_scale()},
-        .unit = excess_unit,
+        .subtitle = {fmt::format(
+                         "{}, {} x {} pixels: one question asked in two ways, and whether a form gives the same "
+                         "answer to both",
+                         study.scene.id, study.scene.width, study.scene.height),
+                     "shares are of the pixels of which both are asked"},
         .categories = true};
+    if (std::ranges::any_of(study.checks, &Check::numbers)) {
+        spec.subtitle.back() +=
+            "; reverse and placed have on the ramp by how much more than the exact answers both chords, or both t, "
+            "differ";
+        spec.scales = {excess_scale()};
+        spec.unit = excess_unit;
+    }
     for (const Check* check : study.checks) spec.forms.emplace_back(check->name);
     for (const auto& row : study.rows)
         spec.formats.push_back(fmt::format("{} {}", map::short_name(*row.form->info), row.format.name));

@@ -44,6 +44,7 @@ public:
     MeshInFile read() {
         const auto scenes = top_.elements("scenes");
         if (scenes.empty()) {
+            if (top_.has("scene")) top_.fail("names a scene, but the file has none");
             for (const GltfValue& mesh : sections_["meshes"]) add(mesh);
             return std::move(found_);
         }
