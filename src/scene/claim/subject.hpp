@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "number/real.hpp"
+#include "scene/toml/toml_reader.hpp"
 
 namespace lostbits::scene::claim {
 
