@@ -5,7 +5,7 @@
 //   options()             its options
 //   a constructor from StudyValues
 //   scale()               colours of its picture
-//   operator()(RightHit)  the number of a pixel; NaN where there is none
+//   operator()(RightHit)  the number of a pixel; NaN if it has none
 #pragma once
 
 #include <fmt/format.h>

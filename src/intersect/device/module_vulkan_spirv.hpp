@@ -10,7 +10,7 @@
 namespace lostbits::intersect::device {
 
 /// Compiles a compute program to SPIR-V by glslang. CompileError with its messages, also for HLSL that reads a variable
-/// that nobody sets; EnvironmentError if glslang is missing.
+/// without a value; EnvironmentError if glslang is missing.
 std::vector<std::uint32_t> spirv_of(const std::string& text, Language language);
 
 }  // namespace lostbits::intersect::device

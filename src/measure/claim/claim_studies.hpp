@@ -26,7 +26,7 @@ struct StudyQuestion {
 /// A row of the summary of a study.
 struct StudyRow {
     std::map<std::string, std::string> words;                  ///< by column, form and format among them
-    std::map<std::string, double> numbers;                     ///< by column; NaN where there is none
+    std::map<std::string, double> numbers;                     ///< by column; NaN if missing
     std::map<std::string, evaluate::WorstRay> witnesses = {};  ///< by column that is asked for
     std::uint64_t unproved = 0;                                ///< number of its pixels without a proof
 };

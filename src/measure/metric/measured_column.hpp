@@ -1,4 +1,4 @@
-// Columns of summaries that claims can name: columns of offsets, of rendered pictures, of consistency.
+// Columns of the summaries of studies: of offsets, of rendered pictures, of consistency.
 #pragma once
 
 #include <span>
@@ -19,18 +19,16 @@ struct MeasuredColumn {
     double (*value)(Of...);  ///< NaN where it does not exist: a share of nothing, a quantile of no numbers
 };
 
-/// Finds a column by its name. InputError for an unknown one, with did-you-mean. `where` starts the message, and
-/// `whose` names what has these columns.
+/// Finds a column by its name. InputError for an unknown one, with did-you-mean. `where` starts the message.
 template <class... Of>
 const MeasuredColumn<Of...>& column_named(std::span<const MeasuredColumn<Of...>> columns, const std::string& name,
-                                          const std::string& where, const std::string& whose = "") {
+                                          const std::string& where) {
     std::vector<std::string> names;
     for (const auto& column : columns) {
         if (column.name == name) return column;
         names.emplace_back(column.name);
     }
-    throw InputError(where + ": unknown metric \"" + name + "\"" + whose + "; " +
-                     scene::toml::did_you_mean(name, names));
+    throw InputError(where + ": unknown metric \"" + name + "\"; " + scene::toml::did_you_mean(name, names));
 }
 
 }  // namespace lostbits::measure::metric
