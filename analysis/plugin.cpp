@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "intersect/external/plugin.hpp"
 #include "intersect/process/own_state.hpp"
 #include "measure/contract/probe.hpp"
+#include "scene/toml/counted.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::analysis {
@@ -47,6 +49,7 @@ const char* word_of(Observation::Verdict verdict) {
     switch (verdict) {
         case Observation::Verdict::kept: return "kept";
         case Observation::Verdict::broken: return "BROKEN";
+        case Observation::Verdict::warned: return "warn";
         case Observation::Verdict::noted: break;
     }
     return "note";
@@ -57,15 +60,16 @@ bool show_trial(const ForeignForm& form, const std::optional<ForeignForm>& first
     std::vector<Observation> findings = measure::contract::try_contract(form, first ? &*first : nullptr);
     findings.push_back(measure::contract::observe_state(form));
     intersect::process::put_back_limits();  // the form may have lowered the limits, which the following output may need
-    int broken = 0;
-    for (const Observation& f : findings) broken += f.verdict == Observation::Verdict::broken;
+    const auto count = [&](Observation::Verdict v) { return std::ranges::count(findings, v, &Observation::verdict); };
+    const auto broken = count(Observation::Verdict::broken), warned = count(Observation::Verdict::warned);
     const Contract& c = form.contract;
-    fmt::print("{} in binary{}, {}: {}\n", c.name, c.bits, with_article(c.shape),
-               broken == 0 ? "keeps its promises" : fmt::format("{} of its promises broken", broken));
+    fmt::print("{} in binary{}, {}: {}{}\n", c.name, c.bits, with_article(c.shape),
+               broken == 0 ? "keeps its promises" : fmt::format("{} of its promises broken", broken),
+               warned == 0 ? "" : "; " + scene::toml::counted(static_cast<std::size_t>(warned), "warning"));
     if (!c.title.empty() && !quiet) fmt::print("  {}\n", c.title);
     if (!c.source.empty() && !quiet) fmt::print("  from {}\n", c.source);
     for (const Observation& f : findings) {
-        if (!quiet || f.verdict == Observation::Verdict::broken)
+        if (!quiet || f.verdict == Observation::Verdict::broken || f.verdict == Observation::Verdict::warned)
             fmt::print("  {:<6} {:<12} {}\n", word_of(f.verdict), f.subject, f.text);
     }
     std::fflush(stdout);  // before the next form, which may crash

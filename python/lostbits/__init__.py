@@ -16,7 +16,7 @@ from ._arrays import SHAPES
 from ._forms import Function, Intersector, intersector
 from ._forms import Function as function
 from ._library import EnvironmentFault, Error, InputError, NothingSelected, library
-from ._measure import (Suspicious, ask, assert_keeps, check, choose, consistency, explain, hits, inside, judge,
+from ._measure import (OpenMesh, Suspicious, ask, assert_keeps, check, choose, consistency, explain, hits, inside, judge,
                        judge_mesh, map, mend, offsets, render, study, sweep, trade, truth)
 from ._results import (Checked, Choice, Explanation, Hits, Inside, Judgement, Map, Mended, MeshJudgement, Study, Sweep,
                        Trade, Truths)
@@ -26,7 +26,7 @@ from ._trace import Unfollowed
 
 __version__: str = library.lostbits_version().decode()
 __all__ = ["Checked", "Choice", "EnvironmentFault", "Error", "Explanation", "Function", "Hits", "InputError", "Inside",
-           "Intersector", "Judgement", "Map", "Mended", "MeshJudgement", "NothingSelected", "SHAPES", "Scene", "Study",
-           "Suspicious", "Sweep", "Table", "Trade", "Truths", "Unfollowed", "ask", "assert_keeps", "check", "choose",
-           "consistency", "explain", "function", "hits", "inside", "intersector", "judge", "judge_mesh", "map", "mend",
-           "offsets", "render", "scene", "study", "sweep", "trade", "truth"]
+           "Intersector", "Judgement", "Map", "Mended", "MeshJudgement", "NothingSelected", "OpenMesh", "SHAPES", "Scene",
+           "Study", "Suspicious", "Sweep", "Table", "Trade", "Truths", "Unfollowed", "ask", "assert_keeps", "check",
+           "choose", "consistency", "explain", "function", "hits", "inside", "intersector", "judge", "judge_mesh", "map",
+           "mend", "offsets", "render", "scene", "study", "sweep", "trade", "truth"]

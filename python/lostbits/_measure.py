@@ -54,6 +54,10 @@ class Suspicious(UserWarning):
     """A function, or given answers, are wrong on most rays, and what mistake would explain it."""
 
 
+class OpenMesh(UserWarning):
+    """A mesh is not closed, or its faces do not all face the same side, so that a result depends on the ray chosen."""
+
+
 def _warn(result: lib.Handle) -> None:
     for text in texts_of(result):
         warnings.warn(text, Suspicious, stacklevel=3)
@@ -204,14 +208,22 @@ def inside(points: Floats, mesh: Any, *, threads: int = 0) -> Inside:
     `points`: n x 3 of float32 or float64. `mesh`: (vertices n x 3, faces m x 3), or a scene of meshes alone. The result:
     `.inside`, `.winding` (1 inside a closed mesh whose corners run counter-clockwise seen from outside), `.on_surface`
     (the winding is 0 there), `.crossings` of the ray that is counted, `.resolved`, and `.mesh`: the number of edges,
-    and of those that keep the mesh from being closed.
+    and of those that keep the mesh from being closed. Gives an lb.OpenMesh warning if there are such edges.
     """
     kept, array = array_of(points, "points", 3)
     if kept is None:
         raise lib.InputError("points is None; give an array, n x 3")
     on = _scene_of_mesh(mesh)
-    return Inside(tables_of(lib.long_call("lostbits_inside", on.handle.pointer, c.byref(array), c.c_size_t(len(kept)),
-                                          threads=threads)[1]))
+    found = Inside(tables_of(lib.long_call("lostbits_inside", on.handle.pointer, c.byref(array), c.c_size_t(len(kept)),
+                                           threads=threads)[1]))
+    if found.mesh["odd"] > 0:
+        warnings.warn(f"{found.mesh['odd']} of the {found.mesh['edges']} edges of the mesh belong to an odd number of "
+                      "faces, so the mesh is not closed; which points are inside depends on the ray", OpenMesh,
+                      stacklevel=2)
+    elif found.mesh["unbalanced"] > 0:
+        warnings.warn(f"at {found.mesh['unbalanced']} of the {found.mesh['edges']} edges of the mesh, more faces run one "
+                      "way than the other, so `winding` depends on the ray; `inside` does not", OpenMesh, stacklevel=2)
+    return found
 
 
 def judge_mesh(mesh: Any, o: Floats, d: Floats | None = None, *, ray: Any = None, primitive: Any = None,

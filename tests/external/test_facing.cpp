@@ -40,7 +40,7 @@ TEST_CASE("facing: plugin check names the missing property, and accepts a form w
              {"both", "the other side is met as well; leave facing out"},
              {"ahead", "say LB_MISS (origin_misses, at_origin=miss)"},
              {"plane", "a ray in its plane hits at t = 0; it should miss, since it does not cross it"},
-             {"other", "say LB_FACING_BACK (facing_back, facing=back)"}}) {
+             {"other", "the back is met, not the front as stated; say LB_FACING_BACK (facing_back, facing=back)"}}) {
         INFO(finding("bad." + form));
         CHECK(has(finding("bad." + form), says));
     }

@@ -1,6 +1,7 @@
 """Crossings of rays with meshes, and points inside of meshes, against rational numbers."""
 
 import unittest
+import warnings
 from fractions import Fraction
 
 import numpy as np
@@ -123,18 +124,24 @@ class Inside(unittest.TestCase):
             np.testing.assert_array_equal(found.inside, size < 1)
 
     def test_defects_that_keep_a_mesh_from_being_closed_are_counted(self):
-        def edges(faces):
-            return lb.inside(CUBE[:1] * 0.5, (CUBE, faces)).mesh
+        def edges(faces, says=""):
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                found = lb.inside(CUBE[:1] * 0.5, (CUBE, faces))
+            self.assertEqual([w.category for w in caught], [lb.OpenMesh] if says else [])
+            self.assertIn(says, str(caught[0].message) if says else "")
+            return found.mesh
         self.assertEqual(edges(FACES), {"edges": 18, "border": 0, "non_manifold": 0, "unbalanced": 0, "odd": 0,
                                         "duplicates": 0})
-        self.assertEqual(edges(FACES[1:]), {"edges": 18, "border": 3, "non_manifold": 0, "unbalanced": 3, "odd": 3,
+        not_closed = "3 of the 18 edges of the mesh belong to an odd number of faces"
+        self.assertEqual(edges(FACES[1:], not_closed), {"edges": 18, "border": 3, "non_manifold": 0, "unbalanced": 3, "odd": 3,
                                             "duplicates": 0})
         twice = np.concatenate([FACES, FACES[:1]])
-        self.assertEqual(edges(twice), {"edges": 18, "border": 0, "non_manifold": 3, "unbalanced": 3, "odd": 3,
+        self.assertEqual(edges(twice, not_closed), {"edges": 18, "border": 0, "non_manifold": 3, "unbalanced": 3, "odd": 3,
                                         "duplicates": 1})
         turned = FACES.copy()
         turned[0] = turned[0, ::-1]
-        self.assertEqual(edges(turned), {"edges": 18, "border": 0, "non_manifold": 0, "unbalanced": 3, "odd": 0,
+        self.assertEqual(edges(turned, "at 3 of the 18 edges"), {"edges": 18, "border": 0, "non_manifold": 0, "unbalanced": 3, "odd": 0,
                                          "duplicates": 0})
         # The parity of crossings does not ask which way a face is turned.
         self.assertTrue(lb.inside(np.array([[0.1, 0.2, 0.3]]), (CUBE, turned)).inside[0])

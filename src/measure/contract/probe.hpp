@@ -13,6 +13,7 @@ struct Observation {
     enum class Verdict {
         kept,    ///< it keeps the promise
         broken,  ///< it does something else
+        warned,  ///< nothing was promised, but answers are wrong
         noted    ///< nothing was promised; what it does is worth knowing
     };
     std::string subject;  ///< `direction`, `roots`, `touching`, …

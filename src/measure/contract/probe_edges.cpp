@@ -82,6 +82,12 @@ WrongCount wrong_at_scale(const Trial& trial, const Places& places, int power) {
     return found;
 }
 
+/// For example "383 of 2200 (17 %)".
+std::string share_text(std::size_t part, std::size_t whole) {
+    const double percent = 100.0 * static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(whole, 1));
+    return fmt::format("{} of {} ({:.3g} %)", part, whole, percent);
+}
+
 std::string power_text(int power) { return "2^" + std::to_string(power); }
 
 /// Words about the first scale at which far more is wrong than at 2^0.
@@ -109,7 +115,7 @@ void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution)
                 "{} of {} rays are answered wrongly that cross the surface near a place where its parts meet; the "
                 "first is {}{}",
                 plain.wrong, plain.asked, plain.first, oblique ? "; where axes lie along x, y or z it is right" : "");
-            return plain.is_many() && !oblique ? trial.broken(words) : trial.noted(words);
+            return plain.is_many() && !oblique ? trial.broken(words) : trial.warned(words);
         }
         for (const int power : scale_powers)
             if (const WrongCount found = wrong_at_scale(trial, places, power); found.is_many() && beyond.empty())
@@ -280,10 +286,11 @@ void try_mesh(Trial& trial) {
     }
     const bool everywhere = beyond == all_scales;
     if (all.all_passed() > 0)
-        return trial.noted(fmt::format(
-            "{} of {} rays at edges and {} of {} at vertices of closed meshes pass between the triangles: it claims "
-            "none of them; the first is {}{}",
-            all.passed[0], all.asked[0], all.passed[1], all.asked[1], all.first, everywhere ? "" : beyond));
+        return trial.warned(fmt::format(
+            "{} rays at edges and {} at vertices of closed meshes pass between the triangles: it claims none of them; "
+            "the first is {}{}",
+            share_text(all.passed[0], all.asked[0]), share_text(all.passed[1], all.asked[1]), all.first,
+            everywhere ? "" : beyond));
     const std::string words = fmt::format(
         "no ray passes between triangles, of {} at edges and {} at vertices of "
         "closed meshes{}",

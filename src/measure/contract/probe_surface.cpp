@@ -157,8 +157,11 @@ void try_facing(Trial& trial) {
 
 bool try_other_side(Trial& trial) {
     if (!is_flat(trial.shape) || trial.ask(along(trial.shape, 5, -1)).hit != 1) return false;
-    const Facing met = trial.contract.facing == Facing::front ? Facing::back : Facing::front;
-    trial.broken("only one of the two sides is met; say " + word_for(met));
+    const Facing stated = trial.contract.facing, met = stated == Facing::front ? Facing::back : Facing::front;
+    trial.broken((stated == Facing::front  ? "the back is met, not the front as stated"
+                  : stated == Facing::back ? "the front is met, not the back as stated"
+                                           : "only the front is met, not the back") +
+                 ("; say " + word_for(met)));
     return true;
 }
 

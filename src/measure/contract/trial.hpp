@@ -207,6 +207,7 @@ public:
 
     void kept(std::string words) { add(Observation::Verdict::kept, std::move(words)); }
     void broken(std::string words) { add(Observation::Verdict::broken, std::move(words)); }
+    void warned(std::string words) { add(Observation::Verdict::warned, std::move(words)); }
     void noted(std::string words) { add(Observation::Verdict::noted, std::move(words)); }
     void check(bool good, const std::string& yes, const std::string& no) {
         add(good ? Observation::Verdict::kept : Observation::Verdict::broken, good ? yes : no);

@@ -200,6 +200,7 @@ TEST_CASE("text that would hide a line or a face is refused", "[mesh]") {
               .starts_with("a.ply:9:25: a second list of the corners"));
     CHECK(error_of_file("a.ply", "ply\n" + vertices + faces + "end_header\n" + all + "3 0 1 2\n")
               .starts_with("a.ply:8:1: the header has no format line"));
+    CHECK(error_of_file("a.ply", "") == "a.ply:1:1: is not a PLY: its first line is not ply");
     CHECK(error_of_file("a.ply", "plx\n") == "a.ply:1:1: is not a PLY: its first line is not ply");
     const std::string bytes = as_ply_bytes<float>(scene::triangle::make_icosphere(0, {0, 0, 0}, 1), false);
     CHECK(has(error_of_file("a.ply", bytes + "abc"), ": 3 bytes follow the last element that the header names"));
