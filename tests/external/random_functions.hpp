@@ -73,7 +73,7 @@ private:
         const auto part = [&] { return expression(depth - 1 - below(2)); };
         switch (below(17)) {
             case 0: return "(" + part() + " * " + part() + ")";
-            case 1: return "(" + part() + " / " + part() + ")";
+            case 1: return quotient(part(), part());
             case 2:
             case 3: return "(" + part() + " + " + part() + ")";
             case 4:
@@ -90,6 +90,10 @@ private:
             case 15: return type_ == "float" ? "(float)((double)" + part() + " * " + part() + ")" : part();
             default: return "(" + part() + " * " + part() + ")";
         }
+    }
+    /// A quotient of numbers of type T or double. An integer divided by 0 has no defined value.
+    static std::string quotient(const std::string& a, const std::string& b) {
+        return (a.find('.') == std::string::npos ? "((T)" : "(") + a + " / " + b + ")";
     }
     std::string condition(int depth) {
         if (depth > 0 && below(4) == 0)

@@ -305,7 +305,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& named, const Comp
               is_ir ? compiler.file().string() : "");
     const std::size_t numbers = row_of(signature.contract.shape).numbers;
     const Walk::Answer answer = walk.run("lostbits_entry", static_cast<int>(6 + numbers + 1));
-    if (signature.t && answer.t == no_node) throw InputError(who + ": never writes t");
+    if (signature.t && answer.t == no_node) throw InputError(who + ": t is never written, or is undefined (as 3 / 0 is)");
     if (signature.sentinel.kind == MissValue::Kind::unknown)
         signature.sentinel = guessed_sentinel(nodes, answer.t, answer.far);
     if (const std::string words = sentinel_words(signature.sentinel); !words.empty())
