@@ -17,14 +17,14 @@ struct ThreeRay : InvertsProjection {
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const Vec<T> seen = multiplied_by_reciprocal_w(from_clip.point(clip_point(camera, pixel, T(1) / T(2))));
+        const Vec<T> point_ahead = multiplied_by_reciprocal_w(from_clip.point(clip_point(camera, pixel, T(1) / T(2))));
         const Vec<T> eye = camera.to_world.shift();
-        return {eye, unit_by_reciprocal(Vec<T>(camera.to_world.affine(seen) - eye))};
+        return {eye, unit_by_reciprocal(Vec<T>(camera.to_world.affine(point_ahead) - eye))};
     }
 };
 
-/// A picking ray in Babylon.js. The second point has z = 1 - 1e-8 for every range of depths: it is behind the near
-/// plane if z is reversed, and 1 itself in float.
+/// A picking ray in Babylon.js. The second point has z = 1 - 1e-8 for every range of depths: the point is behind the
+/// near plane if z is reversed, and its z rounds to 1 in float.
 struct BabylonRay : InvertsBoth {
     static constexpr RayGeneratorInfo info{
         .name = "babylon",
@@ -43,7 +43,7 @@ struct BabylonRay : InvertsBoth {
     }
 };
 
-/// Two calls of `unProject`, at the near plane and at the far one, as in tutorials on picking.
+/// Two calls of `unProject`, at the near plane and at the far plane, as in tutorials on picking.
 struct GlmRay : InvertsBoth {
     static constexpr RayGeneratorInfo info{
         .name = "glm",
@@ -60,8 +60,8 @@ struct GlmRay : InvertsBoth {
     }
 };
 
-/// A camera's ray in the samples of DirectX Raytracing. z = 0 is the near plane if z runs from 0 to 1, and the far one
-/// if it is reversed.
+/// A camera's ray in the samples of DirectX Raytracing. z = 0 is the near plane if z runs from 0 to 1, and the far
+/// plane if z is reversed.
 struct DxrRay : InvertsBoth {
     static constexpr RayGeneratorInfo info{
         .name = "dxr",
@@ -155,9 +155,9 @@ struct NvproRay {
         return {inverse(camera.projection), inverse(camera.view)};
     }
     template <Number T>
-    static Ray<T> ray(const CameraNumbers<T>& camera, const Inverses<T>& from, const Pixel<T>& pixel) {
-        const Vec<T> target = from.projection.point(clip_point(camera, pixel, T(1))).at;
-        return {from.view.shift(), from.view.linear(unit_of(target))};
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Inverses<T>& inverses, const Pixel<T>& pixel) {
+        const Vec<T> target = inverses.projection.point(clip_point(camera, pixel, T(1))).xyz;
+        return {inverses.view.shift(), inverses.view.linear(unit_of(target))};
     }
 };
 
@@ -195,8 +195,8 @@ struct OptixRay : AsStored {
     }
 };
 
-/// The middle of a pixel in the world and the vector to it from the eye, as in "Ray Tracing in One Weekend". The
-/// source does not normalise directions; here they are, by a quotient for each component.
+/// The middle of a pixel in the world and the vector to it from the eye, as in "Ray Tracing in One Weekend". The source
+/// does not normalise directions. Here they are normalised, by a quotient for each component.
 struct WeekendRay {
     static constexpr RayGeneratorInfo info{
         .name = "weekend",
@@ -214,8 +214,8 @@ struct WeekendRay {
     static Pixels<T> prepare(const CameraNumbers<T>& camera) {
         const T distance(10), two(2), half = T(1) / T(2);
         const Vec<T> u = two * camera.tan_x * distance * camera.right, v = -(two * camera.tan_y * distance) * camera.up;
-        const Vec<T> right = over(u, T(camera.width)), down = over(v, T(camera.height));
-        const Vec<T> corner = camera.eye + distance * camera.forward - over(u, two) - over(v, two);
+        const Vec<T> right = quotient(u, T(camera.width)), down = quotient(v, T(camera.height));
+        const Vec<T> corner = camera.eye + distance * camera.forward - quotient(u, two) - quotient(v, two);
         return {corner + half * Vec<T>(right + down), right, down};
     }
     template <Number T>
@@ -247,7 +247,7 @@ struct PbrtRay : AsStored {
     }
 };
 
-/// The ray of a pixel from the differentials of the one to its left.
+/// The ray of a pixel from the differentials of the pixel to its left.
 struct DifferentialsRay {
     static constexpr RayGeneratorInfo info{
         .name = "differentials",
@@ -269,7 +269,8 @@ struct DifferentialsRay {
     }
 };
 
-/// The inverse of projection and view without the eye's position, and the eye separately: camera-relative rendering.
+/// The inverse of projection and view without the position of the eye, which is added separately: camera-relative
+/// rendering.
 struct RelativeRay : AsStored {
     static constexpr RayGeneratorInfo info{
         .name = "relative",
@@ -288,21 +289,21 @@ struct RelativeRay : AsStored {
 /// Calls `act.template operator()<ThreeRay>()` for each ray generator in turn.
 template <class Act>
 constexpr void for_each_generator(const Act& act) {
-    const auto all = [&act]<class... M>() { (act.template operator()<M>(), ...); };
-    all.template operator()<ThreeRay,          //
-                            BabylonRay,        //
-                            GlmRay,            //
-                            DxrRay,            //
-                            UnrealRay,         //
-                            BevyRay,           //
-                            BevyViewRay,       //
-                            NvproRay,          //
-                            GodotRay,          //
-                            OptixRay,          //
-                            WeekendRay,        //
-                            PbrtRay,           //
-                            DifferentialsRay,  //
-                            RelativeRay>();
+    const auto act_on_all = [&act]<class... Generator>() { (act.template operator()<Generator>(), ...); };
+    act_on_all.template operator()<ThreeRay,          //
+                                   BabylonRay,        //
+                                   GlmRay,            //
+                                   DxrRay,            //
+                                   UnrealRay,         //
+                                   BevyRay,           //
+                                   BevyViewRay,       //
+                                   NvproRay,          //
+                                   GodotRay,          //
+                                   OptixRay,          //
+                                   WeekendRay,        //
+                                   PbrtRay,           //
+                                   DifferentialsRay,  //
+                                   RelativeRay>();
 }
 
 }  // namespace lostbits::scene::camera
