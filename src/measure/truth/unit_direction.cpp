@@ -25,7 +25,7 @@ E length_of(const Vec<double>& d) {
     return length(Vec<E>(E(d.x), E(d.y), E(d.z)));
 }
 
-double round_exactly(double coordinate, const Vec<double>& d, const FloatFormat& format) {
+double exact_component(double coordinate, const Vec<double>& d, const FloatFormat& format) {
     std::optional<Certified> last;
     for (int bits = 192; bits <= 8192; bits *= 2) {
         const Interval::Precision precision(bits);
@@ -46,19 +46,19 @@ Vec<double> unit_direction(const Vec<double>& d, const FloatFormat& format) {
     const Ball length = length_of<Ball>(d);
     const auto unit_component = [&](double x) {
         const auto from_ball = component(x, length, format);
-        return from_ball ? *from_ball : round_exactly(x, d, format);
+        return from_ball ? *from_ball : exact_component(x, d, format);
     };
     return Vec<double>(unit_component(d.x), unit_component(d.y), unit_component(d.z));
 }
 
 void make_unit(const std::array<std::span<double>, 3>& directions, const FloatFormat& format) {
-    constexpr std::size_t batch_size = 512;
-    double buffers[3][batch_size];
-    std::uint8_t settled[batch_size];
+    constexpr std::size_t block_size = 512;
+    double buffers[3][block_size];
+    std::uint8_t settled[block_size];
     const stages::Stages stages = stages::stages_of(shape_rows.front().shape, intersect::simd::current_isa());
     const bool native = format == binary32 || format == binary64;
-    for (std::size_t begin = 0; begin < directions[0].size(); begin += batch_size) {
-        const std::size_t count = std::min(batch_size, directions[0].size() - begin);
+    for (std::size_t begin = 0; begin < directions[0].size(); begin += block_size) {
+        const std::size_t count = std::min(block_size, directions[0].size() - begin);
         const std::size_t whole = native ? count - count % stages.lanes : 0;
         double* const at[3] = {directions[0].data() + begin, directions[1].data() + begin,
                                directions[2].data() + begin};

@@ -103,8 +103,8 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// Returns the comparison in front of the number, as in `> 0`.
 std::string comparison_of(const std::string& text) {
-    for (const char* each : {"<=", ">=", "<", ">", "="}) {
-        if (text.starts_with(each)) return each;
+    for (const char* comparison : {"<=", ">=", "<", ">", "="}) {
+        if (text.starts_with(comparison)) return comparison;
     }
     return "";
 }

@@ -32,7 +32,7 @@ Map composed(const Map& outer, const Map& inner) {
     return both;
 }
 
-bool is_zero(const Vec<Real>& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
+bool is_zero_vector(const Vec<Real>& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 
 /// Builds the map that takes the axes to three vectors.
 Map map_of_columns(const Vec<Real>& x, const Vec<Real>& y, const Vec<Real>& z, const Vec<Real>& shift) {
@@ -51,7 +51,7 @@ Map read_scale(TableReader& table) {
 /// Rotates the three axes by v cos φ + (a × v) sin φ + a (a·v)(1 − cos φ) about the unit axis a (Rodrigues).
 Map read_rotation(TableReader table) {
     const Vec<Real> axis_vector = table.vec3("axis");
-    if (is_zero(axis_vector)) table.fail_at("axis", "is zero, which is not a direction; write [0, 0, 1]");
+    if (is_zero_vector(axis_vector)) table.fail_at("axis", "is zero, which is not a direction; write [0, 0, 1]");
     const Real degrees = table.number("degrees");
     table.reject_unknown_keys();
     // Right angles are exact.
@@ -74,8 +74,9 @@ Map read_look_at(TableReader table) {
     table.read("up", up);
     table.reject_unknown_keys();
     const Vec<Real> view = to - from, across = cross(up, view);
-    if (is_zero(view)) table.fail_at("to", "equals from, which gives no direction; move one of them");
-    if (is_zero(across)) table.fail_at("up", "is zero or parallel to the direction of view, to - from; write another");
+    if (is_zero_vector(view)) table.fail_at("to", "equals from, which gives no direction; move one of them");
+    if (is_zero_vector(across))
+        table.fail_at("up", "is zero or parallel to the direction of view, to - from; write another");
     const Vec<Real> z = view / length(view), x = across / length(across);
     return map_of_columns(x, cross(z, x), z, from);
 }

@@ -111,7 +111,7 @@ RayBlock round_block(const RayBlock& block, const FloatFormat& f);
 std::vector<Primitive<double>> shared_primitives(const file::Scene& scene);
 
 /// The primitive with each number rounded once to F. A radius that rounds to zero stays, too.
-Primitive<double> round_primitive(const Primitive<Real>& spec, const FloatFormat& f);
+Primitive<double> round_primitive(const Primitive<Real>& primitive, const FloatFormat& f);
 Primitive<double> round_primitive(const Primitive<double>& primitive, const FloatFormat& f);
 
 /// The primitives of a scene as in a map: if inputs are shared, the primitives of all formats; else each number rounded
