@@ -26,8 +26,8 @@ struct FormatInputs {
     scene::rays::RayBlock unit_rays = {};
     /// Truth of these inputs; empty if they are the ideal inputs, or if no metric needs it.
     RayTruths stored_truth = {};
-    std::shared_ptr<const culling::PrimitiveIndex> truth_index =
-        {};  ///< index by which `stored_truth` was found; null: none
+    /// Index by which `stored_truth` was found; null: none.
+    std::shared_ptr<const culling::PrimitiveIndex> truth_index = {};
     /// Reach of the closed primitive's truth by `Perturbed` and `Length` (see `truth::reach`); empty unless requested.
     std::array<std::array<std::vector<double>, 2>, 2> reach = {};
     bool ideal = false;   ///< the inputs are exactly those of the truth

@@ -341,13 +341,13 @@ private:
     std::vector<std::uint8_t> open_;      ///< 1: columns do not settle the ray
     std::vector<std::size_t> pair_rays_;  ///< rays whose pairs are in `pairs_`
     std::vector<RayAndPrimitive> pairs_;
-    std::array<std::array<std::size_t, batch_size>, shape_rows.size()>
-        pair_indices_;  ///< indices into `pairs_` of the gathered pairs, by shape
+    /// Indices into `pairs_` of the gathered pairs, by shape.
+    std::array<std::array<std::size_t, batch_size>, shape_rows.size()> pair_indices_;
     std::array<stages::UnderMatrix, shape_rows.size()> matrices_;  ///< kind of matrix of the gathered pairs, by shape
     static constexpr std::size_t candidate_batch_size = 64;
     std::vector<std::uint32_t> candidates_;  ///< candidates of a batch of rays, one ray after the other
-    std::array<std::size_t, candidate_batch_size>
-        candidate_ends_;  ///< index in `candidates_` after those of each ray of the batch
+    /// Index in `candidates_` after those of each ray of the batch.
+    std::array<std::size_t, candidate_batch_size> candidate_ends_;
 };
 
 template <class S>

@@ -95,8 +95,8 @@ struct Terms {
     Convention convention;
     Range<double> range;
 
-    Terms(TruthLimit max_precision, Convention full_convention, Range<double> full_range)
-        : limit(max_precision), range(full_range) {
+    Terms(TruthLimit truth_limit, Convention full_convention, Range<double> full_range)
+        : limit(truth_limit), range(full_range) {
         if (full_convention.endless) range.tmax = HUGE_VAL;
         convention = convention_in(range, full_convention);
     }

@@ -205,14 +205,14 @@ bool RayTruths::put(std::size_t i, const Truth& truth) {
     touches[i] = truth.touches ? 1 : 0;
     on_surface[i] = truth.on_surface ? 1 : 0;
     bool is_exact = truth.decision != Truth::Decision::unresolved;
-    const auto store_length = [&](const Certified& x, Lengths& column) {
+    const auto store_length = [&](const Certified& x, Lengths& lengths) {
         const bool in_range = truth.is_hit() && !x.is_zero() && std::abs(x.exponent) <= 900;
         const auto scaled_part = [&](double part) {
             return in_range ? std::ldexp(part, static_cast<int>(x.exponent)) : 0;
         };
-        column.hi[i] = scaled_part(x.hi), column.lo[i] = scaled_part(x.lo), column.bound[i] = scaled_part(x.bound);
+        lengths.hi[i] = scaled_part(x.hi), lengths.lo[i] = scaled_part(x.lo), lengths.bound[i] = scaled_part(x.bound);
         is_exact =
-            is_exact && (!truth.is_hit() || are_equal(certified(column.hi[i], column.lo[i], column.bound[i]), x));
+            is_exact && (!truth.is_hit() || are_equal(certified(lengths.hi[i], lengths.lo[i], lengths.bound[i]), x));
     };
     store_length(truth.t, t);
     store_length(truth.distance, distance);

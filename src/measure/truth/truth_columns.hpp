@@ -133,8 +133,8 @@ template <class S>
 struct RaysAndPrimitives {
     const scene::rays::BasicRayBlock<S>& rays;
     const scene::rays::PrimitiveList<S>& primitives;
-    const culling::PrimitiveIndex* index =
-        nullptr;          ///< finds the primitives that a ray can meet; null: a ray can meet every primitive
+    /// Finds the primitives that a ray can meet; null: a ray can meet every primitive.
+    const culling::PrimitiveIndex* index = nullptr;
     bool paired = false;  ///< ray i can meet primitive i alone; all are of one shape
 };
 

@@ -101,8 +101,8 @@ struct CameraNumbers {
     Matrix4<T> to_world;      ///< the inverse of `view`: the axes and the eye
     /// The inverse of projection times view, and this inverse with the eye at the origin of the world.
     Matrix4<T> clip_to_world, clip_to_offset;
-    Matrix4<T>
-        raster_to_camera;  ///< from pixels, to the right and down, to the camera's space; z is 0 on the near plane
+    /// From pixels, to the right and down, to the camera's space; z is 0 on the near plane.
+    Matrix4<T> raster_to_camera;
 
     /// Applies `f` to each number, in this order.
     template <class F>

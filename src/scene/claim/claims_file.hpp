@@ -56,8 +56,8 @@ struct Claim {
     // given
     Subject subject;
     std::string form, format;  ///< no form if a row of a table takes its place
-    std::optional<intersect::Touching>
-        convention;  ///< convention by which the form is judged, closed or open; absent: the form's own
+    /// Convention by which the form is judged, closed or open; absent: the form's own.
+    std::optional<intersect::Touching> convention;
     /// Requirements on the machine: `isa-256`, `processors-2`. If one is not met, the claim is skipped.
     std::vector<std::string> requirements;
 

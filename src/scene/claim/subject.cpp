@@ -206,8 +206,8 @@ Subject read_search(TableReader& table, Claim& claim, std::string name) {
 struct Kind {
     std::string_view key;
     Subject (*read)(TableReader& table, Claim& claim, std::string name);
-    std::string_view no_position_reason =
-        {};  ///< message that `at`, `case` and `convention` have no meaning for this subject
+    /// Message that `at`, `case` and `convention` have no meaning for this subject.
+    std::string_view no_position_reason = {};
 };
 
 constexpr Kind timing{"timing", read_timing}, choice{"choose", read_choice}, repair{"mend", read_repair};

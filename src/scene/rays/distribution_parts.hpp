@@ -37,8 +37,8 @@ F of_one_view(F distribution) {
 inline double stored(double x) { return static_cast<double>(static_cast<float>(x)); }
 inline Vec<double> stored(const Vec<double>& v) { return {stored(v.x), stored(v.y), stored(v.z)}; }
 
-/// Reads the keys that every ray distribution has, and rejects all keys that were not read; call this function last.
-/// Missing keys keep their value in `distribution`.
+/// Reads the keys that every ray distribution has, and rejects all keys that were not requested; call this function
+/// last. Missing keys keep their value in `distribution`.
 template <class F>
 void read_common_keys(toml::TableReader& table, F& distribution) {
     table.read_number("direction_magnitude", distribution.direction_magnitude, 0x1p-120, 0x1p+120);

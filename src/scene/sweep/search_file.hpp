@@ -60,8 +60,8 @@ public:
     /// Part of the primitive at which rays are aimed, by the `aims` of the shape's ray distribution: a rim, an apex, a
     /// line of the side. If absent, rays are aimed at any point of the primitive.
     std::optional<int> aim;
-    SearchedRange distance{0x1p-10,
-                           0x1p20};  ///< from the eye to the part that `aim` names, in halves of the primitive's size
+    /// From the eye to the part that `aim` names, in halves of the primitive's size.
+    SearchedRange distance{0x1p-10, 0x1p20};
     /// Spheres only: if true, the worst ray is the wrong decision nearest to the sphere, in radii. The search does not
     /// end with the first wrong decision.
     bool nearest = false;

@@ -47,8 +47,8 @@ public:
               const SweepChanges& changes = {}, intersect::process::StopToken stop = {});
 
     std::vector<Axis> axes;  ///< one or two
-    std::optional<intersect::Touching>
-        convention;  ///< convention on touching by which all forms are judged; absent: each form's own
+    /// Convention on touching by which all forms are judged; absent: each form's own.
+    std::optional<intersect::Touching> convention;
 
     /// A predicted position on the first axis, which a plot marks. It is for one format, or for all if `format` is
     /// empty. If `form` is not empty, the measured onset of that form is drawn beside the mark.

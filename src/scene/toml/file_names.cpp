@@ -26,17 +26,17 @@ std::string result_name(const std::filesystem::path& file) {
 
 std::string nearby_file(const std::filesystem::path& path) {
     std::vector<std::string> names;
-    std::error_code none;
+    std::error_code ignored;
     const auto folder = path.parent_path();
-    for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder, none)) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder, ignored)) {
         if (entry.path().extension() == ".toml" && entry.path().filename() != path.filename())
             names.push_back(entry.path().filename().string());
     }
     std::ranges::sort(names);
     const std::string name = path.filename().string();
-    const bool bare = std::ranges::find(names, name + ".toml") != names.end();
-    const auto near = bare ? std::optional(name + ".toml") : closest(name, names);
-    return near ? "did you mean \"" + (folder / *near).string() + "\"?" : "";
+    const bool lacks_ending = std::ranges::find(names, name + ".toml") != names.end();
+    const auto closest_name = lacks_ending ? std::optional(name + ".toml") : closest(name, names);
+    return closest_name ? "did you mean \"" + (folder / *closest_name).string() + "\"?" : "";
 }
 
 std::string error_phrase(const std::filesystem::filesystem_error& error) {
