@@ -276,15 +276,17 @@ bool holds_for_all(std::size_t count, const Predicate& predicate) {
 }  // namespace
 
 bool Band::keeps_ray(const FormatInputs& inputs, std::size_t i) const {
-    const auto same = is_same;
+    const auto is_same_number = is_same;
     const auto same_vector = [&](const Vec<double>& stored, const auto& given) {
-        return same(stored.x, given.x) && same(stored.y, given.y) && same(stored.z, given.z);
+        return is_same_number(stored.x, given.x) && is_same_number(stored.y, given.y) &&
+               is_same_number(stored.z, given.z);
     };
     return with_ray(i, [&](const auto& ray, const auto&) {
         const Ray<double> stored = inputs.rays[i];
         if (!same_vector(stored.origin, ray.origin) || !same_vector(stored.direction, ray.direction)) return false;
         const Range<double> stored_range = inputs.rays.range(i), given_range = range(i);
-        return same(stored_range.tmin, given_range.tmin) && same(stored_range.tmax, given_range.tmax);
+        return is_same_number(stored_range.tmin, given_range.tmin) &&
+               is_same_number(stored_range.tmax, given_range.tmax);
     });
 }
 

@@ -257,11 +257,11 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
 /// Hit at the entry (`Crossing::near`) or exit of the line, through a cap or at a root.
 template <class E>
 Enclosed<E> enclosed_at(const CappedSpan<E>& s, Crossing crossing, bool touching, bool on_surface) {
-    const bool near = crossing == Crossing::near;
-    const Tri by_cap = near ? s.enters_by_cap() : s.leaves_by_cap();
+    const bool is_entry = crossing == Crossing::near;
+    const Tri by_cap = is_entry ? s.enters_by_cap() : s.leaves_by_cap();
     if (by_cap.is_unknown()) return {Tri::unknown};
     if (by_cap.is_no()) return enclosed_root(s.side, crossing, touching, on_surface);
-    const Fraction<E>& cap = near ? s.entry : s.exit;
+    const Fraction<E>& cap = is_entry ? s.entry : s.exit;
     const E t = cap.n / cap.m;
     return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, crossing};
 }

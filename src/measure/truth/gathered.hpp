@@ -173,11 +173,11 @@ public:
     /// Runs a stage on `count` problems from `begin` on. The findings are written from where `found` points to.
     void settle(const stages::ShapeStage<S>& stage, std::size_t lanes, std::size_t begin, std::size_t count,
                 const stages::RawFindings& found) const {
-        const std::size_t whole = count - count % lanes, rest_count = count - whole;
-        if (whole > 0) stage(raw_at(begin, whole, found));
+        const std::size_t whole_count = count - count % lanes, rest_count = count - whole_count;
+        if (whole_count > 0) stage(raw_at(begin, whole_count, found));
         if (rest_count == 0) return;
         std::array<std::size_t, most_lanes> rest_indices;
-        std::iota(rest_indices.begin(), rest_indices.end(), begin + whole);
+        std::iota(rest_indices.begin(), rest_indices.end(), begin + whole_count);
         auto& gathered = GatheredProblems<S>::of_thread();
         auto raw = gathered.gather(problems_, std::span(rest_indices).first(rest_count), lanes);
         raw.ranged = ranged_;
@@ -185,7 +185,7 @@ public:
         if (!found.distance.hi) raw.out.distance = {};
         stage(raw);
         const auto copy_rest = [&](const auto* source, auto* target) {
-            std::copy_n(source, rest_count, target + whole);
+            std::copy_n(source, rest_count, target + whole_count);
         };
         const auto copy_length = [&](const stages::RawLength& source, const stages::RawLength& target) {
             if (target.hi)

@@ -245,9 +245,9 @@ public:
     /// Calls `act(shape, ray)` in object space, with a ray that starts at the point at t.
     template <class Act>
     [[nodiscard]] auto with_ray_from(const WithinErrors& t, const Act& act) const {
-        const Ray<Differentiated> from{ray.origin + Differentiated(t) * ray.direction, ray.direction};
+        const Ray<Differentiated> moved_ray{ray.origin + Differentiated(t) * ray.direction, ray.direction};
         return visit_shape(primitive,
-                           [&]<template <class> class Of>() { return in_object_space<Of>(from, primitive, act); });
+                           [&]<template <class> class Of>() { return in_object_space<Of>(moved_ray, primitive, act); });
     }
     /// Calls `act(shape, ray)` in object space with the problem as it is stored.
     template <class Act>

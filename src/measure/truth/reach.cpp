@@ -141,9 +141,9 @@ struct Slab {
 };
 
 /// Slab between the ends of an axis, with all numbers multiplied by the length of the axis.
-Slab slab_of(const Vec<Differentiated>& from, const Vec<Differentiated>& to, const Ray<Differentiated>& ray) {
-    const Vec<Differentiated> axis = to - from;
-    return {dot(axis, Vec<Differentiated>(ray.origin - from)), dot(axis, Vec<Differentiated>(to - ray.origin)),
+Slab slab_of(const Vec<Differentiated>& base, const Vec<Differentiated>& top, const Ray<Differentiated>& ray) {
+    const Vec<Differentiated> axis = top - base;
+    return {dot(axis, Vec<Differentiated>(ray.origin - base)), dot(axis, Vec<Differentiated>(top - ray.origin)),
             dot(axis, ray.direction)};
 }
 
@@ -190,10 +190,10 @@ public:
                       LocalQuadratic(problem, ball(s.end, s.radius, ray))} {}
 
     [[nodiscard]] double moved() const {
-        const auto here = within(0);
-        const double first = moved_root(joined(here, here));
-        const auto passed = within(first);
-        return passed == here ? first : moved_root(joined(here, {true, true, true}));
+        const auto start_pieces = within(0);
+        const double first_bound = moved_root(joined(start_pieces, start_pieces));
+        const auto passed_pieces = within(first_bound);
+        return passed_pieces == start_pieces ? first_bound : moved_root(joined(start_pieces, {true, true, true}));
     }
 
 private:
@@ -213,26 +213,26 @@ private:
         const Differentiated v2 = square(v), zero(0);
         return {dot(m, n) / v2, square(m) / v2 - square(s.radius), square(n) / v2, zero, zero};
     }
-    /// Pieces in which the ray may be at any parameter between −time and time.
-    [[nodiscard]] Pieces within(double time) const {
-        const double path = time == 0 ? 0 : time * AllValues(slab_.across.value()).most() * outward;
+    /// Pieces in which the ray may be at any t between −`max_t` and `max_t`.
+    [[nodiscard]] Pieces within(double max_t) const {
+        const double path = max_t == 0 ? 0 : max_t * AllValues(slab_.across.value()).most() * outward;
         const AllValues low(slab_.from_low.value()), high(slab_.from_high.value());
         return {!(low.low - path > 0), !(low.high + path < 0) && !(high.high + path < 0), !(high.low - path > 0)};
     }
-    /// Bounds of P(t) and its slope over the pieces `here`, and of its second derivative over the pieces `passed`.
-    [[nodiscard]] LocalQuadratic joined(const Pieces& here, const Pieces& passed) const {
+    /// Bounds of P(t) and its slope over `start_pieces`, and of its second derivative over `passed_pieces`.
+    [[nodiscard]] LocalQuadratic joined(const Pieces& start_pieces, const Pieces& passed_pieces) const {
         std::optional<LocalQuadratic> bounds;
         for (std::size_t i = 0; i < 3; ++i) {
-            if (!here[i]) continue;
+            if (!start_pieces[i]) continue;
             if (!bounds) bounds = quadratics_[i];
             bounds->B = std::max(bounds->B, quadratics_[i].B), bounds->slope.join(quadratics_[i].slope);
         }
         for (std::size_t i = 0; i < 3; ++i) {
-            if (!passed[i]) continue;
+            if (!passed_pieces[i]) continue;
             bounds->least = std::min(bounds->least, quadratics_[i].least),
             bounds->most = std::max(bounds->most, quadratics_[i].most);
         }
-        const auto pieces = std::ranges::count(passed, true);
+        const auto pieces = std::ranges::count(passed_pieces, true);
         if (pieces > 1) bounds->unevenness = std::sqrt(bounds->most / bounds->least) * outward;
         return *bounds;
     }

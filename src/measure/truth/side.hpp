@@ -83,26 +83,26 @@ std::optional<int> side_of_root(const QuadraticSpan<E>& s, Crossing root, const 
 template <class E>
 std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
                            intersect::Convention convention) {
-    Crossing at = Crossing::far;
+    Crossing crossing = Crossing::far;
     if (range) {
         const Enclosed<E> found = enclose(s, range, convention);
         if (!found.hit.is_yes()) return std::nullopt;
-        at = found.at;
+        crossing = found.at;
     } else {
         const auto sign_of_c = sign(s.c);
         if (!sign_of_c) return std::nullopt;
-        if (*sign_of_c > 0) at = Crossing::near;
+        if (*sign_of_c > 0) crossing = Crossing::near;
     }
-    if (at == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
-    return side_of_root(s, at, m, length);
+    if (crossing == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
+    return side_of_root(s, crossing, m, length);
 }
 
 /// Order of the point where the line enters (`Crossing::near`) or leaves, relative to m > 0.
 template <class E>
 std::optional<int> side_at(const CappedSpan<E>& s, Crossing crossing, const E& m, Length length) {
-    const bool near = crossing == Crossing::near;
-    if ((near ? s.enters_by_cap() : s.leaves_by_cap()).is_yes())
-        return side_of_fraction(near ? s.entry : s.exit, s.d2, m, length);
+    const bool is_entry = crossing == Crossing::near;
+    if ((is_entry ? s.enters_by_cap() : s.leaves_by_cap()).is_yes())
+        return side_of_fraction(is_entry ? s.entry : s.exit, s.d2, m, length);
     return side_of_root(s.side, crossing, m, length);
 }
 template <class E>
@@ -243,7 +243,7 @@ private:
         return result_.roots.order(root, span_.place(range_->end.n));
     }
     /// Hit at the first root from index `root` on that counts; a miss if that root comes after the end of the range.
-    [[nodiscard]] RootHit<F> next_hit(int root, Crossing at = Crossing::near) {
+    [[nodiscard]] RootHit<F> next_hit(int root, Crossing crossing = Crossing::near) {
         const auto counts = [this](int i) {
             return result_.roots[i].crosses || convention_.touching == intersect::Touching::hit;
         };
@@ -252,9 +252,9 @@ private:
         const auto to_end = order_to_end(root);
         if (!to_end) return {Tri::unknown};
         if (*to_end > 0 || (*to_end == 0 && range_->open.tmax)) return finish(Tri::no);
-        const bool touching = !result_.roots[root].crosses || (*to_end == 0 && at == Crossing::near);
+        const bool touching = !result_.roots[root].crosses || (*to_end == 0 && crossing == Crossing::near);
         if (touching && convention_.touching == intersect::Touching::miss) return finish(Tri::no);
-        result_.root = root, result_.at = at, result_.touching = touching;
+        result_.root = root, result_.at = crossing, result_.touching = touching;
         return finish(Tri::yes);
     }
 

@@ -18,19 +18,23 @@ namespace {
 
 template <class S>
 Truth truth_of_ray(const ProblemColumns<S>& p, const ColumnTerms& terms, std::size_t i) {
-    const auto at = [i](std::span<const S> column) { return static_cast<double>(column[column.size() == 1 ? 0 : i]); };
+    const auto number_of_ray = [i](std::span<const S> column) {
+        return static_cast<double>(column[column.size() == 1 ? 0 : i]);
+    };
     const auto& r = p.ray;
     Primitive<double> primitive;
     primitive.shape = p.shape;
-    for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = at(p.primitive[k]);
+    for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = number_of_ray(p.primitive[k]);
     if (p.matrix.placed) {
         primitive.placed = Placement<double>{{}, p.matrix.is_inverse, p.matrix.orientation};
         for (std::size_t k = most_numbers; k < most_stored; ++k)
-            primitive.placed->matrix[k - most_numbers] = at(p.primitive[k]);
+            primitive.placed->matrix[k - most_numbers] = number_of_ray(p.primitive[k]);
     }
-    return find_truth({{at(r[0]), at(r[1]), at(r[2])}, {at(r[3]), at(r[4]), at(r[5])}}, primitive, terms.limit,
-                      terms.convention,
-                      {p.tmin.empty() ? 0 : at(p.tmin), p.tmax.empty() ? HUGE_VAL : at(p.tmax), p.open});
+    return find_truth(
+        {{number_of_ray(r[0]), number_of_ray(r[1]), number_of_ray(r[2])},
+         {number_of_ray(r[3]), number_of_ray(r[4]), number_of_ray(r[5])}},
+        primitive, terms.limit, terms.convention,
+        {p.tmin.empty() ? 0 : number_of_ray(p.tmin), p.tmax.empty() ? HUGE_VAL : number_of_ray(p.tmax), p.open});
 }
 
 /// Appends begin + i to `open` for each problem i that is not settled. Most problems are settled, so eight flags are

@@ -35,10 +35,10 @@ struct BabylonRay : InvertsBoth {
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const auto at = [&](const T& z) {
+        const auto point_at = [&](const T& z) {
             return multiplied_by_reciprocal_w(from_clip.point(clip_point(camera, pixel, z)));
         };
-        const Vec<T> near = at(camera.depth_near), far = at(T(1) - T(1) / T(100000000));
+        const Vec<T> near = point_at(camera.depth_near), far = point_at(T(1) - T(1) / T(100000000));
         return {near, unit_by_reciprocal(Vec<T>(far - near))};
     }
 };
@@ -54,8 +54,8 @@ struct GlmRay : InvertsBoth {
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
-        const Vec<T> near = at(camera.depth_near), far = at(camera.depth_far);
+        const auto point_at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
+        const Vec<T> near = point_at(camera.depth_near), far = point_at(camera.depth_far);
         return {near, unit_by_reciprocal(Vec<T>(far - near))};
     }
 };
@@ -92,8 +92,8 @@ struct UnrealRay {
     }
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
-        const Vec<T> start = at(camera.depth_near), end = at(depth_at(camera, T(1) / T(100)));
+        const auto point_at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
+        const Vec<T> start = point_at(camera.depth_near), end = point_at(depth_at(camera, T(1) / T(100)));
         return {start, unit_by_reciprocal(Vec<T>(end - start))};
     }
 };
@@ -114,8 +114,8 @@ struct BevyRay {
     }
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
-        const Vec<T> near = at(camera.depth_near), far = at(depth_at(camera, T(1) / T(8388608)));
+        const auto point_at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
+        const Vec<T> near = point_at(camera.depth_near), far = point_at(depth_at(camera, T(1) / T(8388608)));
         return {near, unit_of(Vec<T>(far - near))};
     }
 };
@@ -131,8 +131,8 @@ struct BevyViewRay : InvertsProjection {
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
-        const Vec<T> near = at(camera.depth_near), far = at(depth_at(camera, T(1) / T(8388608)));
+        const auto point_at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
+        const Vec<T> near = point_at(camera.depth_near), far = point_at(depth_at(camera, T(1) / T(8388608)));
         return {camera.to_world.affine(near), unit_of(camera.to_world.linear(Vec<T>(far - near)))};
     }
 };
@@ -173,8 +173,8 @@ struct GodotRay : AsStored {
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
         const auto& p = camera.projection.rows;
-        const Vec<T> at = clip_point(camera, pixel, T(0));
-        const Vec<T> local(at.x * (camera.near / p[0][0]), at.y * (camera.near / p[1][1]), -camera.near);
+        const Vec<T> clip = clip_point(camera, pixel, T(0));
+        const Vec<T> local(clip.x * (camera.near / p[0][0]), clip.y * (camera.near / p[1][1]), -camera.near);
         return {camera.eye, unit_of(camera.to_world.linear(unit_of(local)))};
     }
 };
@@ -189,9 +189,9 @@ struct OptixRay : AsStored {
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
-        const Vec<T> at = clip_point(camera, pixel, T(0));
+        const Vec<T> clip = clip_point(camera, pixel, T(0));
         const Vec<T> u = camera.tan_x * camera.right, v = camera.tan_y * camera.up;
-        return {camera.eye, unit_by_reciprocal(Vec<T>(at.x * u + at.y * v + camera.forward))};
+        return {camera.eye, unit_by_reciprocal(Vec<T>(clip.x * u + clip.y * v + camera.forward))};
     }
 };
 
@@ -259,8 +259,10 @@ struct DifferentialsRay {
     /// dxCamera: the width of a pixel on the near plane.
     template <Number T>
     static Vec<T> prepare(const CameraNumbers<T>& camera) {
-        const auto at = [&](int x) { return divided_by_w(camera.raster_to_camera.point({T(x), T(0), T(0)})); };
-        return at(1) - at(0);
+        const auto near_plane_point = [&](int x) {
+            return divided_by_w(camera.raster_to_camera.point({T(x), T(0), T(0)}));
+        };
+        return near_plane_point(1) - near_plane_point(0);
     }
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Vec<T>& step, const Pixel<T>& pixel) {

@@ -94,9 +94,9 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
             if (broken->key->limit != Key::Limit::at_least_before)
                 return fault_at(s, fmt::format("{} {}; or leave this ray out", broken->key->name,
                                                limit_phrase(*shape_, *broken->key)));
-            const std::size_t before = s - broken->key->count();
-            return fault_at(before, fmt::format("it is above {}, which is {}; {} has {} in each component",
-                                                slot_name(s), x[s], name, order_phrase(*broken->key)));
+            const std::size_t lower_slot = s - broken->key->count();
+            return fault_at(lower_slot, fmt::format("it is above {}, which is {}; {} has {} in each component",
+                                                    slot_name(s), x[s], name, order_phrase(*broken->key)));
         }
     }
     for (std::size_t s = slot::matrix; layout_.has_matrix() && s < slot::count; ++s) {

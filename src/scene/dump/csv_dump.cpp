@@ -90,7 +90,7 @@ CsvDump::CsvDump(const std::filesystem::path& path, const DumpOptions& options)
     parser_.emplace(terms().format);
 }
 
-std::string CsvDump::place(std::uint64_t line, std::size_t column) const {
+std::string CsvDump::position_text(std::uint64_t line, std::size_t column) const {
     return fmt::format("{}:{}:{}", source_.name(), line, column + 1);
 }
 
@@ -108,7 +108,7 @@ std::size_t CsvDump::find_end(std::size_t begin) {
         counted_end = found ? stop + 1 : stop;
         if (found && !in_quotes) return counted_end;
         if (counted_end - begin > longest_line)
-            throw InputError(place(line_, 0) +
+            throw InputError(position_text(line_, 0) +
                              ": is longer than a million characters; is this a CSV file? Raw numbers "
                              "are read with --columns");
         if (found) continue;
@@ -145,20 +145,20 @@ void CsvDump::read_header(const DumpOptions& options) {
     const char* fault = nullptr;
     for (std::string_view cell; cells.next(cell, fault);) {
         if (fault != nullptr)
-            throw InputError(place(header, cells.begin()) + ": " + fault + "; write \"\" for a quote");
+            throw InputError(position_text(header, cells.begin()) + ": " + fault + "; write \"\" for a quote");
         names.emplace_back(without_blanks(cell));
         begins.push_back(cells.begin());
     }
     if (names.size() == 1 && line.find_first_of(";\t") != std::string_view::npos)
-        throw InputError(place(header, line.find_first_of(";\t")) +
+        throw InputError(position_text(header, line.find_first_of(";\t")) +
                          ": the columns are not separated by commas; write commas between them");
     const std::string first = names.front();
     if (!first.empty() && first.find_first_not_of("0123456789+-.eEnaif") == std::string::npos)
-        throw InputError(place(header, 0) + ": \"" + first +
+        throw InputError(position_text(header, 0) + ": \"" + first +
                          "\" is a number, but the names of the columns are expected here; name them with --columns "
                          "ox,oy,oz,dx,dy,dz,… if the file has no header");
     layout_.emplace(std::move(names), [&](std::size_t c, const std::string& why) {
-        throw InputError(place(header, begins[c]) + ": " + why);
+        throw InputError(position_text(header, begins[c]) + ": " + why);
     });
     used_bytes_ = end;
 }
@@ -237,14 +237,14 @@ void CsvDump::decode_line(std::string_view line, std::uint64_t line_number, Chun
     std::size_t c = 0;
     for (std::string_view cell; cells.next(cell, fault); ++c) {
         if (fault != nullptr)
-            throw InputError(place(line_number, cells.begin()) + ": " + fault + "; write \"\" for a quote");
+            throw InputError(position_text(line_number, cells.begin()) + ": " + fault + "; write \"\" for a quote");
         if (c >= columns.size()) continue;
         if (columns[c].slot) {
             begins[*columns[c].slot] = cells.begin();
             const std::string_view text = without_blanks(cell);
             if (const std::string why = write_number(text, *columns[c].slot, writer); !why.empty())
-                throw InputError(
-                    fmt::format("{}: {} \"{}\" {}", place(line_number, cells.begin()), columns[c].name, text, why));
+                throw InputError(fmt::format("{}: {} \"{}\" {}", position_text(line_number, cells.begin()),
+                                             columns[c].name, text, why));
         }
         if (!columns[c].slot && !columns[c].skipped && terms().keep) chunk.kept.emplace_back(cell);
     }
@@ -252,9 +252,9 @@ void CsvDump::decode_line(std::string_view line, std::uint64_t line_number, Chun
         throw InputError(
             fmt::format("{}: has {} for {} columns; every record has one for each column, empty "
                         "if it has no value{}",
-                        place(line_number, 0), toml::counted(c, "cell"), columns.size(),
+                        position_text(line_number, 0), toml::counted(c, "cell"), columns.size(),
                         c < columns.size() ? " (or the file is cut short)" : ""));
-    writer.end_record([&](std::size_t s) { return place(line_number, begins[s]); });
+    writer.end_record([&](std::size_t s) { return position_text(line_number, begins[s]); });
 }
 
 }  // namespace lostbits::scene::dump

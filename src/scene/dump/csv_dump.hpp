@@ -26,7 +26,7 @@ private:
     void decode_line(std::string_view line, std::uint64_t line_number, ChunkWriter& writer, Chunk& chunk) const;
     /// Writes the text of a cell to a slot as a number. Returns the reason if this is not possible; else an empty text.
     [[nodiscard]] std::string write_number(std::string_view text, std::size_t slot, ChunkWriter& writer) const;
-    [[nodiscard]] std::string place(std::uint64_t line, std::size_t column) const;
+    [[nodiscard]] std::string position_text(std::uint64_t line, std::size_t column) const;
 
     toml::ByteSource source_;
     std::optional<Layout> layout_;

@@ -22,20 +22,20 @@ struct KnownName {
 };
 
 std::vector<KnownName> make_known_names() {
-    std::vector<KnownName> all;
-    const auto add = [&all](std::size_t slot, std::initializer_list<const char*> names) {
-        for (const char* const name : names) all.push_back({name, slot++});
+    std::vector<KnownName> known;
+    const auto add = [&known](std::size_t slot, std::initializer_list<const char*> names) {
+        for (const char* const name : names) known.push_back({name, slot++});
     };
     add(slot::origin, {"ox", "oy", "oz", "dx", "dy", "dz", "tmax", "tmin"});
     for (const ShapeRow& row : shape_rows)
         for (std::size_t k = 0; k < row.numbers; ++k)
-            all.push_back({column_names(row.shape)[k], slot::primitive + k, row.shape});
+            known.push_back({column_names(row.shape)[k], slot::primitive + k, row.shape});
     add(slot::t, {"t"});
     add(slot::hit, {"hit"});
     add(slot::object, {"object"});
     add(slot::hit_index, {"hit_index", "crossings", "parity", "inside"});
     for (std::size_t k = 0; k < matrix_columns.size(); ++k)
-        all.push_back({std::string(matrix_columns[k]), slot::matrix + k});
+        known.push_back({std::string(matrix_columns[k]), slot::matrix + k});
     // Names in the project's own tables and in other programs.
     add(slot::origin, {"px", "py", "pz"});
     add(slot::origin,
@@ -43,8 +43,8 @@ std::vector<KnownName> make_known_names() {
     for (const ShapeRow& row : shape_rows)
         for (std::size_t k = 0; k < row.numbers; ++k)
             for (std::string& name : other_column_names(row.shape, k))
-                all.push_back({std::move(name), slot::primitive + k, row.shape});
-    return all;
+                known.push_back({std::move(name), slot::primitive + k, row.shape});
+    return known;
 }
 
 const std::vector<KnownName>& known_names() {
@@ -75,10 +75,10 @@ struct NamedNumbers {
 
     /// True if no required number is missing.
     [[nodiscard]] bool are_whole() const {
-        bool whole = true;
+        bool is_complete = true;
         for (std::size_t k = 0; k < row_of(shape).numbers; ++k)
-            whole = whole && (slots.contains(slot::primitive + k) || is_optional(shape, k));
-        return whole;
+            is_complete = is_complete && (slots.contains(slot::primitive + k) || is_optional(shape, k));
+        return is_complete;
     }
 };
 
@@ -252,14 +252,16 @@ void Layout::require_complete(const Complain& complain) const {
     if (const auto names = lacks(0, slot::tmax, {}); !names.empty()) {
         // Every word of two letters is one edit away from many others, so ask only if one alone is known to be missing.
         for (const LayoutColumn& column : columns_) {
-            std::vector<std::string_view> near;
+            std::vector<std::string_view> similar_names;
             for (std::size_t s = 0; s < slot::tmax; ++s) {
                 const std::string_view name = name_of_slot(s, {});
-                if (!has(s) && !column.slot && toml::edit_distance(column.name, name) == 1) near.push_back(name);
+                if (!has(s) && !column.slot && toml::edit_distance(column.name, name) == 1)
+                    similar_names.push_back(name);
             }
-            if (near.size() == 1)
+            if (similar_names.size() == 1)
                 complain(static_cast<std::size_t>(&column - columns_.data()),
-                         fmt::format("a ray has no {}; is \"{}\" meant to be \"{}\"?", names, column.name, near[0]));
+                         fmt::format("a ray has no {}; is \"{}\" meant to be \"{}\"?", names, column.name,
+                                     similar_names[0]));
         }
         complain(0, fmt::format("a ray has no {}: the columns are \"{}\"; name ox,oy,oz,dx,dy,dz, and optionally tmin, "
                                 "tmax, hit and t (docs/judge.md lists these columns and those of a primitive)",

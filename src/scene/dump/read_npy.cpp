@@ -26,7 +26,7 @@ struct NpyHeader {
 
 class LiteralParser {
 public:
-    LiteralParser(std::string_view text, const std::string& where) : text_(text), error_start_(where) {}
+    LiteralParser(std::string_view text, const std::string& error_start) : text_(text), error_start_(error_start) {}
 
     [[noreturn]] void fail(const std::string& why) const {
         throw InputError(fmt::format("{}: byte {} of the header: {}; write the file again with numpy.save",
@@ -187,13 +187,13 @@ std::uint64_t product(const std::vector<std::uint64_t>& numbers) {
     return result;
 }
 
-ItemType type_of(const std::string& word, const std::string& name, const std::string& file) {
-    const auto type = find_item_type(word);
-    if (type && std::string_view("<>|=").find(word.front()) != std::string_view::npos) return *type;
+ItemType type_of(const std::string& type_name, const std::string& name, const std::string& file) {
+    const auto type = find_item_type(type_name);
+    if (type && std::string_view("<>|=").find(type_name.front()) != std::string_view::npos) return *type;
     throw InputError(
         fmt::format("{}: {}is of type '{}'; only floats of 2, 4 or 8 bytes, integers and booleans are supported; "
                     "convert it with astype('<f4') or astype('<f8')",
-                    file, name.empty() ? "" : "field '" + name + "' ", word));
+                    file, name.empty() ? "" : "field '" + name + "' ", type_name));
 }
 
 constexpr std::uint64_t most_record_bytes = std::uint64_t{1} << 20;

@@ -69,12 +69,12 @@ std::vector<std::string> lost_constants(const Scene& scene, const FloatFormat& f
     const bool shared = scene.inputs == Inputs::shared;
     std::size_t i = 0;
     transformed(*scene.march, [&](const Real& ideal) {
-        const double before = toml::round_to_format(ideal, shared ? binary32 : binary64),
-                     after = rounding::to_format(before, 0, f);
+        const double stored = toml::round_to_format(ideal, shared ? binary32 : binary64),
+                     rounded = rounding::to_format(stored, 0, f);
         const std::string_view name = intersect::march_number_names[i++];
-        if (before != 0 && (after == 0 || std::isinf(after)))
-            lost.push_back(fmt::format("{} = {:g} rounds to {}", name, before, after == 0 ? "0" : "infinity"));
-        return after;
+        if (stored != 0 && (rounded == 0 || std::isinf(rounded)))
+            lost.push_back(fmt::format("{} = {:g} rounds to {}", name, stored, rounded == 0 ? "0" : "infinity"));
+        return rounded;
     });
     return lost;
 }

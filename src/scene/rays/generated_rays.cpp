@@ -154,16 +154,16 @@ RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates
 }
 
 void RecordedRay::put_before(Tape& form) const {
-    Tape whole = tape;
-    whole.outputs = intersect::table::append(form, {ray.begin(), ray.end()}, whole);
-    form = std::move(whole);
+    Tape joined = tape;
+    joined.outputs = intersect::table::append(form, {ray.begin(), ray.end()}, joined);
+    form = std::move(joined);
 }
 
 bool RecordedRay::try_put_before(Tape& form) const {
     const auto is_same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
-    for (const TapeNode& n : form.nodes) {
-        const auto k = static_cast<std::size_t>(n.operands[0]);
-        if (n.op == TapeOp::input && k < ray.size() && !is_same(tape[ray[k]].value, n.value)) return false;
+    for (const TapeNode& node : form.nodes) {
+        const auto k = static_cast<std::size_t>(node.operands[0]);
+        if (node.op == TapeOp::input && k < ray.size() && !is_same(tape[ray[k]].value, node.value)) return false;
     }
     put_before(form);
     return true;

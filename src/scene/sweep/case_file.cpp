@@ -65,8 +65,8 @@ struct Symmetry {
                 // A mirror swaps the corners. Coordinates are not sorted, because −0 and +0 are equal, and each of them
                 // stays where the file has it. Corners that a format's rounding puts in the wrong order (1 + ulp to
                 // 1.0001) are swapped.
-                double& before = result.numbers[k + static_cast<std::size_t>(i) - 3];
-                if (before > x || (before == x && signs[i] < 0)) std::swap(before, x);
+                double& lower = result.numbers[k + static_cast<std::size_t>(i) - 3];
+                if (lower > x || (lower == x && signs[i] < 0)) std::swap(lower, x);
             }
         });
         return result;

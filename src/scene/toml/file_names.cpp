@@ -45,8 +45,8 @@ std::string error_phrase(const std::filesystem::filesystem_error& error) {
            "; check the path, and the links on it";
 }
 
-std::filesystem::path folder_of_data(const std::filesystem::path& data, const std::string& what) {
-    const std::filesystem::path folder = data / what;
+std::filesystem::path folder_of_data(const std::filesystem::path& data_dir, const std::string& folder_name) {
+    const std::filesystem::path folder = data_dir / folder_name;
     std::error_code error;
     const auto status = std::filesystem::status(folder, error);
     if (std::filesystem::is_directory(status)) return folder;
@@ -54,7 +54,7 @@ std::filesystem::path folder_of_data(const std::filesystem::path& data, const st
     throw InputError(
         folder.string() +
         (is_missing ? ": this folder does not exist; run in the project folder, or " : ": is not a folder; ") +
-        "name the folder that contains " + what + "/ with --data, or in LOSTBITS_DATA");
+        "name the folder that contains " + folder_name + "/ with --data, or in LOSTBITS_DATA");
 }
 
 }  // namespace lostbits::scene::toml
