@@ -87,8 +87,8 @@ void make_exact(const std::array<P, count>& problems, const mask_t<P>& value, co
 ///
 ///     steady   |g′ − g₁| ≤ 2|g₂|T + 3|g₃|T² + 4 g₄T³ ≤ |g₁|/2 on [0, T]: g is monotone there, and has one root or none
 ///     bent     |g″/2 − g₂| ≤ 3|g₃|T + 6 g₄T² ≤ |g₂|/2 on [0, T]: with s the sign of g₂, h = s g is convex there, and
-///              h″ ≥ |g₂|. If h(0) < 0, it has a root if h(T) > 0, and none if h(T) < 0. If h(0) > 0 and h′(0) ≥ 0, it
-///              has none. Nor has it any if h(m) > h′(m)²/(2|g₂|) at some m of [0, T], since h(t) ≥ h(m) + h′(m)(t − m)
+///              h″ ≥ |g₂|. If h(0) < 0, h has a root if h(T) > 0, and none if h(T) < 0. If h(0) > 0, h has no root if
+///              h′(0) ≥ 0, or if h(m) > h′(m)²/(2|g₂|) at some m of [0, T], since h(t) ≥ h(m) + h′(m)(t − m)
 ///              + |g₂|(t − m)²/2
 ///
 /// Let g have the sign of g₀ at a point of [0, T], and the other sign at a later point. Then the first root lies

@@ -44,8 +44,8 @@ std::optional<int> sign_of_sum(const E& u, const E& v, const E& a) {
     return *sign_of_u * *order;
 }
 
-/// Order of a length relative to m > 0: −1 below, 0 at, +1 above. The parameter is f.n/f.m. It is compared with m by
-/// the sign of f.n − m f.m, the distance by the sign of f.n² d2 − (m f.m)², where d2 is the square of the direction.
+/// Order of a length relative to m > 0: −1 below, 0 at, +1 above. The order of the parameter f.n/f.m is the sign of
+/// f.n − m f.m. The order of the distance is the sign of f.n² d2 − (m f.m)², where d2 is the square of the direction.
 template <class E>
 std::optional<int> side_of_fraction(const Fraction<E>& f, const E& d2, const E& m, Length length) {
     const E scaled_m = m * f.m;
@@ -312,8 +312,8 @@ struct QuadraticSurd {
     [[nodiscard]] std::optional<int> sign() const { return sign_of_sum<E>(u, v * d, d); }
 };
 
-/// Order of the root of a quartic that the ray hits, relative to m > 0. For a distance, the sign of `simple` at x is
-/// that of `simple` times d2 to the power of its degree, which is a `QuadraticSurd`.
+/// Order of the root of a quartic that the ray hits, relative to m > 0. For a distance, the sign of the polynomial
+/// `simple` is that of `simple` times d2 to the power of its degree, which is a `QuadraticSurd`.
 template <class E>
 std::optional<int> side_of(const QuarticSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
                            intersect::Convention convention) {
