@@ -22,7 +22,7 @@ using number::wide::ColumnOperation;
 using number::wide::known_exact;
 using number::wide::word_columns;
 
-/// Decisions are stored as they stand in registers: all bits of a lane, or none.
+/// Mask of a decision, which columns store as registers hold it: all bits of a lane are set, or none.
 template <class P>
 mask_t<P> mask_of(const P& x) {
     return mask_t<P>(x.words());
@@ -40,20 +40,22 @@ public:
     }
     void move_to(std::size_t pack) { pack_ = pack; }
 
-    [[nodiscard]] P word(std::size_t k) const { return P::load(at(k)); }
+    [[nodiscard]] P word(std::size_t k) const { return P::load(address(k)); }
     [[nodiscard]] mask_t<P> mask(std::size_t k) const { return mask_of(word(k)); }
-    void put(std::size_t k, const P& x) const { x.store(at(k)); }
-    void put(std::size_t k, const mask_t<P>& x) const { P(typename P::Words(x.registers())).store(at(k)); }
+    void store(std::size_t k, const P& x) const { x.store(address(k)); }
+    void store(std::size_t k, const mask_t<P>& x) const { P(typename P::Words(x.registers())).store(address(k)); }
 
 private:
-    [[nodiscard]] double* at(std::size_t k) const { return columns_[k] + pack_ * (all_move ? P::lanes : steps_[k]); }
+    [[nodiscard]] double* address(std::size_t k) const {
+        return columns_[k] + pack_ * (all_move ? P::lanes : steps_[k]);
+    }
 
     double* columns_[count];
     std::size_t steps_[count], pack_ = 0;
 };
 
-/// Calls `Step::run(cursor)` for each pack. (It is flattened itself: GCC keeps calls in a lambda of a flattened
-/// function.)
+/// Calls `Step::run(cursor)` for each pack. (This function is flattened itself: GCC keeps calls in a lambda of a
+/// flattened function.)
 template <class P, class Step, bool all_move>
 [[gnu::flatten]] void run_packs(double* scratch, const ColumnOperand* operands, std::size_t packs) {
     ColumnCursor<P, Step::columns, all_move> cursor(scratch, operands);
@@ -71,34 +73,34 @@ void run(double* scratch, const ColumnOperand* operands, std::size_t packs) {
 }
 
 template <ColumnOperation operation, class P>
-struct StepOfWords {
+struct WordStep {
     static constexpr std::size_t columns = word_columns(operation);
     template <class Cursor>
     [[gnu::always_inline]] static void run(const Cursor& c) {
         using enum ColumnOperation;
         using lostbits::abs;
         using lostbits::max;
-        if constexpr (operation == add) c.put(2, c.word(0) + c.word(1));
-        else if constexpr (operation == subtract) c.put(2, c.word(0) - c.word(1));
-        else if constexpr (operation == multiply) c.put(2, c.word(0) * c.word(1));
-        else if constexpr (operation == divide) c.put(2, c.word(0) / c.word(1));
-        else if constexpr (operation == negate) c.put(1, -c.word(0));
-        else if constexpr (operation == absolute) c.put(1, abs(c.word(0)));
-        else if constexpr (operation == largest) c.put(2, max(c.word(0), c.word(1)));
-        else if constexpr (operation == ColumnOperation::power_below) c.put(1, binade(c.word(0)));
-        else if constexpr (operation == choose) c.put(3, select(c.mask(0), c.word(1), c.word(2)));
-        else if constexpr (operation == less) c.put(2, c.word(0) < c.word(1));
-        else if constexpr (operation == at_most) c.put(2, c.word(0) <= c.word(1));
-        else if constexpr (operation == both) c.put(2, c.mask(0) && c.mask(1));
-        else if constexpr (operation == either) c.put(2, c.mask(0) || c.mask(1));
-        else if constexpr (operation == opposite) c.put(1, !c.mask(0));
+        if constexpr (operation == add) c.store(2, c.word(0) + c.word(1));
+        else if constexpr (operation == subtract) c.store(2, c.word(0) - c.word(1));
+        else if constexpr (operation == multiply) c.store(2, c.word(0) * c.word(1));
+        else if constexpr (operation == divide) c.store(2, c.word(0) / c.word(1));
+        else if constexpr (operation == negate) c.store(1, -c.word(0));
+        else if constexpr (operation == absolute) c.store(1, abs(c.word(0)));
+        else if constexpr (operation == largest) c.store(2, max(c.word(0), c.word(1)));
+        else if constexpr (operation == ColumnOperation::power_below) c.store(1, binade(c.word(0)));
+        else if constexpr (operation == choose) c.store(3, select(c.mask(0), c.word(1), c.word(2)));
+        else if constexpr (operation == less) c.store(2, c.word(0) < c.word(1));
+        else if constexpr (operation == at_most) c.store(2, c.word(0) <= c.word(1));
+        else if constexpr (operation == both) c.store(2, c.mask(0) && c.mask(1));
+        else if constexpr (operation == either) c.store(2, c.mask(0) || c.mask(1));
+        else if constexpr (operation == opposite) c.store(1, !c.mask(0));
         else if constexpr (operation == order_of_first_words) {
             const auto order = certain_order(c.word(0), c.word(1), c.word(2));
-            c.put(3, order.less.yes()), c.put(4, order.less.no());
-            c.put(5, order.at_most.yes()), c.put(6, order.at_most.no());
+            c.store(3, order.less.yes()), c.store(4, order.less.no());
+            c.store(5, order.at_most.yes()), c.store(6, order.at_most.no());
         } else if constexpr (operation == near_root_of_quartic) {
             const QuarticChain<P> chain(c.word(0), c.word(1), c.word(2), c.word(3));
-            c.put(6, near_first_root(chain, c.word(4), c.word(5), newton_steps));
+            c.store(6, near_first_root(chain, c.word(4), c.word(5), newton_steps));
         }
     }
 };
@@ -113,9 +115,9 @@ struct BoundedOperands {
     static constexpr bool has_two = !std::is_same_v<W, P>;
 
     static constexpr std::size_t index_of(std::size_t operand) {
-        std::size_t place = 0;
-        for (std::size_t k = 0; k < operand; ++k) place += (exact_mask >> k & 1) != 0 ? 1 : has_two ? 3 : 2;
-        return place;
+        std::size_t index = 0;
+        for (std::size_t k = 0; k < operand; ++k) index += (exact_mask >> k & 1) != 0 ? 1 : has_two ? 3 : 2;
+        return index;
     }
     /// Number of columns, for operands and results.
     static constexpr std::size_t columns(bool is_decision) {
@@ -123,46 +125,47 @@ struct BoundedOperands {
     }
     template <std::size_t k, class Cursor>
     [[gnu::always_inline]] static E load(const Cursor& c) {
-        constexpr std::size_t at = index_of(k);
-        if constexpr ((exact_mask >> k & 1) != 0) return E(W(c.word(at)), P(0));
-        else if constexpr (has_two) return E(W(c.word(at), c.word(at + 1)), c.word(at + 2));
-        else return E(c.word(at), c.word(at + 1));
+        constexpr std::size_t index = index_of(k);
+        if constexpr ((exact_mask >> k & 1) != 0) return E(W(c.word(index)), P(0));
+        else if constexpr (has_two) return E(W(c.word(index), c.word(index + 1)), c.word(index + 2));
+        else return E(c.word(index), c.word(index + 1));
     }
     template <class Cursor>
-    [[gnu::always_inline]] static void put(const Cursor& c, const E& x) {
-        constexpr std::size_t at = index_of(count);
-        c.put(at, x.first());
-        if constexpr (has_two) c.put(at + 1, x.second());
-        c.put(at + (has_two ? 2 : 1), x.bound());
+    [[gnu::always_inline]] static void store(const Cursor& c, const E& x) {
+        constexpr std::size_t index = index_of(count);
+        c.store(index, x.first());
+        if constexpr (has_two) c.store(index + 1, x.second());
+        c.store(index + (has_two ? 2 : 1), x.bound());
     }
     template <class Cursor>
-    [[gnu::always_inline]] static void put(const Cursor& c, const Tris<mask_t<P>>& x) {
-        c.put(index_of(count), x.yes()), c.put(index_of(count) + 1, x.no());
+    [[gnu::always_inline]] static void store(const Cursor& c, const Tris<mask_t<P>>& x) {
+        c.store(index_of(count), x.yes()), c.store(index_of(count) + 1, x.no());
     }
 };
 
 template <ColumnOperation operation, class E, class... Es>
-[[gnu::always_inline]] inline auto result_of(const E& a, const Es&... more) {
+[[gnu::always_inline]] inline auto result_of(const E& a, const Es&... others) {
     using enum ColumnOperation;
-    if constexpr (operation == squared) return square(a, more...);
-    else if constexpr (operation == root) return sqrt(a, more...);
-    else if constexpr (operation == sum) return (a + ... + more);
-    else if constexpr (operation == difference) return (a - ... - more);
-    else if constexpr (operation == product) return (a * ... * more);
-    else if constexpr (operation == quotient) return (a / ... / more);
-    else if constexpr (operation == is_less) return (a < ... < more);
-    else if constexpr (operation == is_at_most) return (a <= ... <= more);
-    else if constexpr (operation == ColumnOperation::product_difference) return difference_of_products(a, more...);
-    else if constexpr (operation == ColumnOperation::product_sum) return sum_of_products(a, more...);
-    else if constexpr (operation == ColumnOperation::square_sum) return sum_of_squares(a, more...);
+    if constexpr (operation == squared) return square(a, others...);
+    else if constexpr (operation == root) return sqrt(a, others...);
+    else if constexpr (operation == sum) return (a + ... + others);
+    else if constexpr (operation == difference) return (a - ... - others);
+    else if constexpr (operation == product) return (a * ... * others);
+    else if constexpr (operation == quotient) return (a / ... / others);
+    else if constexpr (operation == is_less) return (a < ... < others);
+    else if constexpr (operation == is_at_most) return (a <= ... <= others);
+    else if constexpr (operation == ColumnOperation::product_difference) return difference_of_products(a, others...);
+    else if constexpr (operation == ColumnOperation::product_sum) return sum_of_products(a, others...);
+    else if constexpr (operation == ColumnOperation::square_sum) return sum_of_squares(a, others...);
 }
 
 template <ColumnOperation operation, unsigned exact_mask, class W>
 struct BoundedStep {
     static constexpr std::size_t count = bounded_operands(operation);
-    static constexpr bool decides = operation == ColumnOperation::is_less || operation == ColumnOperation::is_at_most;
+    static constexpr bool is_decision =
+        operation == ColumnOperation::is_less || operation == ColumnOperation::is_at_most;
     using Operands = BoundedOperands<W, exact_mask, count>;
-    static constexpr std::size_t columns = Operands::columns(decides);
+    static constexpr std::size_t columns = Operands::columns(is_decision);
 
     template <class Cursor>
     [[gnu::always_inline]] static void run(const Cursor& c) {
@@ -172,16 +175,16 @@ struct BoundedStep {
 private:
     template <class Cursor, std::size_t... k>
     [[gnu::always_inline]] static void run(const Cursor& c, std::index_sequence<k...>) {
-        Operands::put(c, result_of<operation>(Operands::template load<k>(c)...));
+        Operands::store(c, result_of<operation>(Operands::template load<k>(c)...));
     }
 };
 
 template <class W, ColumnOperation operation>
-void fill_kernels(ColumnKernels::OfOperation& kernels) {
+void fill_kernels(ColumnKernels::OperationKernels& kernels) {
     using P = typename Running<W>::P;
     constexpr std::size_t operands = bounded_operands(operation);
     if constexpr (operands == 0) {
-        kernels.fill(run<P, StepOfWords<operation, P>>);
+        kernels.fill(run<P, WordStep<operation, P>>);
     } else {
         [&]<std::size_t... masks>(std::index_sequence<masks...>) {
             const auto fill = [&]<std::size_t mask>() {
@@ -194,7 +197,7 @@ void fill_kernels(ColumnKernels::OfOperation& kernels) {
     }
 }
 template <class W>
-void fill_kernels(ColumnKernels::OfWords& kernels) {
+void fill_kernels(ColumnKernels::WordKernels& kernels) {
     [&]<std::size_t... k>(std::index_sequence<k...>) {
         (fill_kernels<W, static_cast<ColumnOperation>(k)>(kernels[k]), ...);
     }
@@ -204,43 +207,44 @@ void fill_kernels(ColumnKernels::OfWords& kernels) {
 template <class P>
 struct ColumnMoves {
     template <class S>
-    static void load(const RawColumn<S>& from, std::size_t first, double* to, std::size_t packs) {
+    static void load(const RawColumn<S>& source, std::size_t first, double* target, std::size_t packs) {
         for (std::size_t i = 0; i < packs; ++i)
-            P::load(from.from + (first + i * P::lanes) * from.step).store(to + i * P::lanes);
+            P::load(source.from + (first + i * P::lanes) * source.step).store(target + i * P::lanes);
     }
-    static void repeat(double x, double* to) { P(x).store(to); }
+    static void repeat(double x, double* target) { P(x).store(target); }
     static bool is_any(const double* mask, std::size_t packs) {
         mask_t<P> any = mask_of(P::load(mask));
         for (std::size_t i = 1; i < packs; ++i) any = any || mask_of(P::load(mask + i * P::lanes));
         return any_of(any);
     }
-    static void store_mask(const CellsOfColumn& mask, std::uint8_t* to, std::size_t packs) {
+    static void store_mask(const ColumnCells& mask, std::uint8_t* target, std::size_t packs) {
         for (std::size_t i = 0; i < packs; ++i) {
             bool lanes[P::lanes];
-            mask_of(at(mask, i)).store(lanes);
-            std::memcpy(to + i * P::lanes, lanes, P::lanes);
+            mask_of(pack_at(mask, i)).store(lanes);
+            std::memcpy(target + i * P::lanes, lanes, P::lanes);
         }
     }
-    static void store_where(const CellsOfColumn& mask, const CellsOfColumn& x, double* to, std::size_t packs) {
-        for (std::size_t i = 0; i < packs; ++i) select(mask_of(at(mask, i)), at(x, i), P(0)).store(to + i * P::lanes);
+    static void store_where(const ColumnCells& mask, const ColumnCells& x, double* target, std::size_t packs) {
+        for (std::size_t i = 0; i < packs; ++i)
+            select(mask_of(pack_at(mask, i)), pack_at(x, i), P(0)).store(target + i * P::lanes);
     }
 
 private:
-    static P at(const CellsOfColumn& column, std::size_t pack) { return P::load(column.from + pack * column.step); }
+    static P pack_at(const ColumnCells& column, std::size_t pack) { return P::load(column.from + pack * column.step); }
 };
 
 template <class P>
 ColumnKernels column_kernels() {
-    ColumnKernels all{.lanes = P::lanes,
-                      .load_floats = ColumnMoves<P>::template load<float>,
-                      .load_doubles = ColumnMoves<P>::template load<double>,
-                      .repeat = ColumnMoves<P>::repeat,
-                      .is_any = ColumnMoves<P>::is_any,
-                      .store_mask = ColumnMoves<P>::store_mask,
-                      .store_where = ColumnMoves<P>::store_where};
-    fill_kernels<P>(all.of[0]);
-    fill_kernels<TwoWords<P>>(all.of[1]);
-    return all;
+    ColumnKernels kernels{.lanes = P::lanes,
+                          .load_floats = ColumnMoves<P>::template load<float>,
+                          .load_doubles = ColumnMoves<P>::template load<double>,
+                          .repeat = ColumnMoves<P>::repeat,
+                          .is_any = ColumnMoves<P>::is_any,
+                          .store_mask = ColumnMoves<P>::store_mask,
+                          .store_where = ColumnMoves<P>::store_where};
+    fill_kernels<P>(kernels.by_words[0]);
+    fill_kernels<TwoWords<P>>(kernels.by_words[1]);
+    return kernels;
 }
 
 }  // namespace lostbits::measure::stages

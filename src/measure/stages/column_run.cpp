@@ -17,8 +17,8 @@ namespace {
 /// Number of rays in a block. The columns of most programs then stay in the second-level cache, and many rays share the
 /// cost of a kernel call.
 constexpr std::size_t block = 128;
-/// Doubles from the start of one column to the next. This is not a multiple of 4096 bytes, because the processor would
-/// take a load for one that depends on a recent store.
+/// Number of doubles from the start of one column to the next. The distance is not a multiple of 4096 bytes, because
+/// the processor would then treat a load as one that depends on a recent store.
 constexpr std::size_t column_step = block + 8;
 constexpr std::size_t most_lanes = 8;
 
@@ -41,112 +41,119 @@ double* scratch_of_thread(std::size_t doubles) {
 /// Layout of a program's columns in its buffer.
 class ColumnRun::Layout {
 public:
-    Layout(const ColumnProgram& program, std::size_t lanes, std::uint64_t same)
-        : program_(program), lanes_(lanes), at_(program.columns), constant_at_(program.constants.size()) {
-        for (std::size_t k = 0; k < program.inputs; ++k) at_[k].once = (same >> k & 1) != 0;
+    Layout(const ColumnProgram& program, std::size_t lanes, std::uint64_t shared_inputs)
+        : program_(program), lanes_(lanes), columns_(program.columns), constant_offsets_(program.constants.size()) {
+        for (std::size_t k = 0; k < program.inputs; ++k) columns_[k].is_shared = (shared_inputs >> k & 1) != 0;
         find_last_uses();
-        for (std::size_t k = 0; k < program.constants.size(); ++k) constant_at_[k] = next_once();
+        for (std::size_t k = 0; k < program.constants.size(); ++k) constant_offsets_[k] = take_shared_offset();
         for (std::size_t k = 0; k < program.inputs; ++k)
-            if (at_[k].last >= 0) place(at_[k]);
+            if (columns_[k].last_use >= 0) assign_offset(columns_[k]);
     }
-    /// Places the results of an instruction. They reuse the columns of operands that it reads for the last time, if
-    /// there are any.
-    void step(const ColumnInstruction& one, std::ptrdiff_t number) {
-        for (std::size_t k = 0; k < one.ins; ++k) release(one.in[k], number);
-        for (std::size_t k = 0; k < one.outs; ++k) {
-            Column& column = of(one.out[k]);
-            column.once = is_once(one);
-            place(column);
-            if (column.last < 0) release(one.out[k], column.last);
+    /// Places the results of an instruction. The results reuse the columns of operands that this instruction reads for
+    /// the last time, if there are any.
+    void place_results(const ColumnInstruction& instruction, std::ptrdiff_t index) {
+        for (std::size_t k = 0; k < instruction.ins; ++k) release(instruction.in[k], index);
+        for (std::size_t k = 0; k < instruction.outs; ++k) {
+            Column& column = column_at(instruction.out[k]);
+            column.is_shared = is_shared(instruction);
+            assign_offset(column);
+            if (column.last_use < 0) release(instruction.out[k], column.last_use);
         }
     }
-    [[nodiscard]] bool is_once(const ColumnInstruction& one) const {
-        return std::all_of(one.in.begin(), one.in.begin() + one.ins,
-                           [this](ColumnIndex place) { return place < 0 || of(place).once; });
+    [[nodiscard]] bool is_shared(const ColumnInstruction& instruction) const {
+        return std::all_of(
+            instruction.in.begin(), instruction.in.begin() + instruction.ins,
+            [this](ColumnIndex column_index) { return column_index < 0 || column_at(column_index).is_shared; });
     }
-    [[nodiscard]] ColumnOperand operand(ColumnIndex place) const {
-        if (place < 0) return {constant_at_[static_cast<std::size_t>(-1 - place)], 0};
-        const Column& column = of(place);
-        return {column.offset, column.once ? 0 : static_cast<std::uint32_t>(lanes_)};
+    [[nodiscard]] ColumnOperand operand(ColumnIndex column_index) const {
+        if (column_index < 0) return {constant_offsets_[static_cast<std::size_t>(-1 - column_index)], 0};
+        const Column& column = column_at(column_index);
+        return {column.offset, column.is_shared ? 0 : static_cast<std::uint32_t>(lanes_)};
     }
-    [[nodiscard]] bool is_read(std::size_t input) const { return at_[input].last >= 0; }
-    [[nodiscard]] bool is_once(std::size_t input) const { return at_[input].once; }
+    [[nodiscard]] bool is_read(std::size_t input) const { return columns_[input].last_use >= 0; }
+    [[nodiscard]] bool is_shared(std::size_t input) const { return columns_[input].is_shared; }
     [[nodiscard]] std::size_t size() const { return size_; }
 
 private:
     struct Column {
-        bool once = false;
+        bool is_shared = false;
         std::uint32_t offset = 0;
-        std::ptrdiff_t last = -1;  ///< index of the instruction that reads it last; −1: none
+        std::ptrdiff_t last_use = -1;  ///< index of the last instruction that reads the column; −1: none
     };
     static constexpr std::ptrdiff_t never = std::numeric_limits<std::ptrdiff_t>::max();
 
     void find_last_uses() {
-        std::ptrdiff_t number = 0;
-        for (const ColumnInstruction& one : program_.instructions) {
-            for (std::size_t k = 0; k < one.ins; ++k)
-                if (one.in[k] >= 0) of(one.in[k]).last = number;
-            ++number;
+        std::ptrdiff_t index = 0;
+        for (const ColumnInstruction& instruction : program_.instructions) {
+            for (std::size_t k = 0; k < instruction.ins; ++k)
+                if (instruction.in[k] >= 0) column_at(instruction.in[k]).last_use = index;
+            ++index;
         }
-        for (const ColumnIndex place : program_.outputs)
-            if (place >= 0) of(place).last = never;
+        for (const ColumnIndex column_index : program_.outputs)
+            if (column_index >= 0) column_at(column_index).last_use = never;
     }
-    void place(Column& column) {
-        if (column.once) {
-            column.offset = next_once();
-        } else if (!free_.empty()) {
-            column.offset = free_.back(), free_.pop_back();
+    void assign_offset(Column& column) {
+        if (column.is_shared) {
+            column.offset = take_shared_offset();
+        } else if (!free_offsets_.empty()) {
+            column.offset = free_offsets_.back(), free_offsets_.pop_back();
         } else {
             column.offset = static_cast<std::uint32_t>(size_), size_ += column_step;
         }
     }
-    void release(ColumnIndex place, std::ptrdiff_t number) {
-        if (place < 0) return;
-        const Column& column = of(place);
-        if (column.once || column.last != number) return;
-        if (std::ranges::find(free_, column.offset) == free_.end()) free_.push_back(column.offset);
+    void release(ColumnIndex column_index, std::ptrdiff_t index) {
+        if (column_index < 0) return;
+        const Column& column = column_at(column_index);
+        if (column.is_shared || column.last_use != index) return;
+        if (std::ranges::find(free_offsets_, column.offset) == free_offsets_.end())
+            free_offsets_.push_back(column.offset);
     }
-    std::uint32_t next_once() {
+    std::uint32_t take_shared_offset() {
         const auto offset = static_cast<std::uint32_t>(size_);
         size_ += most_lanes;
         return offset;
     }
-    Column& of(ColumnIndex place) { return at_[static_cast<std::size_t>(place)]; }
-    [[nodiscard]] const Column& of(ColumnIndex place) const { return at_[static_cast<std::size_t>(place)]; }
+    Column& column_at(ColumnIndex column_index) { return columns_[static_cast<std::size_t>(column_index)]; }
+    [[nodiscard]] const Column& column_at(ColumnIndex column_index) const {
+        return columns_[static_cast<std::size_t>(column_index)];
+    }
 
     const ColumnProgram& program_;
     std::size_t lanes_;
-    std::vector<Column> at_;
-    std::vector<std::uint32_t> constant_at_, free_;
+    std::vector<Column> columns_;
+    std::vector<std::uint32_t> constant_offsets_, free_offsets_;
     std::size_t size_ = 0;
 };
 
-ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels, std::uint64_t same)
+ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels, std::uint64_t shared_inputs)
     : kernels_(&kernels) {
-    Layout layout(program, kernels.lanes, same);
-    std::vector<std::pair<std::size_t, const ColumnInstruction*>> first_operand;
+    Layout layout(program, kernels.lanes, shared_inputs);
+    std::vector<std::pair<std::size_t, const ColumnInstruction*>> first_operands;
     for (std::size_t k = 0; k < program.constants.size(); ++k)
         constants_.emplace_back(program.constants[k],
                                 layout.operand(static_cast<ColumnIndex>(-1 - static_cast<int>(k))).offset);
     for (std::size_t k = 0; k < program.inputs; ++k) {
         if (!layout.is_read(k)) continue;
-        (layout.is_once(k) ? once_in_ : each_in_).push_back({k, layout.operand(static_cast<ColumnIndex>(k)).offset});
+        (layout.is_shared(k) ? shared_inputs_ : ray_inputs_)
+            .push_back({k, layout.operand(static_cast<ColumnIndex>(k)).offset});
     }
-    std::ptrdiff_t number = 0;
-    for (const ColumnInstruction& one : program.instructions) {
-        first_operand.emplace_back(operands_.size(), &one);
-        for (std::size_t k = 0; k < one.ins; ++k) operands_.push_back(layout.operand(one.in[k]));
-        layout.step(one, number++);
-        for (std::size_t k = 0; k < one.outs; ++k) operands_.push_back(layout.operand(one.out[k]));
+    std::ptrdiff_t index = 0;
+    for (const ColumnInstruction& instruction : program.instructions) {
+        first_operands.emplace_back(operands_.size(), &instruction);
+        for (std::size_t k = 0; k < instruction.ins; ++k) operands_.push_back(layout.operand(instruction.in[k]));
+        layout.place_results(instruction, index++);
+        for (std::size_t k = 0; k < instruction.outs; ++k) operands_.push_back(layout.operand(instruction.out[k]));
     }
-    for (const auto& [first, one] : first_operand) {
-        const bool is_gate = one->operation == ColumnOperation::gate, once = !is_gate && layout.is_once(*one);
-        const auto& of_words = kernels.of[static_cast<std::size_t>(program.words - 1)];
-        const auto& of = of_words[static_cast<std::size_t>(one->operation)];
-        (once ? once_ : each_)
-            .push_back({is_gate ? nullptr : of[one->exact], &operands_[first], is_of_masks(one->operation)});
+    for (const auto& [first_operand, instruction] : first_operands) {
+        const bool is_gate = instruction->operation == ColumnOperation::gate,
+                   is_shared = !is_gate && layout.is_shared(*instruction);
+        const auto& word_kernels = kernels.by_words[static_cast<std::size_t>(program.words - 1)];
+        const auto& operation_kernels = word_kernels[static_cast<std::size_t>(instruction->operation)];
+        (is_shared ? shared_steps_ : ray_steps_)
+            .push_back({is_gate ? nullptr : operation_kernels[instruction->exact], &operands_[first_operand],
+                        is_of_masks(instruction->operation)});
     }
-    for (const ColumnIndex place : program.outputs) outputs_.push_back(layout.operand(place));
+    for (const ColumnIndex column_index : program.outputs) outputs_.push_back(layout.operand(column_index));
     scratch_size_ = layout.size();
 }
 
@@ -160,44 +167,45 @@ void ColumnRun::run(const RawProblems<S>& p) const {
         return input >= input_of_primitive ? p.primitive[input - input_of_primitive] : p.ray[input];
     };
     const auto load = [&](const std::vector<Input>& inputs, double* scratch, std::size_t first, std::size_t packs) {
-        for (const Input& one : inputs) {
+        for (const Input& input_column : inputs) {
             if constexpr (std::is_same_v<S, float>)
-                kernels_->load_floats(column(one.input), first, scratch + one.offset, packs);
-            else kernels_->load_doubles(column(one.input), first, scratch + one.offset, packs);
+                kernels_->load_floats(column(input_column.input), first, scratch + input_column.offset, packs);
+            else kernels_->load_doubles(column(input_column.input), first, scratch + input_column.offset, packs);
         }
     };
     double* const scratch = scratch_of_thread(scratch_size_);
     const std::size_t lanes = kernels_->lanes;
-    for (const auto& [x, offset] : constants_) kernels_->repeat(x, scratch + offset);
-    load(once_in_, scratch, 0, 1);
-    for (const Step& step : once_) step.kernel(scratch, step.operands, 1);
+    for (const auto& [value, offset] : constants_) kernels_->repeat(value, scratch + offset);
+    load(shared_inputs_, scratch, 0, 1);
+    for (const Step& step : shared_steps_) step.kernel(scratch, step.operands, 1);
     for (std::size_t first = 0; first < p.size; first += block) {
         const std::size_t packs = std::min(block, p.size - first) / lanes;
-        load(each_in_, scratch, first, packs);
+        load(ray_inputs_, scratch, first, packs);
         run_block(scratch, packs);
         const auto cells = [&](std::size_t output) {
-            return CellsOfColumn{scratch + outputs_[output].offset, outputs_[output].step};
+            return ColumnCells{scratch + outputs_[output].offset, outputs_[output].step};
         };
         kernels_->store_mask(cells(output_settled), p.out.settled + first, packs);
         kernels_->store_mask(cells(output_hit), p.out.hit + first, packs);
-        const auto store = [&](std::size_t output, const RawLength& to) {
-            if (!to.hi) return;
-            double* const columns[3] = {to.hi + first, to.lo + first, to.bound + first};
+        const auto store_length = [&](std::size_t output, const RawLength& length) {
+            if (!length.hi) return;
+            double* const columns[3] = {length.hi + first, length.lo + first, length.bound + first};
             for (std::size_t k = 0; k < 3; ++k)
                 kernels_->store_where(cells(output_hit), cells(output + k), columns[k], packs);
         };
-        store(output_t, p.out.t);
-        store(output_distance, p.out.distance);
+        store_length(output_t, p.out.t);
+        store_length(output_distance, p.out.distance);
     }
 }
 
 void ColumnRun::run_block(double* scratch, std::size_t packs) const {
-    bool are_wanted = true;  // applies to numbers; decisions always are
-    for (const Step& step : each_) {
+    bool are_numbers_needed = true;  // decisions are always needed
+    for (const Step& step : ray_steps_) {
         if (!step.kernel) {
-            const bool is_once = step.operands[0].step == 0;
-            are_wanted = are_wanted && kernels_->is_any(scratch + step.operands[0].offset, is_once ? 1 : packs);
-        } else if (are_wanted || step.is_of_masks) {
+            const bool is_shared = step.operands[0].step == 0;
+            are_numbers_needed =
+                are_numbers_needed && kernels_->is_any(scratch + step.operands[0].offset, is_shared ? 1 : packs);
+        } else if (are_numbers_needed || step.is_of_masks) {
             step.kernel(scratch, step.operands, packs);
         }
     }

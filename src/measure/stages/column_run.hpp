@@ -1,4 +1,4 @@
-// Runs programs of columns: rays in blocks; each instruction is done for a whole block before the next.
+// Runs column programs on blocks of rays: each instruction runs for a whole block before the next instruction.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,13 @@
 
 namespace lostbits::measure::stages {
 
-/// A program with a buffer for its columns. Everything that is the same for every ray (constants, columns of one
-/// number, and results of these alone) is computed once for each batch. The other columns are reused as soon as they
-/// are no longer needed.
+/// A program with a buffer for its columns. Columns that are the same for every ray (constants, inputs of one number,
+/// and results of these alone) are computed once for each batch. The other columns are reused as soon as they are no
+/// longer needed.
 class ColumnRun {
 public:
-    /// `same`: bit k is set if input k is one number for all rays.
-    ColumnRun(const number::wide::ColumnProgram& program, const ColumnKernels& kernels, std::uint64_t same);
+    /// Bit k of `shared_inputs` is set if input k is one number for all rays.
+    ColumnRun(const number::wide::ColumnProgram& program, const ColumnKernels& kernels, std::uint64_t shared_inputs);
     ColumnRun(const ColumnRun&) = delete;
     ColumnRun& operator=(const ColumnRun&) = delete;
 
@@ -43,8 +43,8 @@ private:
     const ColumnKernels* kernels_;
     std::size_t scratch_size_ = 0;  ///< in doubles
     std::vector<ColumnOperand> operands_;
-    std::vector<Step> once_, each_;
-    std::vector<Input> once_in_, each_in_;
+    std::vector<Step> shared_steps_, ray_steps_;
+    std::vector<Input> shared_inputs_, ray_inputs_;
     std::vector<std::pair<double, std::uint32_t>> constants_;
     std::vector<ColumnOperand> outputs_;
 };

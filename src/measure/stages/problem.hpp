@@ -1,4 +1,4 @@
-// Findings of a stage on one problem, or on a pack of problems.
+// Findings of a stage on one problem, or on a pack of problems, and the limits and tests that the stages share.
 #pragma once
 
 #include <cstdint>
@@ -23,11 +23,12 @@ TwoWords<P> select(const mask_t<P>& mask, const TwoWords<P>& a, const TwoWords<P
     return {select(mask, a.hi, b.hi), select(mask, a.lo, b.lo)};
 }
 
-/// Relative error bound of t* in a stage of one word, and of two. The latter is `truth::certified_tightness`.
+/// Relative error bound of t* in a stage of one word, and in a stage of two words; the second is
+/// `truth::certified_tightness`.
 inline constexpr double narrow_tightness = 0x1p-33, wide_tightness = 0x1p-72;
 
-/// Largest relative distance between an input of 256 bits and the sum of its two words. Every other input has one word
-/// and is equal to it.
+/// Largest relative distance between an input of 256 bits and the sum of its two words. Every other input has one word,
+/// which is exact.
 inline constexpr double input_error = 0x1p-104;
 
 /// |x − (middle.hi + middle.lo)| ≤ bound.
@@ -44,7 +45,7 @@ struct Finding {
     Enclosure<P> t, distance;
 };
 
-/// Limits on the components of directions that are made unit. Within them no product and no quotient over- or
+/// Limits on the components of directions to normalise. Within these limits no product and no quotient over- or
 /// underflows.
 inline constexpr double largest_length = 0x1p+200, least_length = 0x1p-200;
 /// Limits on the lengths that columns hold.

@@ -1,5 +1,5 @@
-// First t at which a ray meets a primitive, for many rays at once, from the interval in which the line is inside the
-// primitive (geometry/span.hpp). The numbers carry bounds, so no lemma is needed.
+// Finds the first t at which a ray meets a primitive, for many rays at once, from the interval in which the line is
+// inside the primitive (geometry/span.hpp). The numbers carry their error bounds, so no lemma about rounding is needed.
 #pragma once
 
 #include <array>
@@ -21,37 +21,37 @@ using number::wide::ColumnWord;
 using number::wide::is_unset;
 using number::wide::Running;
 
-/// The first t at which a ray meets a closed primitive, if the open primitive has the same answer. `hit` and `missed`
-/// are set if that is proved. If `at_origin` is set too, t* is 0 and `t` is not used.
+/// First t at which a ray meets a closed primitive. `hit` or `missed` is set if it is proved that the closed and the
+/// open primitive both have this answer. If `at_origin` is set too, t* is 0 and `t` is not used.
 template <class E>
 struct SpanHit {
     mask_t<typename E::P> hit, missed, at_origin;
     E t;
 };
 
-/// The near root: c/(−h + √q), or −(h + √q)/a if h is above 0 (`past`). If `far`, the far root: (−h + √q)/a, or
-/// −c/(h + √q) if h is above 0. If the sign of h is not proved, both expressions are valid.
+/// Near root of a quadratic: c/(−h + √q), or −(h + √q)/a if h > 0 (`is_h_positive`). If `far`, the far root: (−h +
+/// √q)/a, or −c/(h + √q) if h > 0. If the sign of h is not proved, both expressions are valid.
 template <class E>
 Fraction<E> fraction_of_root(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far,
-                             const mask_t<typename E::P>& past) {
-    const auto by_a = (far && !past) || (past && !far);
-    const E size = sqrt(s.q) + select(past, s.h, -s.h), n = select(by_a, size, s.c);
-    return {select(past, -n, n), select(by_a, s.a, size)};
+                             const mask_t<typename E::P>& is_h_positive) {
+    const auto divides_by_a = (far && !is_h_positive) || (is_h_positive && !far);
+    const E sum = sqrt(s.q) + select(is_h_positive, s.h, -s.h), n = select(divides_by_a, sum, s.c);
+    return {select(is_h_positive, -n, n), select(divides_by_a, s.a, sum)};
 }
 template <class E>
-E root_of(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far, const mask_t<typename E::P>& past) {
-    const Fraction<E> root = fraction_of_root(s, far, past);
+E root_of(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far, const mask_t<typename E::P>& is_h_positive) {
+    const Fraction<E> root = fraction_of_root(s, far, is_h_positive);
     return root.n / root.m;
 }
 
-/// Tests if an entry lies in the range, for the closed and the open primitive alike, by its order relative to the end
-/// of the range. A ray that ends at the entry touches the primitive.
+/// Tests by the order of an entry relative to the end of the range if the entry lies in the range, for both the closed
+/// and the open primitive. A ray that ends at the entry touches the primitive.
 template <class Mask, class T>
 Mask entry_in_time(const Order<Mask>& to_end, const RangeOfSpan<T>& range) {
     return {to_end.less.yes(), in_time(to_end, range).no()};
 }
 
-/// The answer of `truth::enclose` for the usual convention.
+/// Answer of `truth::enclose` for the usual convention.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s) {
     using E = Running<W>;
@@ -59,14 +59,14 @@ SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s) {
     const E zero(0);
     const auto outside = s.c > zero;
     const auto inside = s.c < zero;
-    const auto past = s.h > zero;
+    const auto is_h_positive = s.h > zero;
     const auto hit = (s.q > zero).yes() && (inside.yes() || (outside.yes() && (s.h < zero).yes()));
     const auto missed = outside.yes() && ((s.h >= zero).yes() || (s.q < zero).yes()), none = P(0) < P(0);
     if (is_unset(hit)) return {hit, missed, none, zero};
-    return {hit, missed, none, root_of(s, inside.yes(), past.yes())};
+    return {hit, missed, none, root_of(s, inside.yes(), is_h_positive.yes())};
 }
 
-/// The same for a ray with a range.
+/// Answer of `truth::enclose` for a ray with a range.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
     using E = Running<W>;
@@ -74,15 +74,16 @@ SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s, const Ran
     const E zero(0);
     const auto begin = quadratic_at(s, range.begin), end = quadratic_at(s, range.end);
     const auto outside = begin.value > zero, inside = begin.value < zero;
-    const auto near_in = entry_in_time(end.near_root(), range), far_in = in_time(end.far_root(), range);
-    const auto far = inside.yes() && far_in.yes();
-    const auto near = outside.yes() && (begin.half_slope < zero).yes() && near_in.yes();
-    const auto hit = (s.q > zero).yes() && (near || far);
-    const auto missed = (outside.yes() && ((begin.half_slope >= zero).yes() || (s.q < zero).yes() || near_in.no())) ||
-                        (inside.yes() && far_in.no());
+    const auto near_in_range = entry_in_time(end.near_root(), range), far_in_range = in_time(end.far_root(), range);
+    const auto hits_far = inside.yes() && far_in_range.yes();
+    const auto hits_near = outside.yes() && (begin.half_slope < zero).yes() && near_in_range.yes();
+    const auto hit = (s.q > zero).yes() && (hits_near || hits_far);
+    const auto missed =
+        (outside.yes() && ((begin.half_slope >= zero).yes() || (s.q < zero).yes() || near_in_range.no())) ||
+        (inside.yes() && far_in_range.no());
     const auto none = P(0) < P(0);
     if (is_unset(hit)) return {hit, missed, none, zero};
-    return {hit, missed, none, root_of(s, far, (s.h > zero).yes())};
+    return {hit, missed, none, root_of(s, hits_far, (s.h > zero).yes())};
 }
 
 /// Order of x and y, each of which may be off by 2^-44 of itself plus half of `least`.
@@ -124,8 +125,8 @@ struct ByFirstWord {
     friend Mask operator>(const ByFirstWord& a, const ByFirstWord& b) { return order_of(b, a).less; }
     friend Mask operator>=(const ByFirstWord& a, const ByFirstWord& b) { return order_of(b, a).at_most; }
     friend ByFirstWord select(const Mask& mask, const ByFirstWord& a, const ByFirstWord& b) {
-        const Running<W> nothing(W(P(std::numeric_limits<double>::quiet_NaN())));
-        return ByFirstWord(select(mask.yes() || mask.no(), select(mask.yes(), a.whole, b.whole), nothing));
+        const Running<W> undecided(W(P(std::numeric_limits<double>::quiet_NaN())));
+        return ByFirstWord(select(mask.yes() || mask.no(), select(mask.yes(), a.whole, b.whole), undecided));
     }
 
 private:
@@ -134,67 +135,69 @@ private:
     }
 };
 
-/// Slabs in numbers that are compared by their first word. `told` is set if all first words are good to 2^-45 of
+/// Slabs in numbers that are compared by their first word. `is_precise` is set if all first words are good to 2^-45 of
 /// themselves.
 template <class W>
 struct QuickSlabs {
     SlabSpan<ByFirstWord<W>> span;
-    mask_t<typename Running<W>::P> told;
+    mask_t<typename Running<W>::P> is_precise;
 };
 template <class W>
-QuickSlabs<W> quick(const SlabSpan<Running<W>>& s) {
+QuickSlabs<W> quick_slabs(const SlabSpan<Running<W>>& s) {
     using E = Running<W>;
     using P = typename E::P;
     using lostbits::abs;
     using Quick = ByFirstWord<W>;
-    QuickSlabs<W> q{{.entry = {}, .exit = {}, .crossed = s.crossed, .closed = s.closed, .open = s.open, .d2 = {}},
-                    P(0) <= P(0)};
-    const auto quickly = [&q](const E& x) {
-        q.told = q.told && x.radius() <= P(0x1p-46) * abs(x.first());  // and the second word is smaller
+    QuickSlabs<W> slabs{{.entry = {}, .exit = {}, .crossed = s.crossed, .closed = s.closed, .open = s.open, .d2 = {}},
+                        P(0) <= P(0)};
+    const auto to_quick = [&slabs](const E& x) {
+        slabs.is_precise =
+            slabs.is_precise && x.radius() <= P(0x1p-46) * abs(x.first());  // and the second word is smaller
         return Quick(x);
     };
     for_each_axis([&](auto i) {
-        const Quick m = quickly(s.entry[i].m);
-        q.span.entry[i] = {quickly(s.entry[i].n), m};
-        q.span.exit[i] = {quickly(s.exit[i].n), m};
+        const Quick m = to_quick(s.entry[i].m);
+        slabs.span.entry[i] = {to_quick(s.entry[i].n), m};
+        slabs.span.exit[i] = {to_quick(s.exit[i].n), m};
     });
-    return q;
+    return slabs;
 }
 
-/// The answer of `truth::enclose` for the usual convention. Nothing is proved if a first word is not good to 2^-45 of
-/// itself.
+/// Answer of `truth::enclose` for the usual convention. If a first word is not good to 2^-45 of itself, no decision
+/// is proved.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s) {
     using E = Running<W>;
     using Quick = ByFirstWord<W>;
-    const auto [q, told] = quick(s);
-    const InSlabs<Quick> in = in_slabs(q);
-    const Fraction<Quick> first = first_entry(q);
-    const auto at_origin = (first.n <= Quick(0)).yes(), hit = told && in.open.yes(), missed = told && in.closed.no();
+    const auto [slabs, is_precise] = quick_slabs(s);
+    const InSlabs<Quick> in = in_slabs(slabs);
+    const Fraction<Quick> entry = first_entry(slabs);
+    const auto at_origin = (entry.n <= Quick(0)).yes(), hit = is_precise && in.open.yes(),
+               missed = is_precise && in.closed.no();
     const E one(1);
     if (is_unset(hit)) return {hit, missed, at_origin, one};
-    return {hit, missed, at_origin, select(at_origin, one, first.n.whole) / select(at_origin, one, first.m.whole)};
+    return {hit, missed, at_origin, select(at_origin, one, entry.n.whole) / select(at_origin, one, entry.m.whole)};
 }
 
-/// The same for a ray with a range.
+/// Answer of `truth::enclose` for a ray with a range.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
     using E = Running<W>;
     using Quick = ByFirstWord<W>;
-    const auto [q, told] = quick(s);
-    const RangeOfSpan<Quick> within{Quick(range.begin), {Quick(range.end.n), Quick(range.end.m)}, range.open};
-    const InSlabs<Quick> in = in_slabs(q, within);
-    const Fraction<Quick> first = first_entry(q, within);
-    const auto at_begin = entries_to_begin(q, within).at_most.yes();
+    const auto [slabs, is_precise] = quick_slabs(s);
+    const RangeOfSpan<Quick> quick_range{Quick(range.begin), {Quick(range.end.n), Quick(range.end.m)}, range.open};
+    const InSlabs<Quick> in = in_slabs(slabs, quick_range);
+    const Fraction<Quick> entry = first_entry(slabs, quick_range);
+    const auto at_begin = entries_to_begin(slabs, quick_range).at_most.yes();
     const auto at_origin = at_begin && (range.begin <= E(0)).yes();
-    const auto hit = told && in.open.yes(), missed = told && in.closed.no();
+    const auto hit = is_precise && in.open.yes(), missed = is_precise && in.closed.no();
     const E one(1);
     if (is_unset(hit)) return {hit, missed, at_origin, one};
-    const E t = select(at_begin, one, first.n.whole) / select(at_begin, one, first.m.whole);
+    const E t = select(at_begin, one, entry.n.whole) / select(at_begin, one, entry.m.whole);
     return {hit, missed, at_origin, select(at_begin, range.begin, t)};
 }
 
-/// The answer of `truth::enclose` for the usual convention, if the ray meets neither the rim nor the surface at its
+/// Answer of `truth::enclose` for the usual convention, if the ray meets neither the rim nor the surface at its
 /// origin.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s) {
@@ -206,35 +209,35 @@ SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s) {
     return {hit, missed, none, s.at.n / select(hit, s.at.m, one)};
 }
 
-/// The same for a ray with a range that does not begin on the surface.
+/// Answer of `truth::enclose` for a ray with a range that does not begin on the surface.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
     using P = typename Running<W>::P;
     const Running<W> zero(0), one(1);
     const auto to_begin = order_of(s.at, Fraction<Running<W>>{range.begin, one});
-    const auto ends = in_time(order_of(s.at, range.end), range);
-    const auto hit = s.open.yes() && to_begin.at_most.no() && ends.yes(), none = P(0) < P(0);
-    const auto missed = s.closed.no() || to_begin.less.yes() || ends.no();
+    const auto before_end = in_time(order_of(s.at, range.end), range);
+    const auto hit = s.open.yes() && to_begin.at_most.no() && before_end.yes(), none = P(0) < P(0);
+    const auto missed = s.closed.no() || to_begin.less.yes() || before_end.no();
     if (is_unset(hit)) return {hit, missed, none, zero};
     return {hit, missed, none, s.at.n / select(hit, s.at.m, one)};
 }
 
-/// The answer of `truth::enclose` for the usual convention, if the ray meets no rim: the near side if the ray is known
+/// Answer of `truth::enclose` for the usual convention, if the ray meets no rim: the near side if the ray is known
 /// to meet it, and the far side if the ray is known not to meet the near one.
 template <class E, class Begin>
 SpanHit<E> first_span_hit_of_wall(const WallSpan<E>& s, const Begin& begin, const std::array<mask_t<E>, 2>& in_range) {
     using P = typename E::P;
     const auto none = P(0) < P(0);
-    std::array<mask_t<P>, 2> met{none, none}, passed{none, none};
+    std::array<mask_t<P>, 2> hits{none, none}, misses{none, none};
     for (std::size_t i = 0; i < 2; ++i) {
-        const auto at = s.crossing(static_cast<int>(i));
+        const auto crossing = s.crossing(static_cast<int>(i));
         const auto to_begin = s.order_to(static_cast<int>(i), begin);
-        met[i] = at.open.yes() && to_begin.at_most.no() && in_range[i].yes();
-        passed[i] = at.closed.no() || to_begin.less.yes() || in_range[i].no();
+        hits[i] = crossing.open.yes() && to_begin.at_most.no() && in_range[i].yes();
+        misses[i] = crossing.closed.no() || to_begin.less.yes() || in_range[i].no();
     }
-    const auto far = passed[0] && met[1], hit = met[0] || far, missed = passed[0] && passed[1];
+    const auto hits_far = misses[0] && hits[1], hit = hits[0] || hits_far, missed = misses[0] && misses[1];
     if (is_unset(hit)) return {hit, missed, none, E(1)};
-    return {hit, missed, none, root_of(s.primitive.side, far, (s.primitive.side.h > E(0)).yes())};
+    return {hit, missed, none, root_of(s.primitive.side, hits_far, (s.primitive.side.h > E(0)).yes())};
 }
 template <class W>
 SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s) {
@@ -243,7 +246,7 @@ SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s) {
     return first_span_hit_of_wall<E>(s, Start(), {always, always});
 }
 
-/// The same for a ray with a range.
+/// Answer of `truth::enclose` for a ray with a range.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
     return first_span_hit_of_wall<Running<W>>(
@@ -251,8 +254,8 @@ SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s, const RangeOfS
         {in_time(s.order_to(0, range.end), range), in_time(s.order_to(1, range.end), range)});
 }
 
-/// The t at which the line enters (if `far`, leaves), in the lanes of a hit. `known` is set in the lanes in which it is
-/// known.
+/// The t at which the line enters (if `far`, leaves), in the lanes of a hit. `known` is set in the lanes in which this
+/// t is known.
 template <class E>
 struct BoundaryHit {
     mask_t<typename E::P> known;
@@ -271,25 +274,27 @@ BoundaryHit<Running<W>> boundary_hit(const CappedSpan<Running<W>>& s, const mask
 template <class W>
 BoundaryHit<Running<W>> boundary_hit(const JoinedSpan<Running<W>>& s, const mask_t<typename Running<W>::P>& far) {
     using P = typename Running<W>::P;
-    const QuadraticSpan<Running<W>> at{select(far, s.leave.h, s.enter.h), select(far, s.leave.c, s.enter.c),
-                                       select(far, s.leave.a, s.enter.a), select(far, s.leave.q, s.enter.q), s.d2};
-    return {P(0) <= P(0), root_of(at, far, (at.h > Running<W>(0)).yes())};
+    const QuadraticSpan<Running<W>> quadratic{select(far, s.leave.h, s.enter.h), select(far, s.leave.c, s.enter.c),
+                                              select(far, s.leave.a, s.enter.a), select(far, s.leave.q, s.enter.q),
+                                              s.d2};
+    return {P(0) <= P(0), root_of(quadratic, far, (quadratic.h > Running<W>(0)).yes())};
 }
 
-/// The answer of `truth::enclose` for the usual convention, for a ray that begins at `begin` and not on the surface. A
-/// ray from outside is answered where it enters, a ray from inside where it leaves, if that lies in the range.
+/// Answer of `truth::enclose` for the usual convention, for a ray that begins at `begin` and not on the surface. A
+/// ray from outside hits where it enters, a ray from inside where it leaves, if this point lies in the range.
 template <class E, class S, class Begin>
-SpanHit<E> first_span_hit_from(const S& s, const Begin& begin, const mask_t<E>& entry_in, const mask_t<E>& exit_in) {
+SpanHit<E> first_span_hit_from(const S& s, const Begin& begin, const mask_t<E>& entry_in_range,
+                               const mask_t<E>& exit_in_range) {
     using P = typename E::P;
     const auto enters = s.enters_to(begin), leaves = s.leaves_to(begin);
     const auto open = s.is_open().yes() && leaves.at_most.no(), none = P(0) < P(0);
-    const auto near = open && enters.at_most.no() && entry_in.yes();
-    const auto far = open && enters.less.yes() && exit_in.yes();
-    const auto missed = s.is_hit().no() || leaves.less.yes() || (enters.at_most.no() && entry_in.no()) ||
-                        (enters.less.yes() && exit_in.no());
-    if (is_unset(near || far)) return {none, missed, none, E(1)};
-    const BoundaryHit<E> at = boundary_hit(s, far);
-    return {(near || far) && at.known, missed, none, at.t};
+    const auto hits_near = open && enters.at_most.no() && entry_in_range.yes();
+    const auto hits_far = open && enters.less.yes() && exit_in_range.yes();
+    const auto missed = s.is_hit().no() || leaves.less.yes() || (enters.at_most.no() && entry_in_range.no()) ||
+                        (enters.less.yes() && exit_in_range.no());
+    if (is_unset(hits_near || hits_far)) return {none, missed, none, E(1)};
+    const BoundaryHit<E> boundary = boundary_hit(s, hits_far);
+    return {(hits_near || hits_far) && boundary.known, missed, none, boundary.t};
 }
 template <class W, template <class> class Span>
 requires ComparableSpan<Span<Running<W>>, Running<W>> SpanHit<Running<W>> first_span_hit(const Span<Running<W>>& s) {
@@ -298,7 +303,7 @@ requires ComparableSpan<Span<Running<W>>, Running<W>> SpanHit<Running<W>> first_
     return first_span_hit_from<E>(s, Start(), always, always);
 }
 
-/// The same for a ray with a range.
+/// Answer of `truth::enclose` for a ray with a range.
 template <class W, template <class> class Span>
 requires ComparableSpan<Span<Running<W>>, Running<W>> SpanHit<Running<W>> first_span_hit(
     const Span<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
@@ -316,14 +321,14 @@ SpanHit<Running<W>> first_span_hit(const QuarticSpan<Running<W>>& s) {
     return {root.found, root.none, P(0) < P(0), s.time(root.x)};
 }
 
-/// The same for a ray with a range.
+/// Answer of `truth::enclose` for a ray with a range.
 template <class W>
 SpanHit<Running<W>> first_span_hit(const QuarticSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
     using P = typename Running<W>::P;
     const FirstRoot<Running<W>> root = first_root(s.f, s.place(range.begin), s.bound);
     const Running<W> end = s.a * range.end.n + s.b * range.end.m;
-    const auto in_time = (root.high * range.end.m < end).yes(), late = (root.low * range.end.m > end).yes();
-    return {root.found && in_time, root.none || (root.found && late), P(0) < P(0), s.time(root.x)};
+    const auto is_in_time = (root.high * range.end.m < end).yes(), is_late = (root.low * range.end.m > end).yes();
+    return {root.found && is_in_time, root.none || (root.found && is_late), P(0) < P(0), s.time(root.x)};
 }
 
 }  // namespace lostbits::measure::stages

@@ -14,7 +14,7 @@
 namespace lostbits::measure::stages {
 
 /// Tests if a length is known closely enough: to 2^-33 of itself in one word (`narrow_tightness`), to 2^-72 in two
-/// (`wide_tightness`). It must also lie in one binade, within the range of the steps that follow.
+/// (`wide_tightness`). The length must also lie in one binade and, in two words, satisfy `in_range`.
 template <class P>
 mask_t<P> is_close(const Running<P>& x) {
     return x.radius() <= P(narrow_tightness) * x.words() && in_one_binade(x.words(), x.radius());
@@ -32,7 +32,8 @@ Enclosure<P> enclosure_of(const Running<TwoWords<P>>& x) {
     return {x.words(), x.radius()};
 }
 
-/// Count of a shape's numbers. `index_of` returns the key of a number, and the index of the number within its key.
+/// Count of a shape's numbers. `index_of` returns the index of the key of a number, and the index of the number within
+/// this key.
 template <class S>
 inline constexpr std::size_t numbers_of = [] {
     std::size_t count = 0;
@@ -40,7 +41,7 @@ inline constexpr std::size_t numbers_of = [] {
     return count;
 }();
 struct NumberIndex {
-    std::size_t key, in_key;
+    std::size_t key, index_in_key;
 };
 template <class S>
 constexpr NumberIndex index_of(std::size_t number) {
@@ -49,14 +50,14 @@ constexpr NumberIndex index_of(std::size_t number) {
     return {key, number};
 }
 
-/// Tests if a number keeps the limit of its key.
+/// Tests if number k of a primitive is within the limit of its key.
 template <class S, std::size_t k, class E>
 mask_t<typename E::P> keeps_limit(const std::array<E, numbers_of<S>>& primitive) {
     using Limit = Key::Limit;
-    constexpr NumberIndex place = index_of<S>(k);
-    constexpr Key key = S::keys[place.key];
+    constexpr NumberIndex index = index_of<S>(k);
+    constexpr Key key = S::keys[index.key];
     const E zero(0);
-    if constexpr (key.limit == Limit::not_zero && place.in_key == 0) {
+    if constexpr (key.limit == Limit::not_zero && index.index_in_key == 0) {
         const E &x = primitive[k], &y = primitive[k + 1], &z = primitive[k + 2];
         return (x > zero).yes() || (x < zero).yes() || (y > zero).yes() || (y < zero).yes() || (z > zero).yes() ||
                (z < zero).yes();
@@ -90,14 +91,16 @@ mask_t<typename E::P> is_proper(const std::array<E, numbers_of<S>>& primitive) {
 /// proved.
 template <class E, class P = typename E::P>
 RangeOfSpan<E> range_of(const P& tmin, const P& tmax, OpenEnds open, mask_t<P>& proper) {
-    const auto endless = tmax >= P(HUGE_VAL);
+    const auto is_endless = tmax >= P(HUGE_VAL);
     proper = proper && tmin >= P(0) && tmin < P(HUGE_VAL) && tmin < tmax;
-    const auto exactly = [](const P& x) { return E(std::remove_cvref_t<decltype(std::declval<E>().words())>(x)); };
-    return {exactly(tmin), {exactly(select(endless, P(1), tmax)), exactly(select(endless, P(0), P(1)))}, open};
+    const auto exact_number = [](const P& x) { return E(std::remove_cvref_t<decltype(std::declval<E>().words())>(x)); };
+    return {exact_number(tmin),
+            {exact_number(select(is_endless, P(1), tmax)), exact_number(select(is_endless, P(0), P(1)))},
+            open};
 }
 
-/// Results requested for all problems alike. `ranged`: the rays have ranges. `t`, `distance`: the lengths that are
-/// needed.
+/// Results that are requested for all problems. `ranged` is true if the rays have ranges; `t` and `distance` are true
+/// for the lengths that are needed.
 struct RequestedResults {
     bool ranged, t, distance;
 };
@@ -105,7 +108,7 @@ struct RequestedResults {
 /// A ray and a primitive in the space of the primitive, and d·d in the world. `proper` is true if the numbers of the
 /// primitive are proved to be valid.
 template <class S, class E>
-struct InSpace {
+struct ObjectSpaceProblem {
     Ray<E> ray;
     std::array<E, numbers_of<S>> primitive;
     E d2;
@@ -127,50 +130,53 @@ struct ObjectSpaceMap {
     static ObjectSpaceMap of(const std::array<E, numbers_of<S>>& numbers, const Affine<E>& map,
                              const UnderMatrix& matrix) {
         using P = typename E::P;
-        ObjectSpaceMap all{matrix, map, map.adjugate(), numbers, is_proper<S>(numbers)};
-        if (matrix.orientation == 0) all.proper = P(0) < P(0);
-        if (matrix.is_inverse) return all;
+        ObjectSpaceMap result{matrix, map, map.adjugate(), numbers, is_proper<S>(numbers)};
+        if (matrix.orientation == 0) result.proper = P(0) < P(0);
+        if (matrix.is_inverse) return result;
         const E scale = E(matrix.orientation) * map.determinant();
         for (std::size_t k = 0; k < numbers_of<S>; ++k)
-            if (S::keys[index_of<S>(k).key].kind != Key::Kind::direction) all.primitive[k] = scale * numbers[k];
-        all.proper = all.proper && (scale > E(0)).yes();
-        return all;
+            if (S::keys[index_of<S>(k).key].kind != Key::Kind::direction) result.primitive[k] = scale * numbers[k];
+        result.proper = result.proper && (scale > E(0)).yes();
+        return result;
     }
     [[nodiscard]] Ray<E> ray(const Ray<E>& world) const {
         if (matrix.is_inverse) return {map.point(world.origin), map.linear(world.direction)};
-        const E sign(matrix.orientation);
-        return {sign * times(adjugate, world.origin - map.shift), sign * times(adjugate, world.direction)};
+        const E orientation_sign(matrix.orientation);
+        return {orientation_sign * times(adjugate, world.origin - map.shift),
+                orientation_sign * times(adjugate, world.direction)};
     }
 };
 
-/// Keeps a length that is known closely enough or is `exact`, and clears `hit` in all other lanes. The length is 0 in
-/// lanes in which `at_origin` is set.
+/// Returns the enclosure of a length, and clears `hit` in the lanes in which the length is neither `exact` nor known
+/// closely enough. The length is 0 in lanes in which `at_origin` is set.
 template <class E, class P = typename E::P>
-Enclosure<P> kept_length(const E& length, const mask_t<P>& at_origin, const mask_t<P>& exact, mask_t<P>& hit) {
+Enclosure<P> accepted_length(const E& length, const mask_t<P>& at_origin, const mask_t<P>& exact, mask_t<P>& hit) {
     const P zero(0);
     const Enclosure<P> x = enclosure_of(length);
     hit = hit && (exact || is_close(length));
     return {select<P>(at_origin, {zero, zero}, x.middle), select(at_origin, zero, x.bound)};
 }
 
-/// Settles rays at a shape; S is the shape over `Running` words. The lambda copies the numbers: since nothing points to
-/// them, the compiler keeps them in registers and does not forget what it knows about them. `range(proper)` is called
-/// only if the rays have ranges.
+/// Settles rays at a shape; S is the shape over `Running` words. The lambda copies the numbers: since no pointer refers
+/// to them, the compiler keeps them in registers and does not forget what it knows about them. `range(proper)` is
+/// called only if the rays have ranges.
 template <template <class> class S, class E, class Range, class P = typename E::P>
-Finding<P> settle_shape(const InSpace<S<E>, E>& in, const RequestedResults& asked, const Range& range) {
-    const Ray<E>& ray = in.ray;
+Finding<P> settle_shape(const ObjectSpaceProblem<S<E>, E>& problem, const RequestedResults& requested,
+                        const Range& range) {
+    const Ray<E>& ray = problem.ray;
     const auto span =
-        primitive_from<S, E>([primitive = in.primitive](std::size_t k) { return primitive[k]; }).span(ray);
-    auto proper = in.proper && (in.d2 > E(0)).yes() &&
+        primitive_from<S, E>([primitive = problem.primitive](std::size_t k) { return primitive[k]; }).span(ray);
+    auto proper = problem.proper && (problem.d2 > E(0)).yes() &&
                   sum_of_sizes(ray.origin.x.first(), ray.origin.y.first(), ray.origin.z.first()) < P(HUGE_VAL);
-    const SpanHit<E> met = asked.ranged ? first_span_hit(span, range(proper)) : first_span_hit(span);
-    const auto missed = proper && met.missed;
-    auto hit = proper && met.hit;
-    const Enclosure<P> nothing{{P(0), P(0)}, P(0)};
-    Finding<P> found{missed, hit, nothing, nothing};
+    const SpanHit<E> span_hit = requested.ranged ? first_span_hit(span, range(proper)) : first_span_hit(span);
+    const auto missed = proper && span_hit.missed;
+    auto hit = proper && span_hit.hit;
+    const Enclosure<P> no_length{{P(0), P(0)}, P(0)};
+    Finding<P> found{missed, hit, no_length, no_length};
     if (is_unset(hit)) return found;
-    if (asked.t) found.t = kept_length(met.t, met.at_origin, met.at_origin, hit);
-    if (asked.distance) found.distance = kept_length(met.t * sqrt(in.d2), met.at_origin, met.at_origin, hit);
+    if (requested.t) found.t = accepted_length(span_hit.t, span_hit.at_origin, span_hit.at_origin, hit);
+    if (requested.distance)
+        found.distance = accepted_length(span_hit.t * sqrt(problem.d2), span_hit.at_origin, span_hit.at_origin, hit);
     found.settled = hit || missed;
     found.hit = hit;
     return found;

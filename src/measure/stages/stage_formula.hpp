@@ -1,4 +1,4 @@
-// The stage of a shape as one formula of its inputs, over any words. Recorded, it becomes a program.
+// Stage of a shape as one formula of its inputs, over any words. A program records this formula.
 #pragma once
 
 #include "measure/stages/span_stages.hpp"
@@ -20,23 +20,25 @@ auto settle_inputs(const StageTerms& terms, const Word& word) {
             if (terms.two_words) return E(W(x, word(low)), P(input_error) * abs(x));
         return E(W(x));
     };
-    const auto of_ray = [&](std::size_t k) { return number(input_of_ray + k, input_of_ray_low + k); };
-    const auto of_primitive = [&](std::size_t k) { return number(input_of_primitive + k, input_of_primitive_low + k); };
-    InSpace<Shape, E> in;
-    in.ray = {{of_ray(0), of_ray(1), of_ray(2)}, {of_ray(3), of_ray(4), of_ray(5)}};
-    in.d2 = square(in.ray.direction);
-    for (std::size_t k = 0; k < numbers_of<Shape>; ++k) in.primitive[k] = of_primitive(k);
+    const auto ray_number = [&](std::size_t k) { return number(input_of_ray + k, input_of_ray_low + k); };
+    const auto primitive_number = [&](std::size_t k) {
+        return number(input_of_primitive + k, input_of_primitive_low + k);
+    };
+    ObjectSpaceProblem<Shape, E> problem;
+    problem.ray = {{ray_number(0), ray_number(1), ray_number(2)}, {ray_number(3), ray_number(4), ray_number(5)}};
+    problem.d2 = square(problem.ray.direction);
+    for (std::size_t k = 0; k < numbers_of<Shape>; ++k) problem.primitive[k] = primitive_number(k);
     if (terms.matrix.placed) {
-        const auto map = Affine<E>::of([&](std::size_t k) { return of_primitive(most_numbers + k); });
-        const auto object_map = ObjectSpaceMap<Shape, E>::of(in.primitive, map, terms.matrix);
-        in = {object_map.ray(in.ray), object_map.primitive, in.d2, object_map.proper};
+        const auto map = Affine<E>::of([&](std::size_t k) { return primitive_number(most_numbers + k); });
+        const auto object_map = ObjectSpaceMap<Shape, E>::of(problem.primitive, map, terms.matrix);
+        problem = {object_map.ray(problem.ray), object_map.primitive, problem.d2, object_map.proper};
     } else {
-        in.proper = is_proper<Shape>(in.primitive);
+        problem.proper = is_proper<Shape>(problem.primitive);
     }
     const auto range = [&](mask_t<P>& proper) {
         return range_of<E>(word(input_of_tmin), word(input_of_tmax), terms.open, proper);
     };
-    return settle_shape(in, {terms.ranged, terms.t, terms.distance}, range);
+    return settle_shape(problem, {terms.ranged, terms.t, terms.distance}, range);
 }
 
 }  // namespace lostbits::measure::stages

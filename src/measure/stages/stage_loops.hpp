@@ -1,5 +1,5 @@
-// The loops around the stages, for packs of any width and for single doubles. They see plain pointers only, as
-// intersect/simd/packed_batch.hpp does and for the same reason.
+// Loops around the stages, for packs of any width and for single doubles. The loops see plain pointers only;
+// intersect/simd/packed_batch.hpp gives the reason.
 #pragma once
 
 #include <cstring>
@@ -22,14 +22,15 @@ struct UnitDirection {
     P components[3];
 };
 
-/// Makes directions unit. Let ε = 2^-102 (`word_error`), and let each component be 0 or within [2^-200, 2^200]. The
-/// squares are exact, the two sums add errors of 2ε of d·d, the root half of that and ε, and the quotient ε. So
+/// Normalises directions. Let ε = 2^-102 (`word_error`), and let each component be 0 or within [2^-200, 2^200]. The
+/// squares are exact, the two sums add errors of 2ε of d·d, the square root half of their sum and another ε, and the
+/// quotient ε. So
 ///
 ///     |q̂ − d_i/|d|| ≤ 4ε |q̂|
 ///
 /// In binary64, hi is nearest to d_i/|d| if it is nearest to both hi + (lo ± 8ε|hi|). In binary32, the float nearest to
-/// d_i/|d| is the one nearest to both hi ± 2^-50|hi|, if both have the same: 2^-53 + 4ε < 2^-51. Quotients below 2^-120
-/// are left open, because their floats may be subnormal. `scale` multiplies 8ε and 2^-50.
+/// d_i/|d| is the float nearest to hi ± 2^-50|hi|, if it is the same for both signs: 2^-53 + 4ε < 2^-51. Quotients
+/// below 2^-120 are left open, because their floats may be subnormal. `scale` multiplies 8ε and 2^-50.
 template <class P>
 UnitDirection<P> settle_unit_direction(const P (&d)[3], bool binary32, const P& scale) {
     using lostbits::abs;
@@ -39,14 +40,14 @@ UnitDirection<P> settle_unit_direction(const P (&d)[3], bool binary32, const P& 
     UnitDirection<P> unit{length.hi > zero, {}};
     for (int i = 0; i < 3; ++i) {
         const P size = abs(d[i]);
-        const auto none = size <= zero;
+        const auto is_zero = size <= zero;
         const TwoWords<P> q = TwoWords<P>{d[i], zero} / length;
-        const P slack = abs(q.hi) * (P(8 * word_error) * scale), wide = abs(q.hi) * (P(0x1p-50) * scale);
-        const P below = binary32 ? nearest_binary32(q.hi - wide) : q.hi + (q.lo - slack);
-        const P above = binary32 ? nearest_binary32(q.hi + wide) : q.hi + (q.lo + slack);
-        unit.components[i] = select(none, d[i], above);  // keeps the sign of a zero
-        unit.settled = unit.settled && (none || (below <= above && below >= above && size >= P(least_length) &&
-                                                 size <= P(largest_length) && abs(q.hi) >= P(0x1p-120)));
+        const P margin = abs(q.hi) * (P(8 * word_error) * scale), float_margin = abs(q.hi) * (P(0x1p-50) * scale);
+        const P below = binary32 ? nearest_binary32(q.hi - float_margin) : q.hi + (q.lo - margin);
+        const P above = binary32 ? nearest_binary32(q.hi + float_margin) : q.hi + (q.lo + margin);
+        unit.components[i] = select(is_zero, d[i], above);  // keeps the sign of a zero
+        unit.settled = unit.settled && (is_zero || (below <= above && below >= above && size >= P(least_length) &&
+                                                    size <= P(largest_length) && abs(q.hi) >= P(0x1p-120)));
     }
     return unit;
 }
@@ -62,28 +63,28 @@ template <class P>
 [[gnu::always_inline]] inline void store(const Finding<P>& found, const RawFindings& out, std::size_t i) {
     store_lanes<P>(found.settled, out.settled + i);
     store_lanes<P>(found.hit, out.hit + i);
-    // Misses have zeros, and so have lanes in which nothing is settled.
-    const auto store = [&](const Enclosure<P>& x, const RawLength& to) {
-        if (!to.hi) return;
-        select(found.hit, x.middle.hi, P(0)).store(to.hi + i);
-        select(found.hit, x.middle.lo, P(0)).store(to.lo + i);
-        select(found.hit, x.bound, P(0)).store(to.bound + i);
+    // The lengths of a miss, and of a lane in which nothing is settled, are 0.
+    const auto store_length = [&](const Enclosure<P>& x, const RawLength& length) {
+        if (!length.hi) return;
+        select(found.hit, x.middle.hi, P(0)).store(length.hi + i);
+        select(found.hit, x.middle.lo, P(0)).store(length.lo + i);
+        select(found.hit, x.bound, P(0)).store(length.bound + i);
     };
-    store(found.t, out.t);
-    store(found.distance, out.distance);
+    store_length(found.t, out.t);
+    store_length(found.distance, out.distance);
 }
 
 template <template <class> class Of, class P, auto settle_pack>
 [[gnu::flatten]] void settle_ties(const RawProblems<double>& raw) {
-    const RawProblems<double> p = raw;  // as above
-    const RequestedResults asked{false, p.out.t.hi != nullptr, p.out.distance.hi != nullptr};
+    const RawProblems<double> p = raw;  // a copy, whose pointers no store can change
+    const RequestedResults requested{false, p.out.t.hi != nullptr, p.out.distance.hi != nullptr};
     for (std::size_t i = 0; i < p.size; i += P::lanes) {
         const auto load = [&](const RawColumn<double>& c) { return P::load(c.from + i * c.step); };
         const auto load_all = [&]<std::size_t... k>(const RawColumn<double>* c, std::index_sequence<k...>) {
             return std::array<P, sizeof...(k)>{load(c[k])...};
         };
         const auto tie = settle_pack(load_all(p.ray, std::make_index_sequence<6>()),
-                                     load_all(p.primitive, std::make_index_sequence<numbers_of<Of<P>>>()), asked);
+                                     load_all(p.primitive, std::make_index_sequence<numbers_of<Of<P>>>()), requested);
         store(tie.found, p.out, i);
         store_lanes<P>(tie.touches, p.out.touches + i);
         store_lanes<P>(tie.on_surface, p.out.on_surface + i);

@@ -1,5 +1,5 @@
-// Program of a shape's stage: its span and the first t at which a ray meets it. It is recorded once for all batches
-// with the same terms.
+// Records the stage of a shape as a column program, which computes the span of the shape and the first t at which a ray
+// meets it. A program is recorded once for all batches with the same terms.
 #pragma once
 
 #include <compare>
@@ -10,7 +10,7 @@
 
 namespace lostbits::measure::stages {
 
-/// Columns of a batch as inputs of a program: the index of each among the numbers of `RawProblems`.
+/// Indices of the inputs of a program, which are the columns of a batch (`RawProblems`).
 inline constexpr std::size_t input_of_ray = 0, input_of_primitive = 6,
                              input_of_ray_low = input_of_primitive + most_stored,
                              input_of_primitive_low = input_of_ray_low + 6,
@@ -22,8 +22,8 @@ inline constexpr std::size_t output_settled = 0, output_hit = 1, output_t = 2, o
 /// Properties that all problems of a batch have in common, as far as their program depends on them.
 struct StageTerms {
     Shape shape;
-    int words;       ///< words of each number that is computed: 1 or 2
-    bool two_words;  ///< each input has two words
+    int words;       ///< number of words of each computed number: 1 or 2
+    bool two_words;  ///< true if each input has two words
     UnderMatrix matrix;
     bool ranged;
     OpenEnds open;

@@ -15,62 +15,63 @@ using intersect::simd::Isa;
 
 namespace {
 
-/// Calls the function that fills the table. The function is compiled for its register width too, so it must not be
-/// called for a width that the machine lacks.
-RawStages filled_by(void (*fill)(RawStages&)) {
+/// Returns the table that `fill` fills. `fill` is itself compiled for its register width, so it must not be called for
+/// a width that the machine lacks.
+RawStages filled_stages(void (*fill)(RawStages&)) {
     RawStages kernels{};
     fill(kernels);
     return kernels;
 }
 
-/// Registers of 512 bits use the kernels of 256 bits. Maps then take 3 to 4 % more processor time than with kernels of
-/// their own, which were slow to compile and were removed.
+/// Registers of 512 bits use the kernels of 256 bits. Maps then take 3 to 4 % more processor time than with kernels for
+/// 512 bits, which were slow to compile and were removed.
 const RawStages& kernels_at(Isa isa) {
 #if defined(__x86_64__)
     if (isa == Isa::w256 || isa == Isa::w512) {
-        static const RawStages w256 = filled_by(fill_stages_w256);
+        static const RawStages w256 = filled_stages(fill_stages_w256);
         return w256;
     }
 #endif
-    static const RawStages w128 = filled_by(fill_stages_w128);
+    static const RawStages w128 = filled_stages(fill_stages_w128);
     return w128;
 }
 
-/// Cache of programs that are ready to run: each is recorded at its first use.
-class Runs {
+/// Cache of programs that are ready to run. The first use of a program records it.
+class RunCache {
 public:
-    static const ColumnRun& of(const StageTerms& terms, const RawStages& kernels, std::uint64_t same) {
-        static Runs runs;
-        const Key key(terms, &kernels, same);
+    static const ColumnRun& of(const StageTerms& terms, const RawStages& kernels, std::uint64_t shared_inputs) {
+        static RunCache cache;
+        const Key key(terms, &kernels, shared_inputs);
         {
-            const std::shared_lock lock(runs.mutex_);
-            const auto known = runs.all_.find(key);
-            if (known != runs.all_.end()) return *known->second;
+            const std::shared_lock lock(cache.mutex_);
+            const auto known = cache.runs_.find(key);
+            if (known != cache.runs_.end()) return *known->second;
         }
-        auto run = std::make_unique<ColumnRun>(record_stage(terms), kernels.columns, same);
-        const std::unique_lock lock(runs.mutex_);
-        return *runs.all_.try_emplace(key, std::move(run)).first->second;
+        auto run = std::make_unique<ColumnRun>(record_stage(terms), kernels.columns, shared_inputs);
+        const std::unique_lock lock(cache.mutex_);
+        return *cache.runs_.try_emplace(key, std::move(run)).first->second;
     }
 
 private:
     using Key = std::tuple<StageTerms, const RawStages*, std::uint64_t>;
     std::shared_mutex mutex_;
-    std::map<Key, std::unique_ptr<ColumnRun>> all_;
+    std::map<Key, std::unique_ptr<ColumnRun>> runs_;
 };
 
 /// Sets bit k if input k is the same number for every problem, or is missing.
 template <class S>
-std::uint64_t same_inputs(const RawProblems<S>& p) {
-    std::uint64_t same = 0;
-    const auto look = [&same](std::size_t input, const RawColumn<S>& column) {
-        if (column.step == 0) same |= std::uint64_t{1} << input;
+std::uint64_t shared_inputs_of(const RawProblems<S>& p) {
+    std::uint64_t shared = 0;
+    const auto add_input = [&shared](std::size_t input, const RawColumn<S>& column) {
+        if (column.step == 0) shared |= std::uint64_t{1} << input;
     };
-    for (std::size_t k = 0; k < 6; ++k) look(input_of_ray + k, p.ray[k]), look(input_of_ray_low + k, p.ray_low[k]);
+    for (std::size_t k = 0; k < 6; ++k)
+        add_input(input_of_ray + k, p.ray[k]), add_input(input_of_ray_low + k, p.ray_low[k]);
     for (std::size_t k = 0; k < most_stored; ++k)
-        look(input_of_primitive + k, p.primitive[k]), look(input_of_primitive_low + k, p.primitive_low[k]);
-    look(input_of_tmin, p.tmin), look(input_of_tmax, p.tmax);
+        add_input(input_of_primitive + k, p.primitive[k]), add_input(input_of_primitive_low + k, p.primitive_low[k]);
+    add_input(input_of_tmin, p.tmin), add_input(input_of_tmax, p.tmax);
     static_assert(stage_inputs <= 64);
-    return same;
+    return shared;
 }
 
 }  // namespace
@@ -88,7 +89,7 @@ void ShapeStage<S>::operator()(const RawProblems<S>& problems) const {
                            .open = problems.ranged ? problems.open : OpenEnds{},
                            .t = problems.out.t.hi != nullptr,
                            .distance = problems.out.distance.hi != nullptr};
-    Runs::of(terms, *kernels, same_inputs(problems))(problems);
+    RunCache::of(terms, *kernels, shared_inputs_of(problems))(problems);
 }
 template void ShapeStage<float>::operator()(const RawProblems<float>&) const;
 template void ShapeStage<double>::operator()(const RawProblems<double>&) const;

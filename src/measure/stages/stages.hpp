@@ -1,4 +1,4 @@
-// Stages that prove the answers of many rays at once, at the width of the machine's registers.
+// Stages, which prove the answers of many rays at once, at the width of the machine's registers.
 #pragma once
 
 #include "intersect/simd/packed.hpp"
@@ -7,8 +7,7 @@
 
 namespace lostbits::measure::stages {
 
-/// The stage that proves answers for one shape, in numbers of one or two words. With `Arithmetic::none` there is no
-/// stage.
+/// Stage that proves answers for one shape, in numbers of one or two words. With `Arithmetic::none` there is no stage.
 template <class S>
 struct ShapeStage {
     enum class Arithmetic : std::uint8_t { none, one_word, two_words, exact_sums };
@@ -24,15 +23,15 @@ struct ShapeStage {
 extern template void ShapeStage<float>::operator()(const RawProblems<float>&) const;
 extern template void ShapeStage<double>::operator()(const RawProblems<double>&) const;
 
-/// Stages of one shape at `isa`, and the number of problems that they take at a time. Their findings have the same bits
-/// at every width.
+/// Stages of one shape at one instruction set, and the number of problems in a pack (`lanes`). The findings of a stage
+/// have the same bits at every register width.
 struct Stages {
     ShapeStage<float> binary64;        ///< binary32 inputs
     ShapeStage<double> double_double;  ///< inputs of one word or two
-    /// Settles also rays that touch a flat shape, or that begin near a surface of degree four: one word a number, no
-    /// matrix and no range.
+    /// Also settles rays that touch a flat shape, or that begin near a surface of degree four. Each number has one
+    /// word, and there is no matrix and no range.
     ShapeStage<double> ties;
-    bool ties_first;                                ///< `ties` takes less time than `double_double`
+    bool ties_first;                                ///< true if `ties` takes less time than `double_double`
     void (*unit_directions)(const RawDirections&);  ///< the same for every shape
     std::size_t lanes;
 };

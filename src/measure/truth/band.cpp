@@ -22,7 +22,7 @@ using scene::rays::RayBlock;
 
 namespace {
 
-/// Primitives of a group; if the group has a culler, those of the culler.
+/// Primitives of a group; if there is a culler, its primitives.
 PrimitiveList<double> primitives_of(const scene::rays::RayGroup& group, const culling::Culler* culler) {
     return culler ? culler->shared() : scene::rays::primitive_list_of(group);
 }
@@ -30,14 +30,14 @@ PrimitiveList<double> primitives_of(const scene::rays::RayGroup& group, const cu
 /// True if binary32 holds every number of the group; `primitives` lists its primitives. Every format holds a NaN.
 bool fits_binary32(const scene::rays::RayGroup& group, const PrimitiveList<double>& primitives) {
     bool fits = !group.mesh || primitives.unlisted().inputs == scene::file::Inputs::shared;
-    const auto look = [&fits](double x) {
+    const auto check_number = [&fits](double x) {
         fits &= static_cast<double>(static_cast<float>(x)) == x || x != x;
         return x;
     };
-    for (const auto* all : group.rays.numbers()) std::ranges::for_each(*all, look);
-    for (const auto* all : {&group.rays.tmin, &group.rays.tmax}) std::ranges::for_each(*all, look);
-    for (const Primitive<double>& primitive : group.primitives) static_cast<void>(transformed(primitive, look));
-    if (group.march) transformed(*group.march, look);
+    for (const auto* numbers : group.rays.numbers()) std::ranges::for_each(*numbers, check_number);
+    for (const auto* numbers : {&group.rays.tmin, &group.rays.tmax}) std::ranges::for_each(*numbers, check_number);
+    for (const Primitive<double>& primitive : group.primitives) static_cast<void>(transformed(primitive, check_number));
+    if (group.march) transformed(*group.march, check_number);
     return fits;
 }
 
@@ -50,8 +50,10 @@ RayBlock normalised(const RayBlock& rays, const FloatFormat& format, intersect::
     RayBlock unit = rays;
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, rays.size(), 1024), [&](const auto& range) {
         stop.check();
-        const auto part = [&](std::vector<double>& all) { return std::span(all).subspan(range.begin(), range.size()); };
-        make_unit({part(unit.dx), part(unit.dy), part(unit.dz)}, format);
+        const auto range_part = [&](std::vector<double>& column) {
+            return std::span(column).subspan(range.begin(), range.size());
+        };
+        make_unit({range_part(unit.dx), range_part(unit.dy), range_part(unit.dz)}, format);
     });
     for (auto* const ends : {&unit.tmin, &unit.tmax})
         for (std::size_t i = 0; i < ends->size(); ++i) (*ends)[i] = as_distance((*ends)[i], rays[i].direction, format);
@@ -101,12 +103,12 @@ Band::Band(scene::rays::RayGroup group, TruthLimit limit, culling::Culler* culle
     find_truth_of_all();
 }
 
-Band::Band(const scene::file::Scene& scene, RayBlock one, culling::Culler& culler, TruthLimit limit)
+Band::Band(const scene::file::Scene& scene, RayBlock single_ray, culling::Culler& culler, TruthLimit limit)
     : culler_(&culler),
       rows_(1),
       limit_(limit),
-      in_binary32_(fits_binary32({one, {}}, {})),
-      shared_(std::move(one)),
+      in_binary32_(fits_binary32({single_ray, {}}, {})),
+      shared_(std::move(single_ray)),
       shared_primitives_(culler.shared()) {
     if (scene.march) shared_march_ = scene::file::round_march(*scene.march, binary32);
     find_truth_of_all();
@@ -116,23 +118,23 @@ namespace {
 
 template <class S>
 Ray<double> in_double(const Ray<S>& ray) {
-    const auto of = [](const Vec<S>& v) { return Vec<double>(word_of(v.x), word_of(v.y), word_of(v.z)); };
-    return {of(ray.origin), of(ray.direction)};
+    const auto vector_in_double = [](const Vec<S>& v) { return Vec<double>(word_of(v.x), word_of(v.y), word_of(v.z)); };
+    return {vector_in_double(ray.origin), vector_in_double(ray.direction)};
 }
 
-/// Primitives that a ray is tested against: the candidates of an index, all primitives, or the single primitive that
-/// the ray is paired with.
+/// Selects the primitives that a ray is tested against: the candidates of `index`; if it is null, all primitives; if
+/// `paired`, only the primitive with the index of the ray.
 struct Candidates {
     const culling::PrimitiveIndex* index = nullptr;
     bool paired = false;
 };
 
-/// Truth of ray i among its candidates alone.
+/// Truth of ray i among its candidates.
 template <class S>
-Truth find_among(Candidates among, std::size_t i, const Ray<S>& ray, const PrimitiveList<S>& primitives,
+Truth find_among(Candidates candidates, std::size_t i, const Ray<S>& ray, const PrimitiveList<S>& primitives,
                  TruthLimit limit, Convention convention, const Range<double>& range) {
-    const culling::PrimitiveIndex* const index = among.index;
-    if (among.paired) {
+    const culling::PrimitiveIndex* const index = candidates.index;
+    if (candidates.paired) {
         Truth truth = find_truth(ray, primitives[i], limit, convention, range);
         if (truth.object >= 0) truth.object = static_cast<int>(i);
         return truth;
@@ -141,22 +143,22 @@ Truth find_among(Candidates among, std::size_t i, const Ray<S>& ray, const Primi
         if (primitives.all_listed()) return find_truth(ray, primitives.listed(), limit, convention, range);
         return find_truth(ray, std::span<const Primitive<S>>(primitives.all()), limit, convention, range);
     }
-    thread_local std::vector<std::uint32_t> found;
-    thread_local std::vector<Primitive<S>> few;
-    index->candidates(in_double(ray), found);
-    few.clear();
-    for (const std::uint32_t primitive : found) few.push_back(primitives[primitive]);
-    Truth truth = find_truth(ray, std::span<const Primitive<S>>(few), limit, convention, range);
-    if (truth.object >= 0) truth.object = static_cast<int>(found[static_cast<std::size_t>(truth.object)]);
+    thread_local std::vector<std::uint32_t> indices;
+    thread_local std::vector<Primitive<S>> candidate_primitives;
+    index->candidates(in_double(ray), indices);
+    candidate_primitives.clear();
+    for (const std::uint32_t primitive : indices) candidate_primitives.push_back(primitives[primitive]);
+    Truth truth = find_truth(ray, std::span<const Primitive<S>>(candidate_primitives), limit, convention, range);
+    if (truth.object >= 0) truth.object = static_cast<int>(indices[static_cast<std::size_t>(truth.object)]);
     return truth;
 }
 
 }  // namespace
 
 Truth Band::find_truth_of(std::size_t i, Convention convention) const {
-    const Candidates among{culler_ ? culler_->for_truth() : nullptr, paired_};
+    const Candidates candidates{culler_ ? culler_->for_truth() : nullptr, paired_};
     return with_ray(i, [&](const auto& ray, const auto& primitives) {
-        return find_among(among, i, ray, primitives, limit_, convention, range(i));
+        return find_among(candidates, i, ray, primitives, limit_, convention, range(i));
     });
 }
 
@@ -175,12 +177,12 @@ void Band::find_truth_of_all() {
 
 const Truth& Band::special_truth(std::size_t i, Convention convention) const {
     const std::size_t key = key_of(i, convention);
-    const auto known = truths_apart_.find(key);
-    if (known != truths_apart_.end()) return known->second;
-    return truths_apart_.emplace(key, find_truth_of(i, plain_part(convention))).first->second;
+    const auto known = special_truths_.find(key);
+    if (known != special_truths_.end()) return known->second;
+    return special_truths_.emplace(key, find_truth_of(i, plain_part(convention))).first->second;
 }
 
-bool Band::shows_side(std::size_t i, Facing facing) const {
+bool Band::hits_counting_side(std::size_t i, Facing facing) const {
     if (truths_.object[i] < 0) return false;
     return with_ray(i, [&](const auto& ray, const auto& primitives) {
         const auto primitive = lift_primitive<Ball>(primitives[static_cast<std::size_t>(truths_.object[i])]);
@@ -201,10 +203,10 @@ bool Band::needs_special_truth(std::size_t i, Convention convention) const {
     const bool ranged = ideal_ ? ideal_->have_ranges() : shared_.have_ranges();
     if (convention.endless && ranged) return true;
     if (convention.at_origin == AtOrigin::exit && truths_.on_surface[i] != 0) return true;
-    // A ray that meets nothing from either side meets nothing from one side. If the first hit is from a side that
-    // counts, it stays the first, unless another property passes it over.
+    // A ray that misses from both sides misses from one side. If the first hit is on a side that counts, it stays the
+    // first hit, unless another property of the convention excludes it.
     if (convention.facing != Facing::both && truths_.decision[i] != Truth::Decision::miss &&
-        (truths_.may_differ(i, convention) || !shows_side(i, convention.facing)))
+        (truths_.may_differ(i, convention) || !hits_counting_side(i, convention.facing)))
         return true;
     if (convention.inside == Inside::usual) return false;
     if (ranged) return true;  // the ray may begin elsewhere than at its origin
@@ -222,30 +224,30 @@ Truth Band::truth(std::size_t i, Convention convention) const {
 
 FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     FormatInputs in{.format = format, .paired = paired_, .stop = limit_.stop};
-    const FloatFormat& shape = format.parameters;
+    const FloatFormat& parameters = format.parameters;
     if (ideal_) {
-        in.rays = scene::rays::round_rays(*ideal_, shape);
-        in.primitives = round_primitives(ideal_primitives_, shape);
+        in.rays = scene::rays::round_rays(*ideal_, parameters);
+        in.primitives = round_primitives(ideal_primitives_, parameters);
     } else {
-        const bool wide =
-            shape.precision >= binary32.precision && shape.emin <= binary32.emin && shape.emax >= binary32.emax;
-        in.ideal = wide && in_binary32_;
-        in.rays = in.ideal ? shared_ : scene::rays::round_block(shared_, shape);
-        in.primitives = round_primitives(shared_primitives_, shape);
-        if (wide && !in.ideal) in.ideal = holds_binary64(shape) || keeps_all(in);
+        const bool holds_binary32 = parameters.precision >= binary32.precision && parameters.emin <= binary32.emin &&
+                                    parameters.emax >= binary32.emax;
+        in.ideal = holds_binary32 && in_binary32_;
+        in.rays = in.ideal ? shared_ : scene::rays::round_block(shared_, parameters);
+        in.primitives = round_primitives(shared_primitives_, parameters);
+        if (holds_binary32 && !in.ideal) in.ideal = holds_binary64(parameters) || keeps_all(in);
     }
-    if (ideal_ && scene_ && scene_->march) in.march = scene::file::round_march(*scene_->march, shape);
-    else if (shared_march_) in.march = scene::file::round_march(*shared_march_, shape);
+    if (ideal_ && scene_ && scene_->march) in.march = scene::file::round_march(*scene_->march, parameters);
+    else if (shared_march_) in.march = scene::file::round_march(*shared_march_, parameters);
     // Ray generators end with directions of length one, up to their rounding.
     const bool are_unit = ideal_ && ideal_->made;
-    if (needs.unit_rays) in.unit_rays = are_unit ? in.rays : normalised(in.rays, shape, limit_.stop);
-    if (const auto index = culler_ && !needs.no_forms ? culler_->for_forms(shape, in.primitives) : nullptr) {
+    if (needs.unit_rays) in.unit_rays = are_unit ? in.rays : normalised(in.rays, parameters, limit_.stop);
+    if (const auto index = culler_ && !needs.no_forms ? culler_->for_forms(parameters, in.primitives) : nullptr) {
         in.index = std::dynamic_pointer_cast<const culling::SphereIndex>(index);
         if (!in.index) in.candidates = std::make_shared<culling::CandidateLists>(*index, in.rays);
     }
     find_reach(in, needs);
     if (needs.stored_truth && !in.ideal) {
-        if (culler_) in.truth_index = culler_->for_stored_truth(shape, in.primitives);
+        if (culler_) in.truth_index = culler_->for_stored_truth(parameters, in.primitives);
         find_truths(RaysAndPrimitives<double>{in.rays, in.primitives, in.truth_index.get(), paired_}, limit_,
                     in.stored_truth);
     }
@@ -264,25 +266,27 @@ constexpr auto is_same = [](double stored, const auto& given) {
     return stored == given || (std::isnan(stored) && given != given);
 };
 
-template <class Holds>
-bool all_below(std::size_t count, const Holds& holds) {
+template <class Predicate>
+bool holds_for_all(std::size_t count, const Predicate& predicate) {
     for (std::size_t i = 0; i < count; ++i)
-        if (!holds(i)) return false;
+        if (!predicate(i)) return false;
     return true;
 }
 
 }  // namespace
 
 bool Band::keeps_ray(const FormatInputs& inputs, std::size_t i) const {
-    const auto same = is_same;
-    const auto same_vec = [&](const Vec<double>& stored, const auto& given) {
-        return same(stored.x, given.x) && same(stored.y, given.y) && same(stored.z, given.z);
+    const auto is_same_number = is_same;
+    const auto same_vector = [&](const Vec<double>& stored, const auto& given) {
+        return is_same_number(stored.x, given.x) && is_same_number(stored.y, given.y) &&
+               is_same_number(stored.z, given.z);
     };
     return with_ray(i, [&](const auto& ray, const auto&) {
         const Ray<double> stored = inputs.rays[i];
-        if (!same_vec(stored.origin, ray.origin) || !same_vec(stored.direction, ray.direction)) return false;
+        if (!same_vector(stored.origin, ray.origin) || !same_vector(stored.direction, ray.direction)) return false;
         const Range<double> stored_range = inputs.rays.range(i), given_range = range(i);
-        return same(stored_range.tmin, given_range.tmin) && same(stored_range.tmax, given_range.tmax);
+        return is_same_number(stored_range.tmin, given_range.tmin) &&
+               is_same_number(stored_range.tmax, given_range.tmax);
     });
 }
 
@@ -298,13 +302,13 @@ bool Band::keeps_primitive(const FormatInputs& inputs, std::size_t k) const {
 bool Band::keeps(const FormatInputs& inputs, std::size_t i) const {
     if (!keeps_ray(inputs, i)) return false;
     if (paired_) return keeps_primitive(inputs, i);
-    return all_below(inputs.primitives.size(), [&](std::size_t k) { return keeps_primitive(inputs, k); });
+    return holds_for_all(inputs.primitives.size(), [&](std::size_t k) { return keeps_primitive(inputs, k); });
 }
 
 bool Band::keeps_all(const FormatInputs& inputs) const {
-    return all_below(pixels(), [&](std::size_t i) { return keeps_ray(inputs, i); }) &&
-           all_below(pixels() == 0 ? 0 : inputs.primitives.size(),
-                     [&](std::size_t k) { return keeps_primitive(inputs, k); });
+    return holds_for_all(pixels(), [&](std::size_t i) { return keeps_ray(inputs, i); }) &&
+           holds_for_all(pixels() == 0 ? 0 : inputs.primitives.size(),
+                         [&](std::size_t k) { return keeps_primitive(inputs, k); });
 }
 
 Ray<Real> Band::true_ray(std::size_t i) const {
@@ -317,22 +321,22 @@ const scene::rays::CameraFrame<Real>* Band::frame() const {
 
 std::optional<scene::rays::RecordedRay> Band::recorded_ray(std::size_t i, const Format& format) const {
     if (frame() == nullptr) return std::nullopt;
-    const auto place = static_cast<int>(i);
-    return ideal_->made->record(format, {place % ideal_->width, y0_ + place / ideal_->width});
+    const auto index = static_cast<int>(i);
+    return ideal_->made->record(format, {index % ideal_->width, y0_ + index / ideal_->width});
 }
 
 std::shared_ptr<const scene::rays::RayGroup> Band::given(std::size_t i, std::set<int> primitives) const {
     if (paired_) primitives = {static_cast<int>(i)};
     const std::size_t count = primitives.empty() ? shared_primitives_.size() : primitives.size();
     if (scene_ != nullptr || ideal_ || count > most_given) return nullptr;
-    auto one = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(shared_[i]));
-    one->rays.push_range(shared_, i);
+    auto group = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(shared_[i]));
+    group->rays.push_range(shared_, i);
     for (const int primitive : primitives)
-        one->primitives.push_back(shared_primitives_[static_cast<std::size_t>(primitive)]);
-    if (!primitives.empty()) return one;
-    one->primitives = shared_primitives_.all();
-    one->march = shared_march_;
-    return one;
+        group->primitives.push_back(shared_primitives_[static_cast<std::size_t>(primitive)]);
+    if (!primitives.empty()) return group;
+    group->primitives = shared_primitives_.all();
+    group->march = shared_march_;
+    return group;
 }
 
 double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::Direction unit_of,

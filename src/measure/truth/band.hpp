@@ -1,4 +1,4 @@
-// Band of a picture: computes its rays and their truth once, and gives the same numbers to every form and format.
+// Band of a picture. Computes the rays of the band and their truth once, for all forms and formats.
 #pragma once
 
 #include <tbb/concurrent_unordered_map.h>
@@ -25,18 +25,19 @@ public:
     /// Finds the truth of every pixel, in parallel over the pixels. `culler`, of the same scene, skips the primitives
     /// that cannot matter; it must outlive the band.
     Band(const scene::file::Scene& scene, int y0, int y1, TruthLimit limit = {}, culling::Culler* culler = nullptr);
-    /// Rays that are already stored numbers, with their primitives: the input of a step of a sweep.
+    /// Uses rays that are already stored numbers, with their primitives: the input of a step of a sweep.
     Band(scene::rays::RayBlock rays, std::vector<Primitive<double>> primitives, TruthLimit limit = {})
         : Band(scene::rays::RayGroup{std::move(rays), std::move(primitives)}, limit) {}
-    /// `culler`: of the same primitives; it must outlive the band.
+    /// `culler` has the same primitives and must outlive the band.
     explicit Band(scene::rays::RayGroup group, TruthLimit limit = {}, culling::Culler* culler = nullptr);
-    /// Ideal rays among the primitives of a scene with own inputs. The scene must outlive the band.
+    /// Uses ideal rays among the primitives of a scene with own inputs. The scene must outlive the band.
     Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, TruthLimit limit = {});
-    /// Ideal rays and primitives; if `paired`, ray i is tested only against primitive i.
+    /// Uses ideal rays and primitives; if `paired`, ray i is tested only against primitive i.
     Band(scene::rays::IdealRayBlock rays, std::vector<Primitive<Real>> primitives, bool paired, TruthLimit limit = {});
-    /// One ray in stored numbers among the primitives of a scene with shared inputs. `culler` is of that scene and must
-    /// outlive the band.
-    Band(const scene::file::Scene& scene, scene::rays::RayBlock one, culling::Culler& culler, TruthLimit limit = {});
+    /// Uses one ray in stored numbers among the primitives of a scene with shared inputs. `culler` has the primitives
+    /// of this scene and must outlive the band.
+    Band(const scene::file::Scene& scene, scene::rays::RayBlock single_ray, culling::Culler& culler,
+         TruthLimit limit = {});
     /// Range of ray i, as it was given.
     [[nodiscard]] Range<double> range(std::size_t i) const { return ideal_ ? ideal_->range(i) : shared_.range(i); }
     /// Finds κ of every hit, in parallel.
@@ -44,19 +45,19 @@ public:
     /// κ of ray i after `find_condition`; NaN for a miss.
     [[nodiscard]] double condition(std::size_t i, intersect::Convention convention) const;
     /// Bounds how far errors of the inputs can move the t of ray i, or its distance (see `truth::reach`); NaN for a
-    /// miss. `of` gives the format, and the answer if it holds one. The unit is the power of two of that t, or
+    /// miss. `inputs` gives the format, and the answer if it holds one. The unit is the power of two of this t, or
     /// distance.
     [[nodiscard]] double reach(std::size_t i, intersect::Convention convention, intersect::Direction unit_of,
-                               const FormatInputs& of, Perturbed perturbed = Perturbed::componentwise) const;
+                               const FormatInputs& inputs, Perturbed perturbed = Perturbed::componentwise) const;
     /// Inputs of one format; computed in parallel over the pixels.
     [[nodiscard]] FormatInputs inputs(const Format& format, BandNeeds needs) const;
     /// Only the inputs that a form needs.
     [[nodiscard]] FormatInputs inputs_for(const Format& format, const intersect::Info& form) const {
         return inputs(format, {.unit_rays = form.direction == intersect::Direction::unit});
     }
-    /// True if the format rounded no number of ray i and of the primitives. `inputs` are those of this band.
+    /// True if the format rounded no number of ray i and of the primitives. `inputs` come from this band.
     [[nodiscard]] bool keeps(const FormatInputs& inputs, std::size_t i) const;
-    /// The same for all rays and primitives.
+    /// True if the format rounded no number of any ray or primitive.
     [[nodiscard]] bool keeps_all(const FormatInputs& inputs) const;
     /// Ray i before any format rounds or computes it.
     [[nodiscard]] Ray<Real> true_ray(std::size_t i) const;
@@ -64,9 +65,9 @@ public:
     [[nodiscard]] const scene::rays::CameraFrame<Real>* frame() const;
     /// Operations that compute ray i in a format; empty if the format rounds given rays.
     [[nodiscard]] std::optional<scene::rays::RecordedRay> recorded_ray(std::size_t i, const Format& format) const;
-    /// Ray i as it was given, before any format rounded it, with these `primitives`; if the set is empty, with all
-    /// primitives, and with the constants of a march. Null for a pixel of a scene (its position identifies it), for an
-    /// ideal ray, and if there are more than `most_given` primitives.
+    /// Returns ray i as it was given, before any format rounded it, with these `primitives`; if the set is empty, with
+    /// all primitives and the constants of a march. Null for a pixel of a scene (its position identifies the ray), for
+    /// an ideal ray, and if there are more than `most_given` primitives.
     [[nodiscard]] std::shared_ptr<const scene::rays::RayGroup> given(std::size_t i, std::set<int> primitives) const;
     static constexpr std::size_t most_given = 64;
 
@@ -83,8 +84,8 @@ public:
     /// Truth of ray i at one of the primitives alone, as if there were no other.
     [[nodiscard]] Truth truth_of_primitive(std::size_t i, std::size_t primitive,
                                            intersect::Convention convention) const;
-    /// True if the truth of ray i by the convention may differ from that of `truths`. That is so if the ray touches a
-    /// primitive, starts in or on one, or ends where the convention matters, or if only one side counts.
+    /// True if the truth of ray i by the convention may differ from that of `truths`: the ray touches a primitive,
+    /// starts in or on a primitive, or ends where the convention matters, or only one side counts.
     [[nodiscard]] bool may_differ(std::size_t i, intersect::Convention convention) const;
     /// Truth of every ray by the closed primitive's convention.
     [[nodiscard]] const RayTruths& truths() const { return truths_; }
@@ -96,8 +97,8 @@ private:
     void find_truth_of_all();
     [[nodiscard]] bool keeps_ray(const FormatInputs& inputs, std::size_t i) const;
     [[nodiscard]] bool keeps_primitive(const FormatInputs& inputs, std::size_t k) const;
-    /// True if the first hit of ray i is proved to be on a side that counts.
-    [[nodiscard]] bool shows_side(std::size_t i, intersect::Facing facing) const;
+    /// True if it is proved that the first hit of ray i is on a side that counts.
+    [[nodiscard]] bool hits_counting_side(std::size_t i, intersect::Facing facing) const;
 
     [[nodiscard]] Truth find_truth_of(std::size_t i, intersect::Convention convention) const;
     [[nodiscard]] double condition_of(std::size_t i, Truth::Decision decision, int object,
@@ -119,8 +120,7 @@ private:
     std::optional<intersect::MarchConstants<double>> shared_march_;
     /// True if a special convention needs a separate truth for ray i.
     [[nodiscard]] bool needs_special_truth(std::size_t i, intersect::Convention convention) const;
-    /// Truth of a ray for which `truths().may_differ`. It is found when it is first asked for, since few forms have
-    /// such a convention.
+    /// Truth of a ray for which `truths().may_differ`. The first call finds it, since few forms have such a convention.
     [[nodiscard]] const Truth& special_truth(std::size_t i, intersect::Convention convention) const;
     template <class Function>
     auto with_ray(std::size_t i, Function&& function) const {
@@ -130,10 +130,10 @@ private:
     RayTruths truths_;
     StageCounts stages_;
     std::vector<double> condition_;
-    /// Truths and conditions that were asked for, of rays on which the convention matters. Several threads may compute
-    /// the same truth; the first result is kept.
-    mutable tbb::concurrent_unordered_map<std::size_t, Truth> truths_apart_;
-    mutable tbb::concurrent_unordered_map<std::size_t, double> conditions_apart_;
+    /// Truths and conditions that were requested, of rays for which the convention matters. Several threads may compute
+    /// the same truth; the first result is stored.
+    mutable tbb::concurrent_unordered_map<std::size_t, Truth> special_truths_;
+    mutable tbb::concurrent_unordered_map<std::size_t, double> special_conditions_;
 };
 
 }  // namespace lostbits::measure::truth

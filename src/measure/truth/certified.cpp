@@ -20,7 +20,8 @@ int exponent_of(double x) {
     return biased != 0 && biased != 0x7ff ? biased - 1023 : std::ilogb(x);
 }
 
-/// ldexp that saturates: exponents here may exceed int. A product with a power of two rounds as ldexp does.
+/// x·2^e. The exponent saturates, since exponents here may exceed int. A product with a power of two rounds as ldexp
+/// does.
 double scale(double x, std::int64_t e) {
     if (e >= -1022 && e <= 1023) return x * power_of_two(e);
     return std::ldexp(x, static_cast<int>(std::clamp<std::int64_t>(e, -5000, 5000)));
@@ -30,7 +31,7 @@ Certified normalised(double hi, double lo, double bound, std::int64_t exponent) 
     const DoubleDouble s = two_sum(hi, lo);
     const int e = exponent_of(s.hi);
     Certified r{scale(s.hi, -e), scale(s.lo, -e), scale(bound, -e), exponent + e};
-    // Scaling is exact unless it underflows. That changes lo and bound by at most half of 2^-1074 each.
+    // Scaling is exact unless it underflows. Underflow changes lo and bound by at most half of 2^-1074 each.
     if (scale(r.lo, e) != s.lo || scale(r.bound, e) != bound) r.bound += 0x1p-1074;
     return r;
 }
@@ -98,22 +99,22 @@ double scaled_difference(const Certified& x, const Certified& y, std::int64_t e)
 int compare(const Certified& x, const Certified& y) {
     const std::int64_t top = std::max(x.is_zero() ? y.exponent : x.exponent, y.is_zero() ? x.exponent : y.exponent);
     const double d = scaled_difference(x, y, top);
-    const double slack = (scale(x.bound, x.exponent - top) + scale(y.bound, y.exponent - top)) * (1 + 0x1p-40);
+    const double margin = (scale(x.bound, x.exponent - top) + scale(y.bound, y.exponent - top)) * (1 + 0x1p-40);
     // d has a relative error of a few 2^-53, and the losses to underflow in scaling are below 2^-1000.
-    if (std::fabs(d) * (1 - 0x1p-40) > slack + 0x1p-1000) return d < 0 ? -1 : 1;
+    if (std::fabs(d) * (1 - 0x1p-40) > margin + 0x1p-1000) return d < 0 ? -1 : 1;
     return 0;
 }
 
 Certified nearer(const Certified& x, const Certified& y) {
     const int order = compare(x, y);
     if (order != 0) return order < 0 ? x : y;
-    // The two cannot be told apart. The smaller one lies within both bounds plus the distance of the midpoints of
-    // either.
-    Certified r = x;
+    // The order is not decided. The smaller number lies within both bounds plus the distance of the midpoints, from
+    // either midpoint.
+    Certified both = x;
     if (x.is_zero()) return x;
-    const double apart = std::fabs(scaled_difference(x, y, x.exponent));
-    r.bound = (x.bound + scale(y.bound, y.exponent - x.exponent) + apart) * (1 + 0x1p-40);
-    return r;
+    const double midpoint_distance = std::fabs(scaled_difference(x, y, x.exponent));
+    both.bound = (x.bound + scale(y.bound, y.exponent - x.exponent) + midpoint_distance) * (1 + 0x1p-40);
+    return both;
 }
 
 Neighbours round_ends(const Certified& x, const FloatFormat& format) {
@@ -124,20 +125,20 @@ Neighbours round_ends(const Certified& x, const FloatFormat& format) {
         DoubleDouble s = two_sum(x.hi, outer.hi);
         const DoubleDouble rest = two_sum(s.lo, outer.lo);
         int residual = (rest.hi > 0) - (rest.hi < 0);
-        // The nearest double was chosen before outer.lo was seen; at a tie that choice may be one off.
-        const double towards = std::nextafter(s.hi, rest.hi > 0 ? HUGE_VAL : -HUGE_VAL);
-        if (rest.hi != 0 && towards - s.hi == 2 * rest.hi && rest.lo != 0 && (rest.lo > 0) == (rest.hi > 0)) {
-            s.hi = towards;
+        // s.hi was rounded without outer.lo; at a tie, it may be the wrong neighbour.
+        const double neighbour = std::nextafter(s.hi, rest.hi > 0 ? HUGE_VAL : -HUGE_VAL);
+        if (rest.hi != 0 && neighbour - s.hi == 2 * rest.hi && rest.lo != 0 && (rest.lo > 0) == (rest.hi > 0)) {
+            s.hi = neighbour;
             residual = -residual;
         }
         // Rounds in units of 2^exponent, to a format whose exponents are shifted by the same amount.
-        const auto moved = [&](std::int64_t bound) {
+        const auto shifted_exponent = [&](std::int64_t bound) {
             return static_cast<int>(std::clamp<std::int64_t>(bound - x.exponent, -4000, 4000));
         };
-        FloatFormat local{format.precision, moved(format.emin), 1000};
-        double r = rounding::to_format(s.hi, residual, local);
-        if (local.emin > 60) r = 0;  // far below the smallest subnormal
-        const int emax = moved(format.emax);
+        FloatFormat shifted_format{format.precision, shifted_exponent(format.emin), 1000};
+        double r = rounding::to_format(s.hi, residual, shifted_format);
+        if (shifted_format.emin > 60) r = 0;  // far below the smallest subnormal
+        const int emax = shifted_exponent(format.emax);
         if (r != 0 && std::ilogb(r) > emax) return std::copysign(std::numeric_limits<double>::infinity(), r);
         return scale(r, x.exponent);
     };

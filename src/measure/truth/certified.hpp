@@ -11,7 +11,7 @@
 namespace lostbits::measure::truth {
 
 /// x = (hi + lo)·2^exponent with 1 ≤ |hi| < 2 (or x = 0 exactly), |x − (hi + lo)·2^exponent| ≤ bound·2^exponent. The
-/// exponent is separate, so that numbers beyond the range of double need no special case.
+/// exponent is stored separately, so that numbers beyond the range of double need no special case.
 struct Certified {
     double hi = 0;
     double lo = 0;
@@ -23,7 +23,7 @@ struct Certified {
     [[nodiscard]] long floor_log2() const;
 };
 
-/// The relative bound that every certified value meets: 2^-72, which is 2^-19 of a double's last place.
+/// Largest relative bound of a certified value: 2^-72, which is 2^-19 of a double's last place.
 inline constexpr double certified_tightness = 0x1p-72;
 
 /// Midpoint and bound of an enclosure; empty if it is not tight enough (or unbounded).
@@ -40,9 +40,9 @@ double scaled_difference(const Certified& x, const Certified& y, std::int64_t e)
 /// A finite double as a certified value with bound zero.
 Certified exactly(double x);
 
-/// Nearer of two intersections; if they cannot be told apart, an enclosure of both.
+/// Nearer of two intersections; if their order cannot be decided, an enclosure of both.
 Certified nearer(const Certified& x, const Certified& y);
-/// Order of x and y: −1, 0 (cannot be decided), or +1.
+/// Order of x and y: −1 if x < y, +1 if x > y, 0 if the bounds do not decide.
 int compare(const Certified& x, const Certified& y);
 
 /// Both ends of x, each rounded to nearest even in a format: one number, or two neighbours if the bound straddles the
@@ -57,7 +57,7 @@ std::optional<double> round_certified(const Certified& x, const FloatFormat& for
 /// Position of x in the order of the format's numbers: 0 for zero, +1 for each representable number, negative below
 /// zero. Infinity follows the largest finite number. x must be a number of the format.
 std::int64_t ordinal(double x, const FloatFormat& format);
-/// Finite number of that ordinal.
+/// Finite number that has this ordinal.
 double number_at(std::int64_t ordinal, const FloatFormat& format);
 
 }  // namespace lostbits::measure::truth

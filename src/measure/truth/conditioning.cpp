@@ -24,21 +24,21 @@ namespace {
 struct FlatProblem {
     Shape shape;
     std::variant<std::vector<double>, std::vector<Real>> numbers;
-    std::optional<Placement<int>> placed;  ///< its kind, without its numbers
+    std::optional<Placement<int>> placed;  ///< kind of the matrix, without its numbers
 
     template <class S>
     FlatProblem(const Ray<S>& ray, const Primitive<S>& primitive) : shape(primitive.shape) {
-        auto& all = numbers.emplace<std::vector<S>>();
-        for (const Vec<S>& v : {ray.origin, ray.direction}) all.insert(all.end(), {v.x, v.y, v.z});
-        all.insert(all.end(), primitive.used().begin(), primitive.used().end());
+        auto& all_numbers = numbers.emplace<std::vector<S>>();
+        for (const Vec<S>& v : {ray.origin, ray.direction}) all_numbers.insert(all_numbers.end(), {v.x, v.y, v.z});
+        all_numbers.insert(all_numbers.end(), primitive.used().begin(), primitive.used().end());
         if (!primitive.placed) return;
-        all.insert(all.end(), primitive.placed->matrix.begin(), primitive.placed->matrix.end());
+        all_numbers.insert(all_numbers.end(), primitive.placed->matrix.begin(), primitive.placed->matrix.end());
         placed = transformed(*primitive.placed, [](const S&) { return 0; });
     }
 };
 
-/// Number with derivatives, enough of them for any primitive. A width for each shape would compile the code once for
-/// each.
+/// Number with enough derivatives for any primitive. If each shape had its own count, the code would be compiled once
+/// for each.
 template <class E>
 using Sensitive = Dual<E, 6 + most_stored>;
 
@@ -49,55 +49,55 @@ struct Problem {
     Ray<Sensitive<E>> ray;
     Primitive<Sensitive<E>> primitive;
 
-    explicit Problem(const FlatProblem& given) : primitive(given.shape) {
+    explicit Problem(const FlatProblem& flat) : primitive(flat.shape) {
         const auto lift_all = [&](const auto& numbers) {
-            for (const auto& n : numbers) x.push_back(lift<E>(n));
+            for (const auto& number : numbers) x.push_back(lift<E>(number));
         };
-        std::visit(lift_all, given.numbers);
+        std::visit(lift_all, flat.numbers);
         std::size_t i = 0;
         const auto next = [&] { return ++i, Sensitive<E>::input(x[i - 1], i - 1, x.size()); };
         for (auto* const v : {&ray.origin, &ray.direction}) v->x = next(), v->y = next(), v->z = next();
-        for (auto& number : primitive.used()) number = next();
-        if (!given.placed) return;
-        primitive.placed = transformed(*given.placed, [](int) { return Sensitive<E>(0); });
-        for (auto& number : primitive.placed->matrix) number = next();
+        for (auto& element : primitive.used()) element = next();
+        if (!flat.placed) return;
+        primitive.placed = transformed(*flat.placed, [](int) { return Sensitive<E>(0); });
+        for (auto& element : primitive.placed->matrix) element = next();
     }
 };
 
-/// t and its derivatives by each number. A miss has none. `endless` has none either: t is 0, or at a double root, which
-/// does not move in proportion to its inputs.
+/// t and its derivatives by each number, which only `known` has. `endless` stands for an infinite κ: t is 0, or it is
+/// at a double root, which does not move in proportion to its inputs.
 template <class E>
 struct Sensitivity {
-    enum class Kind { miss, endless, known } kind;
+    enum class Kind { miss, infinite, known } kind;
     E t = E(0);
-    std::vector<E> x = {}, by = {};
+    std::vector<E> x = {}, derivatives = {};
 };
 
 /// Sensitivity at one precision; empty if the precision is too low.
 template <class E>
-std::optional<Sensitivity<E>> sensitivity(const FlatProblem& given, Convention convention,
-                                          const Range<double>& of_ray) {
+std::optional<Sensitivity<E>> sensitivity(const FlatProblem& flat, Convention convention,
+                                          const Range<double>& ray_range) {
     using Kind = typename Sensitivity<E>::Kind;
-    const Problem<E> problem(given);
-    const auto range = range_over<Sensitive<E>, E>(of_ray);
+    const Problem<E> problem(flat);
+    const auto range = range_over<Sensitive<E>, E>(ray_range);
     const auto found = enclose(problem.ray, problem.primitive, range ? &*range : nullptr, convention);
     if (found.hit.is_no()) return Sensitivity<E>{Kind::miss};
     if (!found.hit.is_yes()) return std::nullopt;
     if (found.at_double_root || (found.t.value().is_exact() && (found.t.value() <= E(0)).is_yes()))
-        return Sensitivity<E>{Kind::endless};
-    Sensitivity<E> all{Kind::known, found.t.value(), problem.x};
-    for (std::size_t i = 0; i < all.x.size(); ++i) all.by.push_back(found.t.derivative(i));
-    return all;
+        return Sensitivity<E>{Kind::infinite};
+    Sensitivity<E> result{Kind::known, found.t.value(), problem.x};
+    for (std::size_t i = 0; i < result.x.size(); ++i) result.derivatives.push_back(found.t.derivative(i));
+    return result;
 }
 
 constexpr double tightness = 0x1p-20;
 
-std::optional<double> close_enough(const Ball& k) {
+std::optional<double> tight_value(const Ball& k) {
     if (!k.is_bounded() || !(k.radius() <= tightness * std::fabs(k.hi()))) return std::nullopt;
     return k.hi();
 }
 
-std::optional<double> close_enough(const Interval& k) {
+std::optional<double> tight_value(const Interval& k) {
     if (!k.is_bounded()) return std::nullopt;
     const double low = mpfr_get_d(k.lower(), MPFR_RNDD), high = mpfr_get_d(k.upper(), MPFR_RNDU);
     if (std::isinf(low)) return low;
@@ -107,13 +107,13 @@ std::optional<double> close_enough(const Interval& k) {
 
 struct ConditionQuery {
     using Answer = double;
-    static double none() { return missing; }
-    static double endless() { return std::numeric_limits<double>::infinity(); }
+    static double for_miss() { return missing; }
+    static double infinite() { return std::numeric_limits<double>::infinity(); }
     template <class E>
     static std::optional<double> of(const Sensitivity<E>& t) {
         E sum(0);
-        for (std::size_t i = 0; i < t.x.size(); ++i) sum = sum + abs(t.x[i] * t.by[i]);
-        return close_enough(sum / t.t);
+        for (std::size_t i = 0; i < t.x.size(); ++i) sum = sum + abs(t.x[i] * t.derivatives[i]);
+        return tight_value(sum / t.t);
     }
 };
 
@@ -126,19 +126,19 @@ double width_of(const Interval& x) {
 
 struct GradientQuery {
     using Answer = std::vector<double>;
-    static Answer none() { return {}; }
-    static Answer endless() { return {}; }
+    static Answer for_miss() { return {}; }
+    static Answer infinite() { return {}; }
     template <class E>
     static std::optional<Answer> of(const Sensitivity<E>& t) {
-        Answer all;
+        Answer gradient;
         double largest = 0, width = 0;
-        for (const E& slope : t.by) {
-            all.push_back(middle_of(slope));
-            largest = std::max(largest, std::fabs(all.back()));
+        for (const E& slope : t.derivatives) {
+            gradient.push_back(middle_of(slope));
+            largest = std::max(largest, std::fabs(gradient.back()));
             width = std::max(width, width_of(slope));
         }
-        const bool near = std::isfinite(largest) && width <= 0x1p-40 * largest;
-        return near ? std::optional(std::move(all)) : std::nullopt;
+        const bool is_tight = std::isfinite(largest) && width <= 0x1p-40 * largest;
+        return is_tight ? std::optional(std::move(gradient)) : std::nullopt;
     }
 };
 
@@ -147,8 +147,8 @@ template <class Query, class E>
 std::optional<typename Query::Answer> query_answer(const std::optional<Sensitivity<E>>& found) {
     if (!found) return std::nullopt;
     switch (found->kind) {
-        case Sensitivity<E>::Kind::miss: return Query::none();
-        case Sensitivity<E>::Kind::endless: return Query::endless();
+        case Sensitivity<E>::Kind::miss: return Query::for_miss();
+        case Sensitivity<E>::Kind::infinite: return Query::infinite();
         case Sensitivity<E>::Kind::known: break;
     }
     return Query::of(*found);
@@ -159,14 +159,15 @@ typename Query::Answer answer_of(const Ray<S>& ray, const Primitive<S>& primitiv
                                  Range<double> range) {
     if (convention.endless) range.tmax = HUGE_VAL;
     convention = convention_in(range, convention);
-    const FlatProblem given(ray, primitive);
-    if (const auto quick = query_answer<Query>(sensitivity<Ball>(given, convention, range))) return *quick;
+    const FlatProblem flat(ray, primitive);
+    if (const auto from_balls = query_answer<Query>(sensitivity<Ball>(flat, convention, range))) return *from_balls;
     for (int bits = 384; bits <= 24576; bits *= 4) {
         const Interval::Precision precision(bits);
-        if (const auto found = query_answer<Query>(sensitivity<Interval>(given, convention, range))) return *found;
+        if (const auto found = query_answer<Query>(sensitivity<Interval>(flat, convention, range))) return *found;
     }
-    // If no precision settles a problem, it divides by a root that is exactly zero: a tangent.
-    return Query::endless();
+    // If no precision settles a problem, its formula divides by a square root that is exactly zero: the line is a
+    // tangent.
+    return Query::infinite();
 }
 
 }  // namespace
@@ -209,10 +210,10 @@ double Band::condition(std::size_t i, Convention convention) const {
     }
     if (!truths_.may_differ(i, convention)) return condition_[i];
     const std::size_t key = key_of(i, convention);
-    const auto known = conditions_apart_.find(key);
-    if (known != conditions_apart_.end()) return known->second;
+    const auto known = special_conditions_.find(key);
+    if (known != special_conditions_.end()) return known->second;
     const Truth& truth = special_truth(i, convention);
-    return conditions_apart_.emplace(key, condition_of(i, truth.decision, truth.object, plain_part(convention)))
+    return special_conditions_.emplace(key, condition_of(i, truth.decision, truth.object, plain_part(convention)))
         .first->second;
 }
 
@@ -231,25 +232,26 @@ double Band::reach_of(std::size_t i, const Truth& found, Convention convention, 
     });
 }
 
-double Band::reach(std::size_t i, Convention convention, intersect::Direction unit_of, const FormatInputs& of,
+double Band::reach(std::size_t i, Convention convention, intersect::Direction unit_of, const FormatInputs& inputs,
                    Perturbed perturbed) const {
     const Length length = length_of(unit_of);
-    const auto& known = of.reach[static_cast<std::size_t>(perturbed)][static_cast<std::size_t>(length)];
-    const bool closed = !known.empty() && !may_differ(i, convention);
-    return closed ? known[i] : reach_of(i, truth(i, convention), convention, length, of.format.parameters, perturbed);
+    const auto& known = inputs.reach[static_cast<std::size_t>(perturbed)][static_cast<std::size_t>(length)];
+    const bool known_by_closed = !known.empty() && !may_differ(i, convention);
+    return known_by_closed ? known[i]
+                           : reach_of(i, truth(i, convention), convention, length, inputs.format.parameters, perturbed);
 }
 
 void Band::find_reach(FormatInputs& in, BandNeeds needs) const {
     for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
         for (const Length length : {Length::parameter, Length::distance}) {
-            const auto place = std::pair(static_cast<std::size_t>(perturbed), static_cast<std::size_t>(length));
-            if (!needs.reach[place.first][place.second]) continue;
-            std::vector<double>& all = in.reach[place.first][place.second];
-            all.resize(pixels());
+            const auto index = std::pair(static_cast<std::size_t>(perturbed), static_cast<std::size_t>(length));
+            if (!needs.reach[index.first][index.second]) continue;
+            std::vector<double>& reaches = in.reach[index.first][index.second];
+            reaches.resize(pixels());
             intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixels(), 256), [&](const auto& range) {
                 limit_.stop.check();
                 for (std::size_t i = range.begin(); i < range.end(); ++i)
-                    all[i] = reach_of(i, truths_[i], {}, length, in.format.parameters, perturbed);
+                    reaches[i] = reach_of(i, truths_[i], {}, length, in.format.parameters, perturbed);
             });
         }
     }

@@ -18,8 +18,9 @@ double condition(const Ray<double>& ray, const Primitive<double>& primitive, int
 double condition(const Ray<Real>& ray, const Primitive<Real>& primitive, intersect::Convention convention = {},
                  const Range<double>& range = {});
 
-/// ∂t/∂xᵢ of the same intersection, in the order of the inputs and then those of a matrix, each good to 2^-40 of the
-/// largest. Empty for a miss, for a hit at the beginning of the range, and on an exact tangent.
+/// ∂t/∂xᵢ of the same intersection, first by the inputs in this order and then by the numbers of a matrix. Each
+/// derivative is good to 2^-40 of the largest one. Empty for a miss, for a hit at the beginning of the range, and on an
+/// exact tangent.
 std::vector<double> gradient(const Ray<double>& ray, const Primitive<double>& primitive,
                              intersect::Convention convention = {}, const Range<double>& range = {});
 

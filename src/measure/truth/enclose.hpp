@@ -1,4 +1,5 @@
-// The exact answer as one formula over any enclosure: what the truth proves, and what its conditioning differentiates.
+// Encloses the exact answer by one formula for every type of enclosure. The truth proves this answer, and the
+// conditioning differentiates it.
 #pragma once
 
 #include <cmath>
@@ -29,11 +30,11 @@ struct Enclosed {
     E t = E(0);
     E distance = E(0);
     /// The ray meets only the boundary of the primitive, which is a miss if touching is a miss. Tangents touch, and so
-    /// do rays that end where they enter. A surface without an inside is crossed there instead. A ray that begins
-    /// where it leaves is decided by the convention for origins; boxes are an exception, since every point of a box
-    /// counts.
+    /// do rays that end where they enter a primitive with an inside; a surface without an inside is crossed there
+    /// instead. If a ray begins where it leaves, the convention for origins decides; boxes are an exception, since
+    /// every point of a box counts.
     bool touching = false;
-    /// The ray begins on the surface. That is a root, and the convention decides whether it counts.
+    /// The ray begins on the surface. Its start is a root, and the convention decides whether this root counts.
     bool on_surface = false;
     Crossing at = Crossing::begin;
     bool at_double_root = false;  ///< t is a double root of a quartic, and has no derivative
@@ -56,24 +57,25 @@ Enclosed<E> enclosed_begin(const E& d2, const RangeOfSpan<E>* range, bool touchi
 
 /// Hit at one of the roots.
 template <class E>
-Enclosed<E> enclosed_root(const QuadraticSpan<E>& s, Crossing at, bool touching = false, bool on_surface = false) {
-    const E root = sqrt(s.q);
-    const bool past = (s.h > E(0)).is_yes();
-    const E size = past ? root + s.h : root - s.h;
-    const E t = at == Crossing::near ? (past ? -size / s.a : s.c / size) : (past ? -s.c / size : size / s.a);
-    return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, at};
+Enclosed<E> enclosed_root(const QuadraticSpan<E>& s, Crossing root, bool touching = false, bool on_surface = false) {
+    const E square_root = sqrt(s.q);
+    const bool is_h_positive = (s.h > E(0)).is_yes();
+    const E sum = is_h_positive ? square_root + s.h : square_root - s.h;
+    const E t =
+        root == Crossing::near ? (is_h_positive ? -sum / s.a : s.c / sum) : (is_h_positive ? -s.c / sum : sum / s.a);
+    return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, root};
 }
 
-/// The ray begins on the surface, and q is h² there.
+/// Answer of a convention for a ray that begins on the surface, where q = h².
 template <class E>
 Enclosed<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leaving, const RangeOfSpan<E>* range,
                                  intersect::Convention convention) {
     const E zero(0);
-    const Tri aside = h > zero || h < zero;
-    if (aside.is_unknown() || leaving.is_unknown()) return {Tri::unknown};
-    const bool touching = aside.is_no();
+    const Tri crosses = h > zero || h < zero;
+    if (crosses.is_unknown() || leaving.is_unknown()) return {Tri::unknown};
+    const bool touching = crosses.is_no();
     // If rays from inside miss, exits do not count, so neither does an exit at the start. Both roots of a tangent are
-    // touches, which are no exits.
+    // touches, and a touch is not an exit.
     const bool no_exits = convention.inside == intersect::Inside::miss && !touching;
     const bool counts = convention.at_origin == intersect::AtOrigin::hit ||
                         (convention.at_origin == intersect::AtOrigin::exit && leaving.is_yes());
@@ -105,18 +107,18 @@ Enclosed<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& from,
     if (hit.is_no()) return {hit};
     if (hit.is_unknown() || outside.is_unknown()) return {Tri::unknown};
     if ((c >= zero).is_yes() && outside.is_no()) return enclose_from_surface(s, h, leaving, range, convention);
-    const bool zero_inside = convention.inside == intersect::Inside::zero;
-    if (outside.is_no() && (zero_inside || convention.inside == intersect::Inside::miss)) {
+    const bool inside_returns_zero = convention.inside == intersect::Inside::zero;
+    if (outside.is_no() && (inside_returns_zero || convention.inside == intersect::Inside::miss)) {
         if (!(c < zero).is_yes()) return {Tri::unknown};
-        return zero_inside ? enclosed_begin(s.d2, range) : Enclosed<E>{Tri::no};
+        return inside_returns_zero ? enclosed_begin(s.d2, range) : Enclosed<E>{Tri::no};
     }
-    const Tri through = outside.is_no() ? Tri::yes : s.q > zero;
-    if (through.is_unknown()) return {Tri::unknown};
-    return enclosed_root(s, outside.is_yes() ? Crossing::near : Crossing::far, through.is_no());
+    const Tri crosses = outside.is_no() ? Tri::yes : s.q > zero;
+    if (crosses.is_unknown()) return {Tri::unknown};
+    return enclosed_root(s, outside.is_yes() ? Crossing::near : Crossing::far, crosses.is_no());
 }
 
-/// The same for a ray with a range (null: everything ahead): the root that a ray from tmin meets, if it comes no later
-/// than tmax.
+/// First hit of a quadratic surface by a ray with a range (null: everything ahead): the root that a ray from tmin
+/// meets, if that root comes no later than tmax.
 template <class E>
 Enclosed<E> enclose(const QuadraticSpan<E>& s, const RangeOfSpan<E>* range = nullptr,
                     intersect::Convention convention = {}) {
@@ -135,7 +137,7 @@ Enclosed<E> enclose(const QuadraticSpan<E>& s, const RangeOfSpan<E>* range = nul
 /// tmin < b, the ray begins inside or, if it touches, on a face along which it runs. If a = tmin, it enters at its
 /// start; if b = tmin, it leaves there; if both, it touches in one point. An exit beyond tmax does not count.
 template <class E>
-Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, intersect::Convention asked,
+Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, intersect::Convention convention,
                                 bool touching) {
     using intersect::AtOrigin, intersect::Inside;
     const E zero(0);
@@ -147,15 +149,15 @@ Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* 
     const Fraction<E> exit = first_exit(slabs);
     const Tri leaving = range ? order_of(exit, Fraction<E>{range->begin, E(1)}).at_most : exit.n <= zero;
     if (entered.is_unknown() || leaving.is_unknown()) return {Tri::unknown};
-    const auto at_once = [&] { return enclosed_begin(slabs.d2, range); };
-    const bool along = touching && leaving.is_no();
-    if ((entered.is_no() || along) && asked.at_origin == AtOrigin::hit) return at_once();
-    const bool counts = asked.inside == Inside::exit || entered.is_no();
-    if (leaving.is_yes()) return counts && asked.at_origin != AtOrigin::miss ? at_once() : none;
-    if (asked.inside != Inside::exit && !along) return none;
+    const auto hit_at_begin = [&] { return enclosed_begin(slabs.d2, range); };
+    const bool runs_along = touching && leaving.is_no();
+    if ((entered.is_no() || runs_along) && convention.at_origin == AtOrigin::hit) return hit_at_begin();
+    const bool exit_counts = convention.inside == Inside::exit || entered.is_no();
+    if (leaving.is_yes()) return exit_counts && convention.at_origin != AtOrigin::miss ? hit_at_begin() : none;
+    if (convention.inside != Inside::exit && !runs_along) return none;
     if (range) {
-        const Tri in_reach = in_time(order_of(exit, range->end), *range);
-        if (!in_reach.is_yes()) return {in_reach};
+        const Tri in_range = in_time(order_of(exit, range->end), *range);
+        if (!in_range.is_yes()) return {in_range};
     }
     const E t = exit.n / exit.m;
     return {Tri::yes, t, t * sqrt(slabs.d2), false, false, Crossing::far};
@@ -165,16 +167,17 @@ Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* 
 /// lies in the closed box, for `Touching::miss` the infimum of all t for which it lies in the open box. Either way, t*
 /// = max(tmin, largest entry):
 ///
-///   - a ray that begins inside gives t = tmin exactly, whether that end is open or not; so does one that begins on
-///     the boundary if it goes in (or, if the box is closed and the end is not open, along it or out);
+///   - a ray that begins inside gives t = tmin exactly, whether the range is open at tmin or not; so does a ray that
+///     begins on the boundary if it goes in (or, if the box is closed and the range is not open at tmin, along the
+///     boundary or out);
 ///   - an entry exactly at tmax is a hit of the closed box and a miss of the open one, whose points all come later;
 ///   - a box of zero thickness has an empty inside.
 ///
 /// All decisions are signs of dyadic polynomials of degree two in the inputs (differences times a direction or tmax),
-/// so for doubles an interval of 2·(1024 + 1074) + 3 < 4200 bits decides every one. The direction must not be zero, and
-/// lo ≤ hi. From inside the answer is tmin unless the convention states another. `touching` means that the two
-/// conventions differ; like everything else, it is known only if `hit` is. The gradient of a Dual is that of the axis
-/// that was chosen: if two entries are equal, t has a kink, and the gradient is one-sided.
+/// so for doubles an interval of 2·(1024 + 1074) + 3 < 4200 bits decides every sign. The direction must not be zero,
+/// and lo ≤ hi. From inside the answer is tmin unless the convention states another. `touching` means that the two
+/// conventions differ; like every other member, it is known only if `hit` is. For a Dual, the gradient is that of the
+/// chosen axis: if two entries are equal, t has a kink, and the gradient is one-sided.
 template <class E>
 Enclosed<E> enclose(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, intersect::Convention convention) {
     const E zero(0);
@@ -185,9 +188,9 @@ Enclosed<E> enclose(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, inter
     if (touching && convention.touching == intersect::Touching::miss) return {.hit = Tri::no, .touching = touching};
 
     const Fraction<E> first = range ? first_entry(slabs, *range) : first_entry(slabs);
-    const Tri at_once = range ? entries_to_begin(slabs, *range).at_most : first.n <= zero;
-    if (at_once.is_unknown()) return {Tri::unknown};
-    if (at_once.is_yes()) {
+    const Tri begins_inside = range ? entries_to_begin(slabs, *range).at_most : first.n <= zero;
+    if (begins_inside.is_unknown()) return {Tri::unknown};
+    if (begins_inside.is_yes()) {
         const bool usual =
             convention.inside == intersect::Inside::usual || convention.inside == intersect::Inside::zero;
         Enclosed<E> found =
@@ -210,38 +213,38 @@ Enclosed<E> enclosed_at(const WallSpan<E>& s, int i, bool touching, bool on_surf
     return enclosed_root(s.primitive.side, i == 0 ? Crossing::near : Crossing::far, touching, on_surface);
 }
 
-/// True if a surface is met from a side that counts.
+/// True if the ray meets the surface from a side that counts.
 template <class E>
-Tri faces(const FlatSpan<E>& s, intersect::Facing asked) {
-    if (asked == intersect::Facing::both) return Tri::yes;
-    return asked == intersect::Facing::front ? Tri(s.front) : !Tri(s.front);
+Tri faces(const FlatSpan<E>& s, intersect::Facing facing) {
+    if (facing == intersect::Facing::both) return Tri::yes;
+    return facing == intersect::Facing::front ? Tri(s.front) : !Tri(s.front);
 }
 template <class E>
 Tri faces(const WallSpan<E>&, intersect::Facing) {
     return Tri::yes;
 }
 
-/// First crossing that counts of a surface without an inside. On a rim or along the surface, the line touches. A
-/// crossing at the start of the ray is a root, and the convention decides whether it counts. Of two crossings, the near
-/// one is an entry and the far one an exit; a single crossing is both.
+/// First crossing that counts, for a surface without an inside. A line that meets a rim or runs along the surface
+/// touches it. A crossing at the start of the ray is a root, and the convention decides whether this root counts. If
+/// there are two crossings, the near one is an entry and the far one an exit; a single crossing is both.
 template <class E, SurfaceSpan<E> S>
-Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Convention asked) {
+Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
     using intersect::AtOrigin, intersect::Touching;
     const E zero(0);
     const Fraction<E> begin{begin_of(range), E(1)};
     Enclosed<E> none{Tri::no};
     for (int i = 0; i < S::crossings; ++i) {
-        const auto at = s.crossing(i);
+        const auto crossing = s.crossing(i);
         const auto to_begin = s.order_to(i, begin);
         const Tri in_range = range ? in_time(s.order_to(i, range->end), *range) : Tri::yes;
-        const Tri ahead = at.closed && faces(s, asked.facing) && !to_begin.less && in_range;
+        const Tri ahead = crossing.closed && faces(s, convention.facing) && !to_begin.less && in_range;
         const Tri at_begin = to_begin.at_most;
         if (ahead.is_no()) continue;
-        if (ahead.is_unknown() || at_begin.is_unknown() || Tri(at.open).is_unknown()) return {Tri::unknown};
-        const bool touching = Tri(at.open).is_no(), exit = i + 1 == S::crossings;
-        const bool passed_over =
-            at_begin.is_yes() && (asked.at_origin == AtOrigin::miss || (asked.at_origin == AtOrigin::exit && !exit));
-        if (passed_over || (touching && asked.touching == Touching::miss)) {
+        if (ahead.is_unknown() || at_begin.is_unknown() || Tri(crossing.open).is_unknown()) return {Tri::unknown};
+        const bool touching = Tri(crossing.open).is_no(), is_exit = i + 1 == S::crossings;
+        const bool passed_over = at_begin.is_yes() && (convention.at_origin == AtOrigin::miss ||
+                                                       (convention.at_origin == AtOrigin::exit && !is_exit));
+        if (passed_over || (touching && convention.touching == Touching::miss)) {
             none.touching |= touching, none.on_surface |= at_begin.is_yes();
             continue;
         }
@@ -253,42 +256,43 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
 
 /// Hit at the entry (`Crossing::near`) or exit of the line, through a cap or at a root.
 template <class E>
-Enclosed<E> enclosed_at(const CappedSpan<E>& s, Crossing at, bool touching, bool on_surface) {
-    const bool near = at == Crossing::near;
-    const Tri by_cap = near ? s.enters_by_cap() : s.leaves_by_cap();
+Enclosed<E> enclosed_at(const CappedSpan<E>& s, Crossing crossing, bool touching, bool on_surface) {
+    const bool is_entry = crossing == Crossing::near;
+    const Tri by_cap = is_entry ? s.enters_by_cap() : s.leaves_by_cap();
     if (by_cap.is_unknown()) return {Tri::unknown};
-    if (by_cap.is_no()) return enclosed_root(s.side, at, touching, on_surface);
-    const Fraction<E>& cap = near ? s.entry : s.exit;
+    if (by_cap.is_no()) return enclosed_root(s.side, crossing, touching, on_surface);
+    const Fraction<E>& cap = is_entry ? s.entry : s.exit;
     const E t = cap.n / cap.m;
-    return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, at};
+    return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, crossing};
 }
 template <class E>
-Enclosed<E> enclosed_at(const JoinedSpan<E>& s, Crossing at, bool touching, bool on_surface) {
-    return enclosed_root(at == Crossing::near ? s.enter : s.leave, at, touching, on_surface);
+Enclosed<E> enclosed_at(const JoinedSpan<E>& s, Crossing crossing, bool touching, bool on_surface) {
+    return enclosed_root(crossing == Crossing::near ? s.enter : s.leave, crossing, touching, on_surface);
 }
 
 /// Answer of a convention for a ray that begins inside a primitive or on its surface.
 template <class E, ComparableSpan<E> S>
 Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const RangeOfSpan<E>* range,
-                                intersect::Convention asked, bool touching) {
+                                intersect::Convention convention, bool touching) {
     using intersect::AtOrigin, intersect::Inside;
     const Tri entered = s.enters_to(begin).less, leaving = s.leaves_to(begin).at_most;
     if (entered.is_unknown() || leaving.is_unknown()) return {Tri::unknown};
     const bool on_surface = touching || entered.is_no() || leaving.is_yes();
     const Enclosed<E> none{.hit = Tri::no, .touching = touching, .on_surface = on_surface};
-    const bool no_exits = asked.inside == Inside::miss && !touching;
+    const bool no_exits = convention.inside == Inside::miss && !touching;
     if (on_surface) {
-        const bool counts = asked.at_origin == AtOrigin::hit || (asked.at_origin == AtOrigin::exit && leaving.is_yes());
+        const bool counts =
+            convention.at_origin == AtOrigin::hit || (convention.at_origin == AtOrigin::exit && leaving.is_yes());
         if (counts && !(no_exits && leaving.is_yes())) return enclosed_begin(s.d2, range, touching, true);
         if (no_exits || leaving.is_yes()) return none;
-    } else if (asked.inside == Inside::zero) {
+    } else if (convention.inside == Inside::zero) {
         return enclosed_begin(s.d2, range);
     } else if (no_exits) {
         return none;
     }
     if (range) {
-        const Tri in_reach = in_time(s.leaves_to(range->end), *range);
-        if (!in_reach.is_yes()) return in_reach.is_no() ? none : Enclosed<E>{Tri::unknown};
+        const Tri in_range = in_time(s.leaves_to(range->end), *range);
+        if (!in_range.is_yes()) return in_range.is_no() ? none : Enclosed<E>{Tri::unknown};
     }
     return enclosed_at<E>(s, Crossing::far, touching, on_surface);
 }
@@ -306,11 +310,11 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
     const Tri closed = s.is_hit() && !s.leaves_to(begin).less && (range ? in_time(to_end, *range) : Tri::yes);
     if (closed.is_no()) return {Tri::no};
     if (closed.is_unknown()) return {Tri::unknown};
-    const Tri begun = s.enters_to(begin).at_most, through = s.is_open() && to_end.less;
-    if (begun.is_unknown() || through.is_unknown()) return {Tri::unknown};
-    const bool touching = through.is_no();
+    const Tri begins_inside = s.enters_to(begin).at_most, crosses = s.is_open() && to_end.less;
+    if (begins_inside.is_unknown() || crosses.is_unknown()) return {Tri::unknown};
+    const bool touching = crosses.is_no();
     if (touching && convention.touching == intersect::Touching::miss) return {.hit = Tri::no, .touching = touching};
-    if (begun.is_yes()) return enclose_from_inside<E>(s, begin, range, convention, touching);
+    if (begins_inside.is_yes()) return enclose_from_inside<E>(s, begin, range, convention, touching);
     return enclosed_at<E>(s, Crossing::near, touching, false);
 }
 
@@ -318,7 +322,8 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
 template <class E>
 Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention);
 
-/// Convention for a span. If a span cannot be hit behind a touch, the caller decides whether touching counts.
+/// Convention by which to enclose a span. If a span cannot be hit behind a touch, touching counts here, and the caller
+/// decides whether it is a hit.
 template <class Span>
 intersect::Convention asked_of_span(intersect::Convention convention) {
     if (!Span::may_hit_behind_touch) convention.touching = intersect::Touching::hit;
@@ -334,14 +339,15 @@ Enclosed<E> enclose(const Ray<E>& ray, const Primitive<E>& primitive, const Rang
     });
 }
 
-/// Range for spans over E, computed from an F; nullopt if the range is everything ahead. The range must not be empty.
-/// An infinite end is not open: along a side of a cone, P(t) has degree one, and at 1/0 no root comes before the end.
+/// Range for spans over E, whose ends are converted by way of F; nullopt if the range is everything ahead. The range
+/// must not be empty. An infinite end is not open: along a side of a cone, P(t) has degree one, and at 1/0 no root
+/// comes before the end.
 template <class E, class F = E>
 std::optional<RangeOfSpan<E>> range_over(const Range<double>& range) {
     if (range.is_whole()) return std::nullopt;
-    const bool ends = !std::isinf(range.tmax);
-    const OpenEnds open{range.open.tmin, range.open.tmax && ends};
-    return RangeOfSpan<E>{E(F(range.tmin)), {ends ? E(F(range.tmax)) : E(1), E(ends ? 1 : 0)}, open};
+    const bool is_bounded = !std::isinf(range.tmax);
+    const OpenEnds open{range.open.tmin, range.open.tmax && is_bounded};
+    return RangeOfSpan<E>{E(F(range.tmin)), {is_bounded ? E(F(range.tmax)) : E(1), E(is_bounded ? 1 : 0)}, open};
 }
 
 /// Convention for a ray that begins at tmin. If tmin > 0, or if the range is open there, the range itself decides

@@ -1,4 +1,4 @@
-// Inputs that the forms of one format get from a band, and their truth.
+// Inputs that a band gives to the forms of one format, and the truth of these inputs.
 #pragma once
 
 #include <array>
@@ -24,15 +24,16 @@ struct FormatInputs {
     std::optional<intersect::MarchConstants<double>> march = {};
     /// Directions normalised and rounded to the format; empty unless a form asks for them.
     scene::rays::RayBlock unit_rays = {};
-    /// Truth of these inputs; empty if they are the ideal ones, or if no metric needs it.
+    /// Truth of these inputs; empty if they are the ideal inputs, or if no metric needs it.
     RayTruths stored_truth = {};
-    std::shared_ptr<const culling::PrimitiveIndex> truth_index = {};  ///< index by which it was found; null: none
-    /// Reach by `Perturbed` and `Length`, of the closed primitive's truth, see `truth::reach`; empty unless requested.
+    /// Index by which `stored_truth` was found; null: none.
+    std::shared_ptr<const culling::PrimitiveIndex> truth_index = {};
+    /// Reach of the closed primitive's truth by `Perturbed` and `Length` (see `truth::reach`); empty unless requested.
     std::array<std::array<std::vector<double>, 2>, 2> reach = {};
     bool ideal = false;   ///< the inputs are exactly those of the truth
     bool paired = false;  ///< ray i is aimed at primitive i alone
     /// Index of the primitives that forms are tested against. It is for spheres; other shapes have `candidates` ray by
-    /// ray. Null: all primitives.
+    /// ray. If both are null, forms are tested against all primitives.
     std::shared_ptr<const culling::SphereIndex> index = {};
     std::shared_ptr<const culling::CandidateLists> candidates = {};
     intersect::process::StopToken stop = {};  ///< the band's token, for code that runs forms on the inputs
@@ -41,18 +42,18 @@ struct FormatInputs {
     [[nodiscard]] const scene::rays::RayBlock& rays_for(const intersect::Info& info) const {
         return info.direction == intersect::Direction::unit ? unit_rays : rays;
     }
-    /// Target of a ray: one of the primitives, or all of them together. Stores the single primitive.
+    /// Target of a ray: a copy of one primitive, or all primitives together, with the constants of a march.
     class AimedAt {
     public:
-        explicit AimedAt(const Primitive<double>& one) : one_(one) {}
+        explicit AimedAt(const Primitive<double>& single) : single_(single) {}
         AimedAt(std::span<const Primitive<double>> all, const intersect::MarchConstants<double>& march)
             : all_(all), march_(&march) {}
         operator intersect::Target<double>() const {
-            return march_ ? intersect::Target<double>(all_, *march_) : intersect::Target<double>(one_);
+            return march_ ? intersect::Target<double>(all_, *march_) : intersect::Target<double>(single_);
         }
 
     private:
-        Primitive<double> one_;
+        Primitive<double> single_;
         std::span<const Primitive<double>> all_;
         const intersect::MarchConstants<double>* march_ = nullptr;
     };
@@ -64,7 +65,7 @@ struct FormatInputs {
 struct BandNeeds {
     bool unit_rays = false;
     bool stored_truth = false;
-    bool no_forms = false;  ///< all answers are given, so that no form is asked about candidates
+    bool no_forms = false;                          ///< all answers are given, so no form is tested against candidates
     std::array<std::array<bool, 2>, 2> reach = {};  ///< by `Perturbed` and `Length`
 
     void add_reach(Perturbed perturbed, Length length) {

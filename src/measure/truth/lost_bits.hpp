@@ -9,21 +9,21 @@
 
 namespace lostbits::measure::truth {
 
-/// True if t is x rounded to the format, or may be, because x is not known closely enough to tell. If t is infinite,
-/// rounding alone makes this overflow.
+/// True if t is x rounded to the format, or may be, because x is not known closely enough to tell. If t is infinite, x
+/// overflows by rounding alone.
 inline bool may_round_to(const Certified& x, double t, const FloatFormat& format) {
     const Neighbours ends = round_ends(x, format);
     return ends.lower == t || ends.upper == t;
 }
 
-/// (t − t*)/ulp(t*) in that format. An infinite answer has an infinite error, unless t* itself rounds to it: then the
-/// error is 0.
+/// (t − t*)/ulp(t*) in the format. An infinite answer has an infinite error, unless t* itself rounds to infinity: then
+/// the error is 0.
 inline double ulp_error(double t, const Certified& truth, const FloatFormat& format) {
     if (std::isinf(t)) return may_round_to(truth, t, format) ? 0 : t;
     return scaled_difference(exactly(t), truth, ulp_exponent(format, truth.floor_log2()));
 }
 
-/// Lost bits of an error of that many ulps: clamp(log2(2|ulps|), 0, p). Half an ulp loses none, 2^k ulps lose k + 1.
+/// Lost bits of an error in ulps: clamp(log2(2|ulps|), 0, p). Half an ulp loses none, 2^k ulps lose k + 1.
 inline double lost_bits(double ulps, int precision) {
     const double size = std::fabs(ulps);
     if (!(size > 0.5)) return 0;
@@ -31,8 +31,8 @@ inline double lost_bits(double ulps, int precision) {
     return std::min(bits::log2_of(size) + 1, static_cast<double>(precision));
 }
 
-/// log2 of the unit of a `reach` (reach.hpp): the power of two of t*, so that no reach leaves the range of double
-/// because t* does. If t* is 0, the unit is 1.
+/// log2 of the unit of a `reach` (reach.hpp). The unit is the power of two of t*, so that a reach does not leave the
+/// range of double only because t* does. If t* is 0, the unit is 1.
 inline std::int64_t exponent_of_unit(const Certified& truth) { return truth.is_zero() ? 0 : truth.exponent; }
 
 /// Bits that a `reach` can cost: the lost bits of the envelope max(½, reach/ulp(t*)) ulp.
@@ -50,10 +50,10 @@ inline double excess_bits(double t, const Certified& truth, const FloatFormat& f
     if (std::isinf(t)) return may_round_to(truth, t, format) ? 0 : precision;
     if (std::isinf(reach)) return 0;
     const int scale = std::ilogb(reach);
-    const double apart = scaled_difference(exactly(t), truth, exponent_of_unit(truth) + scale);
-    const double times = std::fabs(apart) / std::ldexp(reach, -scale);
-    if (!(times > 1)) return 0;
-    return std::isinf(times) ? precision : std::min(bits::log2_of(times), static_cast<double>(precision));
+    const double difference = scaled_difference(exactly(t), truth, exponent_of_unit(truth) + scale);
+    const double ratio = std::fabs(difference) / std::ldexp(reach, -scale);
+    if (!(ratio > 1)) return 0;
+    return std::isinf(ratio) ? precision : std::min(bits::log2_of(ratio), static_cast<double>(precision));
 }
 
 }  // namespace lostbits::measure::truth

@@ -1,4 +1,4 @@
-// Problems whose inputs have errors, as functions of their numbers; reach.cpp bounds how far they move.
+// Problems whose inputs have errors, as functions of their numbers; reach.cpp bounds how far their answers move.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@ inline constexpr double tiny =
     std::numeric_limits<double>::denorm_min();  ///< largest loss of a product that underflows
 
 using WithinErrors = Bounded<double>;
-/// Large enough for the numbers of any problem.
+/// Number with a derivative for each number of a problem of any shape.
 using Differentiated = Dual<WithinErrors, 6 + most_stored>;
 
 inline double scaled(double x, int e) { return e == 0 ? x : std::ldexp(x, e); }
@@ -37,7 +37,7 @@ inline int binary_exponent(const Real& x) {
     return x == 0 ? exponent_of_zero : e - 1;
 }
 
-/// √Σx², also for numbers whose squares underflow.
+/// √Σx² over the numbers [first, end), also if their squares underflow.
 inline double length_of(std::span<const double> x, std::size_t first, std::size_t end) {
     double largest = 0, squares = 0;
     for (std::size_t i = first; i < end; ++i) largest = std::max(largest, std::fabs(x[i]));
@@ -59,25 +59,26 @@ struct AllValues {
     void join(const AllValues& x) { low = std::min(low, x.low), high = std::max(high, x.high); }
 };
 
-/// Numbers of a problem (origin, direction, the primitive's, its matrix's) and the error bound of each. Their units
-/// make the largest length and the largest component of d about 1. Under a matrix A, the lengths of the primitive have
-/// a unit of their own, its directions have another, and A has the quotient of two units. So no number is above 1, and
-/// nothing overflows. The bounds include the losses of small numbers to underflow.
+/// Numbers of a problem (of the origin, the direction, the primitive and its matrix) and the error bound of each. The
+/// units of the numbers make the largest length and the largest component of d about 1. Under a matrix A, the lengths
+/// of the primitive have a unit of their own, its directions have another unit, and the unit of A is the quotient of
+/// two units. So no number is above 1, and nothing overflows. The bounds include the losses of small numbers to
+/// underflow.
 class ProblemNumbers {
 public:
     template <class S>
     ProblemNumbers(const Ray<S>& r, const Primitive<S>& s, const FloatFormat& format, Perturbed perturbed,
                    Length length)
-        : matrix_(6 + row_of(s.shape).numbers),
-          count_(matrix_ + (s.placed ? Affine<S>::numbers : 0)),
+        : matrix_begin_(6 + row_of(s.shape).numbers),
+          count_(matrix_begin_ + (s.placed ? Affine<S>::numbers : 0)),
           shape_(s.shape),
           normwise_(perturbed == Perturbed::normwise),
           as_distance_(length == Length::distance) {
         const auto number = [&](std::size_t i) {
-            return i < 3         ? r.origin[static_cast<int>(i)]
-                   : i < 6       ? r.direction[static_cast<int>(i - 3)]
-                   : i < matrix_ ? s.numbers[i - 6]
-                                 : s.placed->matrix[place_in_matrix(i - matrix_)];
+            return i < 3               ? r.origin[static_cast<int>(i)]
+                   : i < 6             ? r.direction[static_cast<int>(i - 3)]
+                   : i < matrix_begin_ ? s.numbers[i - 6]
+                                       : s.placed->matrix[place_in_matrix(i - matrix_begin_)];
         };
         if (s.placed) placed_ = transformed(*s.placed, [](const S&) { return 0; });
         for_each_key(shape_, [&](const Key& key, std::size_t k) {
@@ -86,38 +87,39 @@ public:
         std::array<int, capacity> exponents{};
         for (std::size_t i = 0; i < count_; ++i) {
             exponents[i] = binary_exponent(number(i));
-            int& unit = units_[unit_place(i)];
+            int& unit = units_[unit_index(i)];
             unit = std::max(unit, exponents[i]);
         }
-        if (placed_) put_units_of_matrix();
+        if (placed_) set_units_of_matrix();
         for (int* const unit : {&units_[0], &units_[1]}) {  // the units of lengths and directions
             if (placed_) break;
             *unit = std::abs(*unit) < 32 ? 0 : std::max(*unit, format.emin);  // zeros get emin
         }
         for (std::size_t i = 0; i < count_; ++i) {
             x_[i] = scaled(number(i), -unit_of(i));
-            if (S(ldexp(S(x_[i]), unit_of(i))) != number(i)) lost_[i] = std::fabs(x_[i]) * 0x1p-53 + tiny;
-            step_[i] = scaled(1, std::max(exponents[i], format.emin) - format.precision - unit_of(i)) + tiny;
+            if (S(ldexp(S(x_[i]), unit_of(i))) != number(i)) rounding_error_[i] = std::fabs(x_[i]) * 0x1p-53 + tiny;
+            input_error_[i] = scaled(1, std::max(exponents[i], format.emin) - format.precision - unit_of(i)) + tiny;
         }
         if (normwise_)
             for_each_vector([&](std::size_t first, std::size_t end) {
-                std::fill(&step_[first], &step_[first] + (end - first),
+                std::fill(&input_error_[first], &input_error_[first] + (end - first),
                           scaled(length_of(x_, first, end), -format.precision) + tiny);
             });
-        for (std::size_t i = 0; i < count_; ++i) off_[i] = (step_[i] + lost_[i]) * outward + tiny;
+        for (std::size_t i = 0; i < count_; ++i)
+            total_error_[i] = (input_error_[i] + rounding_error_[i]) * outward + tiny;
     }
 
     [[nodiscard]] bool is_placed() const { return placed_.has_value(); }
     [[nodiscard]] Shape shape() const { return shape_; }
     /// Interval of the values that number i may have.
-    [[nodiscard]] WithinErrors at(std::size_t i) const { return {x_[i], off_[i]}; }
-    /// Number i as it is stored, without an error of the input. Its bound is 0 if a double holds it in its unit. If it
-    /// underflows to 0 in its unit, the bound is above 0.
-    [[nodiscard]] WithinErrors stored(std::size_t i) const { return {x_[i], lost_[i]}; }
+    [[nodiscard]] WithinErrors at(std::size_t i) const { return {x_[i], total_error_[i]}; }
+    /// Number i as it is stored, without an error of the input. The bound is 0 if a double holds the number in its
+    /// unit. If the number underflows to 0 in its unit, the bound is above 0.
+    [[nodiscard]] WithinErrors stored(std::size_t i) const { return {x_[i], rounding_error_[i]}; }
     /// log2 of the unit of t, or of the distance.
-    [[nodiscard]] int time() const { return as_distance_ ? units_[0] : units_[0] - units_[1]; }
+    [[nodiscard]] int unit_exponent() const { return as_distance_ ? units_[0] : units_[0] - units_[1]; }
     [[nodiscard]] WithinErrors of(const Certified& t) const {
-        const auto e = std::clamp<std::int64_t>(t.exponent - time(), -5000, 5000);
+        const auto e = std::clamp<std::int64_t>(t.exponent - unit_exponent(), -5000, 5000);
         const double value = std::ldexp(t.hi, static_cast<int>(e));
         return WithinErrors(value, t.is_zero() ? 0 : std::fabs(value) * 0x1p-51 + tiny);
     }
@@ -125,51 +127,52 @@ public:
     /// Bound of |f(x') − f(x)|: Σ hᵢ |∂f/∂xᵢ|, each derivative the largest within the errors (the mean value theorem);
     /// for vectors, Σ hᵥ |∇ᵥ f|.
     [[nodiscard]] double moved(const Differentiated& f) const {
-        std::array<double, capacity> by;
+        std::array<double, capacity> movements;
         for (std::size_t i = 0; i < count_; ++i) {
             const double most = AllValues(f.derivative(i)).most();
-            by[i] = most == 0 ? 0 : step_[i] * most + tiny;
+            movements[i] = most == 0 ? 0 : input_error_[i] * most + tiny;
         }
         double sum = 0;
         if (!normwise_)
-            for (std::size_t i = 0; i < count_; ++i) sum += by[i];
-        else for_each_vector([&](std::size_t first, std::size_t end) { sum += length_of(by, first, end); });
+            for (std::size_t i = 0; i < count_; ++i) sum += movements[i];
+        else for_each_vector([&](std::size_t first, std::size_t end) { sum += length_of(movements, first, end); });
         return sum * outward;
     }
 
-    /// Bounds how far f(x') can be from 0, for an f that is 0 if t is its root. If f is not 0 (the range begins there,
-    /// or the ray meets another face), a second bound is the part of the enclosure of f(x') beyond 0, which is often
-    /// nothing.
-    [[nodiscard]] double aside(const Differentiated& f) const {
-        const WithinErrors& all = f.value();
-        return std::min(moved(f), std::max(0.0, all.error() * outward - std::fabs(all.value())));
+    /// Bound of |f(x')| for an f that is 0 if t is its root. If f is not 0 (the range begins at t, or the ray meets
+    /// another face), a second bound is the part of the enclosure of f(x') beyond 0, which is often empty.
+    [[nodiscard]] double deviation(const Differentiated& f) const {
+        const WithinErrors& enclosure = f.value();
+        return std::min(moved(f), std::max(0.0, enclosure.error() * outward - std::fabs(enclosure.value())));
     }
 
-    /// Bound by a ball of radius R. The ray meets the primitive at X = o + t d, and with errors at X' = o' + t' d'.
-    /// Both points lie within the ball, apart from how far the primitive itself moves:
+    /// Bound of |t' − t| by a ball of radius R that holds the primitive. The ray meets the primitive at X = o + t d,
+    /// and with errors at X' = o' + t' d'. Both points lie within the ball, apart from how far the primitive itself
+    /// moves:
     ///
     ///     |t' − t| (|d| − |Δd|) ≤ |X' − X| + |Δo| + |t| |Δd|
     ///
     /// For distances d is replaced by e = d/|d|, where |e| = 1 and |Δe| ≤ 2|Δd|/(2|d| − |Δd|) (Dunkl and Williams, A
     /// simple norm inequality, 1964).
-    [[nodiscard]] double across(const WithinErrors& t) const {
+    [[nodiscard]] double ball_bound(const WithinErrors& t) const {
         if (placed_ || !has_bounding_box(shape_)) return anywhere;
         Primitive<double> plain(shape_);
         std::copy_n(x_.begin() + 6, plain.used().size(), plain.numbers.begin());
         // Covers the roundings of a radius, and what its squares lose to underflow.
-        double away = 2 * ball_around(plain).radius + 0x1p-48 * length_of(x_, 6, count_) + 0x1p-500;
+        double distance = 2 * ball_around(plain).radius + 0x1p-48 * length_of(x_, 6, count_) + 0x1p-500;
         for_each_vector([&](std::size_t first, std::size_t end) {
-            if (first != 3) away += length_of(step_, first, end);
+            if (first != 3) distance += length_of(input_error_, first, end);
         });
-        const double turn = length_of(step_, 3, 6), d = length_of(x_, 3, 6) - turn;
+        const double direction_error = length_of(input_error_, 3, 6), d = length_of(x_, 3, 6) - direction_error;
         if (!(d > 0)) return anywhere;
-        const double turned = as_distance_ ? 2 * turn / (2 * d + turn) : turn;
-        return (away + std::fabs(t.value()) * turned) * (1 + 0x1p-30) / (as_distance_ ? 1 : d);
+        const double unit_direction_error =
+            as_distance_ ? 2 * direction_error / (2 * d + direction_error) : direction_error;
+        return (distance + std::fabs(t.value()) * unit_direction_error) * (1 + 0x1p-30) / (as_distance_ ? 1 : d);
     }
 
 protected:
-    std::size_t matrix_, count_;            ///< index of the first number of a matrix, and the number of all
-    std::optional<Placement<int>> placed_;  ///< its kind, without its numbers
+    std::size_t matrix_begin_, count_;      ///< index of the first number of the matrix; count of all numbers
+    std::optional<Placement<int>> placed_;  ///< kind of the matrix, without its numbers
     [[nodiscard]] bool is_as_distance() const { return as_distance_; }
 
 private:
@@ -177,35 +180,35 @@ private:
 
     /// Index of the unit of number i. The units are: 0 lengths in the world, 1 directions in the world, 2 lengths of a
     /// primitive under a matrix, 3 the linear part of the matrix, 4 directions of the primitive.
-    [[nodiscard]] std::size_t unit_place(std::size_t i) const {
+    [[nodiscard]] std::size_t unit_index(std::size_t i) const {
         if (i >= 3 && i < 6) return 1;
-        if (i >= 6 && i < matrix_ && is_direction_[i]) return 4;
+        if (i >= 6 && i < matrix_begin_ && is_direction_[i]) return 4;
         if (!placed_ || i < 3) return 0;
-        if (i < matrix_) return 2;
-        return i < matrix_ + 9 ? 3 : placed_->is_inverse ? 2 : 0;
+        if (i < matrix_begin_) return 2;
+        return i < matrix_begin_ + 9 ? 3 : placed_->is_inverse ? 2 : 0;
     }
-    [[nodiscard]] int unit_of(std::size_t i) const { return units_[unit_place(i)]; }
+    [[nodiscard]] int unit_of(std::size_t i) const { return units_[unit_index(i)]; }
     /// Sets the units of a matrix. A point x' of the object is at A x' + τ in the world, or the other way round, so the
-    /// unit of A is the quotient of both units. If A is larger than that, the unit of its result grows.
-    void put_units_of_matrix() {
+    /// unit of A is the quotient of both units. If A is larger than this quotient, the unit of its result grows.
+    void set_units_of_matrix() {
         const bool inverse = placed_->is_inverse;
-        int &made = units_[inverse ? 2 : 0], &from = units_[inverse ? 0 : 2], &linear = units_[3];
-        from = std::max(from, -1000);  // if all are zeros
-        made = std::max(made, linear + from);
-        linear = made - from;
+        int &result = units_[inverse ? 2 : 0], &source = units_[inverse ? 0 : 2], &linear = units_[3];
+        source = std::max(source, -1000);  // if all numbers are zeros
+        result = std::max(result, linear + source);
+        linear = result - source;
     }
     template <class Act>
     void for_each_vector(const Act& act) const {
         act(0, 3), act(3, 6);
         for_each_key(shape_, [&](const Key& key, std::size_t k) { act(6 + k, 6 + k + key.count()); });
-        if (placed_) act(matrix_, matrix_ + 9), act(matrix_ + 9, count_);
+        if (placed_) act(matrix_begin_, matrix_begin_ + 9), act(matrix_begin_ + 9, count_);
     }
 
     Shape shape_;
     bool normwise_, as_distance_;
     std::array<int, 5> units_{exponent_of_zero, exponent_of_zero, exponent_of_zero, exponent_of_zero, exponent_of_zero};
     std::array<bool, capacity> is_direction_{};
-    std::array<double, capacity> x_, step_, off_, lost_{};
+    std::array<double, capacity> x_, input_error_, total_error_, rounding_error_{};
 };
 
 /// A problem as a function of its numbers: f(ray, primitive) encloses f(x') for any x' within the errors. For distances
@@ -218,11 +221,12 @@ class Perturbable : public ProblemNumbers {
     }
     /// Sets the numbers of a primitive and its matrix to what `number` returns for their indices.
     template <class T, class Number>
-    void fill(Primitive<T>& one, const Number& number) const {
-        for (std::size_t i = 6; i < matrix_; ++i) one.numbers[i - 6] = number(i);
+    void fill(Primitive<T>& target, const Number& number) const {
+        for (std::size_t i = 6; i < matrix_begin_; ++i) target.numbers[i - 6] = number(i);
         if (!placed_) return;
-        one.placed = transformed(*placed_, [](int) { return T(0); });
-        for (std::size_t i = matrix_; i < count_; ++i) one.placed->matrix[place_in_matrix(i - matrix_)] = number(i);
+        target.placed = transformed(*placed_, [](int) { return T(0); });
+        for (std::size_t i = matrix_begin_; i < count_; ++i)
+            target.placed->matrix[place_in_matrix(i - matrix_begin_)] = number(i);
     }
 
 public:
@@ -241,18 +245,20 @@ public:
     /// Calls `act(shape, ray)` in object space, with a ray that starts at the point at t.
     template <class Act>
     [[nodiscard]] auto with_ray_from(const WithinErrors& t, const Act& act) const {
-        const Ray<Differentiated> from{ray.origin + Differentiated(t) * ray.direction, ray.direction};
+        const Ray<Differentiated> moved_ray{ray.origin + Differentiated(t) * ray.direction, ray.direction};
         return visit_shape(primitive,
-                           [&]<template <class> class Of>() { return in_object_space<Of>(from, primitive, act); });
+                           [&]<template <class> class Of>() { return in_object_space<Of>(moved_ray, primitive, act); });
     }
     /// Calls `act(shape, ray)` in object space with the problem as it is stored.
     template <class Act>
     [[nodiscard]] auto with_stored(const Act& act) const {
         const auto number = [&](std::size_t i) { return stored(i); };
-        const Ray<WithinErrors> its = ray_of(number);
-        Primitive<WithinErrors> one(shape());
-        fill(one, number);
-        return visit_shape(one, [&]<template <class> class Of>() { return in_object_space<Of>(its, one, act); });
+        const Ray<WithinErrors> stored_ray = ray_of(number);
+        Primitive<WithinErrors> stored_primitive(shape());
+        fill(stored_primitive, number);
+        return visit_shape(stored_primitive, [&]<template <class> class Of>() {
+            return in_object_space<Of>(stored_ray, stored_primitive, act);
+        });
     }
 };
 

@@ -14,26 +14,28 @@ namespace lostbits::measure::truth {
 
 /// Errors of the inputs of a problem. `componentwise`: each number has half an ulp of the format (0: half of the least
 /// subnormal number), and zeros stay 0. `normwise`: each vector (origin, direction, each point of the primitive) and
-/// each length v has an error of length u|v|, u = 2^-p, in any direction: a 0 beside a 1 moves as far as the 1.
+/// each length v has an error of length u|v|, u = 2^-p, in any direction: a component 0 moves as far as a component 1
+/// of the same vector.
 enum class Perturbed : std::uint8_t { componentwise, normwise };
 
 /// Index in a matrix of its k-th perturbed number: the linear part comes first, row by row, then the translation.
 inline constexpr std::size_t place_in_matrix(std::size_t k) { return k < 9 ? k / 3 * 4 + k % 3 : (k - 9) * 4 + 3; }
 
-/// Faces of a box that the answer can come from. A ray that begins inside at tmin answers max(tmin, largest entry):
-/// where that is tmin, no face that the ray leaves moves it.
+/// Faces of a box that can move the answer. For a ray that begins inside at tmin, the answer is max(tmin, largest
+/// entry); where this is tmin, no face through which the ray leaves moves it.
 enum class AnswerFaces : std::uint8_t { every_face, entered_faces };
 
-/// Bound of |t' − t|, or of how far the distance moves, for every problem within those errors whose answer is the same
-/// root: the near root or the far one, the same face. It is never too small; reach.cpp has the inequalities. `answer`
-/// is the t or the distance of the root, or of the start of the range; the bound is in units of its power of two
-/// (`exponent_of_unit`). A problem within the errors may also miss, or meet another root first, where its line may pass
-/// the rim, or its origin the surface. The inputs do not decide then, and the bound does not cover those answers.
+/// Bound of |t' − t|, or of how far the distance moves, for every problem within these errors whose answer is the same
+/// root: both the near root or both the far one, on the same face. The bound is never too small; reach.cpp has the
+/// inequalities. `answer` is the t or the distance of the root, or of the start of the range; the bound is in units of
+/// the power of two of `answer` (`exponent_of_unit`). Where the line may pass the rim, or the origin the surface, a
+/// problem within the errors may also miss or meet another root first. The inputs do not decide then, and the bound
+/// does not cover such answers.
 double reach(const Ray<double>& ray, const Primitive<double>& primitive, const Certified& answer, Length length,
              const FloatFormat& format, Perturbed perturbed = Perturbed::componentwise,
-             AnswerFaces moved_by = AnswerFaces::every_face);
+             AnswerFaces answer_faces = AnswerFaces::every_face);
 double reach(const Ray<Real>& ray, const Primitive<Real>& primitive, const Certified& answer, Length length,
              const FloatFormat& format, Perturbed perturbed = Perturbed::componentwise,
-             AnswerFaces moved_by = AnswerFaces::every_face);
+             AnswerFaces answer_faces = AnswerFaces::every_face);
 
 }  // namespace lostbits::measure::truth

@@ -22,15 +22,15 @@ std::optional<std::int64_t> straddled_power(const Certified& x) {
     return std::nullopt;
 }
 
-Interval interval_at_power(std::int64_t k) {
-    Interval r(1);
-    // Each step is a power of two that double holds, and moves toward k.
-    while (k != 0) {
-        const std::int64_t step = std::clamp<std::int64_t>(k, -1000, 1000);
-        r *= Interval(std::ldexp(1.0, static_cast<int>(step)));
-        k -= step;
+Interval interval_at_power(std::int64_t exponent) {
+    Interval power(1);
+    // Multiplies by powers of two that double holds, until nothing of the exponent is left.
+    while (exponent != 0) {
+        const std::int64_t part = std::clamp<std::int64_t>(exponent, -1000, 1000);
+        power *= Interval(std::ldexp(1.0, static_cast<int>(part)));
+        exponent -= part;
     }
-    return r;
+    return power;
 }
 
 /// x, narrowed to one side of the power of two that its bound straddles: below it, at it or above it.
@@ -43,23 +43,24 @@ Certified on_side(const Certified& x, int side) {
     return {.hi = 1, .lo = middle, .bound = std::fabs(end) / 2 * (1 + 0x1p-50) + 0x1p-1074, .exponent = x.exponent};
 }
 
-/// Fills in a miss or a tightly enclosed hit; false if this precision does not settle it. `place(x, Length)` decides
-/// the binade of a length, which its ulp depends on; false if this precision does not decide it.
-template <class E, class Place>
-bool settle(const Enclosed<E>& e, Convention convention, Truth& truth, const Place& place) {
-    truth.on_surface = e.on_surface;
-    if (e.hit.is_yes() && e.touching) {
+/// Writes a miss or a tightly enclosed hit to `truth`. Returns false if this precision does not settle it.
+/// `decide_binade(x, Length)` narrows a length x to one binade, which its ulp depends on; it returns false if this
+/// precision does not decide the binade.
+template <class E, class DecideBinade>
+bool settle(const Enclosed<E>& enclosed, Convention convention, Truth& truth, const DecideBinade& decide_binade) {
+    truth.on_surface = enclosed.on_surface;
+    if (enclosed.hit.is_yes() && enclosed.touching) {
         truth.touches = true;
         if (convention.touching == Touching::miss) return true;
     }
-    if (e.hit.is_no()) {
+    if (enclosed.hit.is_no()) {
         truth.decision = Truth::Decision::miss;
         return true;
     }
-    if (!e.hit.is_yes()) return false;
-    auto t = certify(e.t), distance = certify(e.distance);
+    if (!enclosed.hit.is_yes()) return false;
+    auto t = certify(enclosed.t), distance = certify(enclosed.distance);
     if (!t || !distance) return false;
-    if (!place(*t, Length::parameter) || !place(*distance, Length::distance)) return false;
+    if (!decide_binade(*t, Length::parameter) || !decide_binade(*distance, Length::distance)) return false;
     truth.decision = Truth::Decision::hit;
     truth.t = *t;
     truth.distance = *distance;
@@ -88,15 +89,16 @@ bool is_proper_primitive(const Primitive<S>& primitive) {
            (!primitive.placed || primitive.placed->is_proper());
 }
 
-/// Limit, convention and range of a question, for one primitive.
+/// Limit, convention and range by which the truth about one primitive is found.
 struct Terms {
     TruthLimit limit;
     Convention convention;
     Range<double> range;
 
-    Terms(TruthLimit given, Convention asked, Range<double> within) : limit(given), range(within) {
-        if (asked.endless) range.tmax = HUGE_VAL;
-        convention = convention_in(range, asked);
+    Terms(TruthLimit truth_limit, Convention full_convention, Range<double> full_range)
+        : limit(truth_limit), range(full_range) {
+        if (full_convention.endless) range.tmax = HUGE_VAL;
+        convention = convention_in(range, full_convention);
     }
 };
 
@@ -114,7 +116,7 @@ Truth escalate(const Ray<S>& ray, const Primitive<S>& primitive, const Terms& te
         truth.bits = bits;
         const Ray<Interval> wide_ray = lift_ray<Interval>(ray);
         const Primitive<Interval> wide_primitive = lift_primitive<Interval>(primitive);
-        const auto place = [&](Certified& x, Length length) {
+        const auto decide_binade = [&](Certified& x, Length length) {
             const auto power = straddled_power(x);
             if (!power) return true;
             const auto range = range_over<Interval>(terms.range);
@@ -123,29 +125,30 @@ Truth escalate(const Ray<S>& ray, const Primitive<S>& primitive, const Terms& te
             if (side) x = on_side(x, *side);
             return side.has_value();
         };
-        if (settle(enclose_by(wide_ray, wide_primitive, terms), terms.convention, truth, place)) return truth;
+        if (settle(enclose_by(wide_ray, wide_primitive, terms), terms.convention, truth, decide_binade)) return truth;
     }
     truth.decision = Truth::Decision::unresolved;
     return truth;
 }
 
 template <class S>
-Truth find_all(const Ray<S>& ray, std::span<const Primitive<S>> primitives, TruthLimit limit, const Convention& asked,
-               const Range<double>& range) {
+Truth find_all(const Ray<S>& ray, std::span<const Primitive<S>> primitives, TruthLimit limit,
+               const Convention& convention, const Range<double>& range) {
     intersect::process::require_standard("the truth of a ray");
     Truth best;
     if (!is_ray(ray)) return best;
-    const Ray<Ball> quick = lift_ray<Ball>(ray);
-    for (std::size_t at = 0; at < primitives.size(); ++at) {
-        const Primitive<S>& primitive = primitives[at];
-        const Terms terms(limit, asked.of(primitive.shape), range);
+    const Ray<Ball> ball_ray = lift_ray<Ball>(ray);
+    for (std::size_t index = 0; index < primitives.size(); ++index) {
+        const Primitive<S>& primitive = primitives[index];
+        const Terms terms(limit, convention.of(primitive.shape), range);
         if (!terms.range.holds_any() || !is_proper_primitive(primitive)) continue;
-        Truth one;
-        one.bits = 106;
-        const auto known = [](const Certified& x, Length) { return !straddled_power(x); };
-        if (!settle(enclose_by(quick, lift_primitive<Ball>(primitive), terms), terms.convention, one, known))
-            one = escalate(ray, primitive, terms);
-        join(one, static_cast<int>(at), best);
+        Truth truth;
+        truth.bits = 106;
+        const auto is_binade_known = [](const Certified& x, Length) { return !straddled_power(x); };
+        if (!settle(enclose_by(ball_ray, lift_primitive<Ball>(primitive), terms), terms.convention, truth,
+                    is_binade_known))
+            truth = escalate(ray, primitive, terms);
+        join(truth, static_cast<int>(index), best);
     }
     return best;
 }
@@ -157,12 +160,13 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Primitive<S>& 
     if (lower == upper) return lower;
     for (int bits = std::is_same_v<S, Real> ? 384 : 192; bits <= TruthLimit{}.bits; bits *= 2) {
         const Interval::Precision precision(bits);
-        // The boundary that the bound straddles: midway between the two, or half a last place above the largest number.
-        const Interval middle = std::isinf(upper)
-                                    ? Interval(lower) + Interval(std::ldexp(1.0, format.emax - format.precision))
-                                    : (Interval(lower) + Interval(upper)) / Interval(2);
+        // The rounding boundary that the bound straddles: midway between the two, or half a last place above the
+        // largest number.
+        const Interval boundary = std::isinf(upper)
+                                      ? Interval(lower) + Interval(std::ldexp(1.0, format.emax - format.precision))
+                                      : (Interval(lower) + Interval(upper)) / Interval(2);
         const auto range = range_over<Interval>(terms.range);
-        const auto side = side_of(lift_ray<Interval>(ray), lift_primitive<Interval>(primitive), middle, length,
+        const auto side = side_of(lift_ray<Interval>(ray), lift_primitive<Interval>(primitive), boundary, length,
                                   range ? &*range : nullptr, terms.convention);
         if (!side) continue;
         if (*side != 0) return *side < 0 ? lower : upper;
@@ -173,17 +177,17 @@ double round_exactly(const Truth& truth, const Ray<S>& ray, const Primitive<S>& 
 
 }  // namespace
 
-void join(const Truth& of_one, int i, Truth& best) {
-    const bool touches = best.touches || of_one.touches, on_surface = best.on_surface || of_one.on_surface;
-    const int bits = std::max(best.bits, of_one.bits);
-    if (of_one.decision == Truth::Decision::unresolved || best.decision == Truth::Decision::unresolved) {
+void join(const Truth& truth, int i, Truth& best) {
+    const bool touches = best.touches || truth.touches, on_surface = best.on_surface || truth.on_surface;
+    const int bits = std::max(best.bits, truth.bits);
+    if (truth.decision == Truth::Decision::unresolved || best.decision == Truth::Decision::unresolved) {
         best.decision = Truth::Decision::unresolved;
-    } else if (of_one.is_hit() && (!best.is_hit() || compare(of_one.t, best.t) < 0)) {
-        best = of_one;
+    } else if (truth.is_hit() && (!best.is_hit() || compare(truth.t, best.t) < 0)) {
+        best = truth;
         best.object = i;
-    } else if (of_one.is_hit() && compare(of_one.t, best.t) == 0) {
-        best.t = nearer(best.t, of_one.t);
-        best.distance = nearer(best.distance, of_one.distance);
+    } else if (truth.is_hit() && compare(truth.t, best.t) == 0) {
+        best.t = nearer(best.t, truth.t);
+        best.distance = nearer(best.distance, truth.distance);
     }
     best.bits = bits;
     best.touches = touches;

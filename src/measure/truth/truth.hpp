@@ -15,13 +15,13 @@
 namespace lostbits::measure::truth {
 
 /// First intersection of a ray with primitives that lies in its range, which is t ≥ 0 by default. The primitives are
-/// closed (touching counts, the origin on the surface counts), or another convention is given.
+/// closed (a touch counts, and so does a ray origin on the surface) unless another convention is given.
 struct Truth {
     enum class Decision : std::uint8_t { miss, hit, unresolved };
 
     Decision decision = Decision::miss;
-    /// Index of the primitive that is hit first; if several cannot be told apart, the lowest of their indices. −1 for a
-    /// miss.
+    /// Index of the primitive that is hit first; −1 for a miss. If the order of several hits is not decided, it is the
+    /// lowest of their indices.
     int object = -1;
     /// Bits of precision that the proof took; 106 for the double-double stage.
     int bits = 0;
@@ -41,12 +41,12 @@ struct Truth {
 /// Names in files, in the order of `Truth::Decision`.
 inline constexpr std::array<std::string_view, 3> decision_names{"miss", "hit", "unresolved"};
 
-/// Limit of the precision. Enclosures start at double-double (`Ball`) and go to MPFI at 192 bits, doubling. Every
-/// decision rests on the sign of a dyadic polynomial in the inputs, of degree four, of eight (ellipsoids, cylinders) or
-/// twelve (cones). An interval of enough bits has zero width: for doubles at most 12·(1024 + 1074) + 24 < 25300 (the
-/// tests' worst needed 6144). For tori the degree is 34 or more, so that numbers whose exponents are some 700 apart may
-/// need more. The last precision tried is 24576; what it leaves open is `unresolved`. Code that finds many truths, or
-/// that asks forms about the same rays, checks `stop` on the way.
+/// Limit of the precision of a proof. Enclosures start at double-double (`Ball`) and go to MPFI at 192 bits, doubling.
+/// Every decision rests on the sign of a dyadic polynomial in the inputs, of degree four, of eight (ellipsoids,
+/// cylinders) or twelve (cones). An interval of enough bits has zero width: for doubles, 12·(1024 + 1074) + 24 < 25300
+/// bits are enough (the worst case of the tests needed 6144). For tori the degree is 34 or more, so that numbers whose
+/// exponents are some 700 apart may need more. The last precision tried is 24576; a problem that it leaves open is
+/// `unresolved`. Code that finds many truths, or that asks forms about the same rays, checks `stop` on the way.
 struct TruthLimit {
     int bits = 32768;
     intersect::process::StopToken stop = {};
@@ -64,8 +64,8 @@ Truth find_truth(const Ray<double>& ray, std::span<const Primitive<double>> prim
 Truth find_truth(const Ray<Real>& ray, std::span<const Primitive<Real>> primitives, TruthLimit limit = {},
                  intersect::Convention convention = {}, const Range<double>& range = {});
 
-/// Merges `of_one`, the truth about primitive `i`, into `best`, the truth about the primitives before it.
-void join(const Truth& of_one, int i, Truth& best);
+/// Merges `truth`, which is about primitive `i` alone, into `best`, the truth about the primitives before it.
+void join(const Truth& truth, int i, Truth& best);
 
 bool is_proper(const Ray<double>& ray);
 bool is_proper(const Ray<Real>& ray);
@@ -81,7 +81,7 @@ inline Truth find_truth(const Ray<Real>& ray, const Primitive<Real>& primitive, 
     return find_truth(ray, std::span(&primitive, 1), limit, convention, range);
 }
 
-/// Kind of length: t*, in lengths of the direction as stored, or the distance t*·|d|.
+/// Kind of length: the parameter t*, in lengths of the direction as stored, or the distance t*·|d|.
 enum class Length { parameter, distance };
 inline Length length_of(intersect::Direction unit_of) {
     return unit_of == intersect::Direction::unit ? Length::distance : Length::parameter;

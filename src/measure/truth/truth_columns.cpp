@@ -17,31 +17,36 @@ static_assert(static_cast<int>(Truth::Decision::miss) == 0 && static_cast<int>(T
 namespace {
 
 template <class S>
-Truth find_by_itself(const ProblemColumns<S>& p, const ColumnTerms& terms, std::size_t i) {
-    const auto at = [i](std::span<const S> column) { return static_cast<double>(column[column.size() == 1 ? 0 : i]); };
+Truth truth_of_ray(const ProblemColumns<S>& p, const ColumnTerms& terms, std::size_t i) {
+    const auto number_of_ray = [i](std::span<const S> column) {
+        return static_cast<double>(column[column.size() == 1 ? 0 : i]);
+    };
     const auto& r = p.ray;
     Primitive<double> primitive;
     primitive.shape = p.shape;
-    for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = at(p.primitive[k]);
+    for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = number_of_ray(p.primitive[k]);
     if (p.matrix.placed) {
         primitive.placed = Placement<double>{{}, p.matrix.is_inverse, p.matrix.orientation};
         for (std::size_t k = most_numbers; k < most_stored; ++k)
-            primitive.placed->matrix[k - most_numbers] = at(p.primitive[k]);
+            primitive.placed->matrix[k - most_numbers] = number_of_ray(p.primitive[k]);
     }
-    return find_truth({{at(r[0]), at(r[1]), at(r[2])}, {at(r[3]), at(r[4]), at(r[5])}}, primitive, terms.limit,
-                      terms.convention,
-                      {p.tmin.empty() ? 0 : at(p.tmin), p.tmax.empty() ? HUGE_VAL : at(p.tmax), p.open});
+    return find_truth(
+        {{number_of_ray(r[0]), number_of_ray(r[1]), number_of_ray(r[2])},
+         {number_of_ray(r[3]), number_of_ray(r[4]), number_of_ray(r[5])}},
+        primitive, terms.limit, terms.convention,
+        {p.tmin.empty() ? 0 : number_of_ray(p.tmin), p.tmax.empty() ? HUGE_VAL : number_of_ray(p.tmax), p.open});
 }
 
-/// Appends begin + i for each i that is not settled. Most are settled, so eight are checked together.
+/// Appends begin + i to `open` for each problem i that is not settled. Most problems are settled, so eight flags are
+/// checked together.
 void add_open(const std::uint8_t* settled, std::size_t begin, std::size_t count, std::vector<std::size_t>& open) {
-    constexpr std::uint64_t all = 0x0101010101010101;
+    constexpr std::uint64_t all_settled = 0x0101010101010101;
     for (std::size_t first = 0; first < count; first += 8) {
-        const std::size_t some = std::min<std::size_t>(8, count - first);
-        std::uint64_t eight = all;
-        std::memcpy(&eight, settled + first, some);
-        if (eight == all) continue;
-        for (std::size_t i = first; i < first + some; ++i)
+        const std::size_t flag_count = std::min<std::size_t>(8, count - first);
+        std::uint64_t eight_flags = all_settled;
+        std::memcpy(&eight_flags, settled + first, flag_count);
+        if (eight_flags == all_settled) continue;
+        for (std::size_t i = first; i < first + flag_count; ++i)
             if (settled[i] == 0) open.push_back(begin + i);
     }
 }
@@ -60,8 +65,8 @@ public:
     }
 
     void find() {
-        for (std::size_t begin = 0; begin < problems_.size; begin += settled_together) {
-            const std::size_t count = std::min(settled_together, problems_.size - begin);
+        for (std::size_t begin = 0; begin < problems_.size; begin += batch_size) {
+            const std::size_t count = std::min(batch_size, problems_.size - begin);
             open_.clear();
             if (terms_.convention.is_special()) {
                 open_.resize(count);
@@ -82,17 +87,17 @@ public:
                 out_.stages.double_double += count - open_.size();
                 settle_gathered(ties_);
             }
-            for (const std::size_t i : open_) find_alone(i);
+            for (const std::size_t i : open_) settle_alone(i);
         }
     }
 
 private:
-    /// Settles problems from `begin` on, in their columns; those that stay open go into `open_`.
+    /// Settles `count` problems from `begin` on, in their columns, and adds those that stay open to `open_`.
     void settle_in_place(const stages::ShapeStage<S>& stage, std::size_t begin, std::size_t count) {
-        std::uint8_t settled[settled_together];
-        auto* const hit = reinterpret_cast<std::uint8_t*>(out_.decision.data());
-        stages::RawFindings found{settled, hit + begin, {}, {}};
-        wanted(found) = {out_.hi.data() + begin, out_.lo.data() + begin, out_.bound.data() + begin};
+        std::uint8_t settled[batch_size];
+        auto* const hits = reinterpret_cast<std::uint8_t*>(out_.decision.data());
+        stages::RawFindings found{settled, hits + begin, {}, {}};
+        requested_length(found) = {out_.hi.data() + begin, out_.lo.data() + begin, out_.bound.data() + begin};
         in_place_.settle(stage, stages_.lanes, begin, count, found);
         add_open(settled, begin, count, open_);
     }
@@ -100,33 +105,33 @@ private:
     void settle_gathered(const stages::ShapeStage<double>& stage) {
         if (!stage || open_.empty()) return;
         auto& gathered = GatheredProblems<double>::of_thread();
-        const std::vector<std::size_t> which = std::exchange(open_, {});
-        auto raw = gathered.gather(problems_, which, stages_.lanes);
+        const std::vector<std::size_t> indices = std::exchange(open_, {});
+        auto raw = gathered.gather(problems_, indices, stages_.lanes);
         raw.ranged = in_place_.has_own_ranges();
-        const stages::RawLength length = wanted(raw.out);
+        const stages::RawLength length = requested_length(raw.out);
         raw.out.t = raw.out.distance = {};
-        wanted(raw.out) = length;
+        requested_length(raw.out) = length;
         stage(raw);
         const auto is_settled = [&](std::size_t i) {
             const auto& found = gathered.found;
             return found.settled[i] != 0 &&
                    !(stage == ties_ && matters(terms_.convention, found.touches[i] != 0, found.on_surface[i] != 0));
         };
-        for (std::size_t i = 0; i < which.size(); ++i) {
-            out_.decision[which[i]] = static_cast<Truth::Decision>(gathered.found.hit[i]);
-            out_.hi[which[i]] = length.hi[i];
-            out_.lo[which[i]] = length.lo[i];
-            out_.bound[which[i]] = length.bound[i];
+        for (std::size_t i = 0; i < indices.size(); ++i) {
+            out_.decision[indices[i]] = static_cast<Truth::Decision>(gathered.found.hit[i]);
+            out_.hi[indices[i]] = length.hi[i];
+            out_.lo[indices[i]] = length.lo[i];
+            out_.bound[indices[i]] = length.bound[i];
         }
-        for (std::size_t i = 0; i < which.size(); ++i)
-            if (!is_settled(i)) open_.push_back(which[i]);
-        out_.stages.double_double += which.size() - open_.size();
+        for (std::size_t i = 0; i < indices.size(); ++i)
+            if (!is_settled(i)) open_.push_back(indices[i]);
+        out_.stages.double_double += indices.size() - open_.size();
     }
-    [[nodiscard]] stages::RawLength& wanted(stages::RawFindings& found) const {
+    [[nodiscard]] stages::RawLength& requested_length(stages::RawFindings& found) const {
         return terms_.length == Length::distance ? found.distance : found.t;
     }
-    void find_alone(std::size_t i) {
-        const Truth truth = find_by_itself(problems_, terms_, i);
+    void settle_alone(std::size_t i) {
+        const Truth truth = truth_of_ray(problems_, terms_, i);
         out_.decision[i] = truth.decision;
         out_.hi[i] = out_.lo[i] = out_.bound[i] = 0;
         if (truth.is_hit()) {
@@ -139,7 +144,7 @@ private:
             out_.lo[i] = scaled(t.lo);
             out_.bound[i] = scaled(t.bound);
         }
-        out_.stages.count_alone(truth);
+        out_.stages.count_single(truth);
         out_.alone.emplace_back(i, truth);
     }
 
@@ -148,7 +153,7 @@ private:
     TruthColumns& out_;
     stages::Stages stages_;
     ProblemsInPlace<S> in_place_;
-    stages::ShapeStage<double> ties_;  ///< empty if ties are not looked for
+    stages::ShapeStage<double> ties_;  ///< empty if no stage settles ties here
     std::vector<std::size_t> open_;
 };
 
@@ -161,7 +166,7 @@ void find_columns(const ProblemColumns<S>& problems, const ColumnTerms& terms, T
     ColumnSearch<S>(problems, terms, out).find();
 }
 
-bool same(const Certified& a, const Certified& b) {
+bool are_equal(const Certified& a, const Certified& b) {
     return a.hi == b.hi && a.lo == b.lo && a.bound == b.bound && a.exponent == b.exponent;
 }
 
@@ -203,17 +208,20 @@ bool RayTruths::put(std::size_t i, const Truth& truth) {
     object[i] = truth.object;
     touches[i] = truth.touches ? 1 : 0;
     on_surface[i] = truth.on_surface ? 1 : 0;
-    bool held = truth.decision != Truth::Decision::unresolved;
-    const auto put_length = [&](const Certified& x, Lengths& to) {
+    bool is_exact = truth.decision != Truth::Decision::unresolved;
+    const auto store_length = [&](const Certified& x, Lengths& lengths) {
         const bool in_range = truth.is_hit() && !x.is_zero() && std::abs(x.exponent) <= 900;
-        const auto word = [&](double part) { return in_range ? std::ldexp(part, static_cast<int>(x.exponent)) : 0; };
-        to.hi[i] = word(x.hi), to.lo[i] = word(x.lo), to.bound[i] = word(x.bound);
-        held = held && (!truth.is_hit() || same(certified(to.hi[i], to.lo[i], to.bound[i]), x));
+        const auto scaled_part = [&](double part) {
+            return in_range ? std::ldexp(part, static_cast<int>(x.exponent)) : 0;
+        };
+        lengths.hi[i] = scaled_part(x.hi), lengths.lo[i] = scaled_part(x.lo), lengths.bound[i] = scaled_part(x.bound);
+        is_exact =
+            is_exact && (!truth.is_hit() || are_equal(certified(lengths.hi[i], lengths.lo[i], lengths.bound[i]), x));
     };
-    put_length(truth.t, t);
-    put_length(truth.distance, distance);
-    if (!held) t.hi[i] = missing;
-    return held;
+    store_length(truth.t, t);
+    store_length(truth.distance, distance);
+    if (!is_exact) t.hi[i] = missing;
+    return is_exact;
 }
 
 }  // namespace lostbits::measure::truth

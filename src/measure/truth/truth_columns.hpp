@@ -1,4 +1,5 @@
-// The truth of many rays at once, as columns: packs prove the truth of most rays, and the others are proved ray by ray.
+// Finds the truth of many rays at once, as columns: packs prove the truth of most rays, and the others are proved ray
+// by ray.
 #pragma once
 
 #include <array>
@@ -53,7 +54,7 @@ struct ProblemColumns {
            (convention.at_origin == intersect::AtOrigin::miss ? 1 : 0);
 }
 
-/// Accuracy of a length that a measurement needs.
+/// Accuracy that a measurement needs of a length.
 enum class Tightness {
     ulps_of_binary32,  ///< to 2^-33 of itself: an error in ulps of at most 24 bits is known to 2^-8
     certified          ///< to `certified_tightness`, as by `find_truth`
@@ -78,12 +79,12 @@ struct StageCounts {
         return *this;
     }
     /// Counts a truth that no pack settled, by the precision that its proof took.
-    void count_alone(const Truth& truth) { ++(truth.bits <= 106 ? ball : interval); }
+    void count_single(const Truth& truth) { ++(truth.bits <= 106 ? ball : interval); }
     [[nodiscard]] std::uint64_t rays() const { return binary64 + double_double + ball + interval; }
 };
 
 /// Truth of each ray. |t* − (hi + lo)| ≤ bound, and no power of two lies between the ends, so the binade of t* is
-/// proved. A miss and an unresolved ray have zeros there.
+/// proved. hi, lo and bound of a miss and of an unresolved ray are 0.
 struct TruthColumns {
     std::vector<Truth::Decision> decision;
     std::vector<double> hi, lo, bound;
@@ -99,7 +100,7 @@ struct TruthColumns {
 void find_truth_columns(const ProblemColumns<float>& problems, const ColumnTerms& terms, TruthColumns& out);
 void find_truth_columns(const ProblemColumns<double>& problems, const ColumnTerms& terms, TruthColumns& out);
 
-/// The truth of every ray among the primitives that it can meet, by the closed primitive's convention: structure of
+/// Truth of every ray among the primitives that it can meet, by the closed primitive's convention, as a structure of
 /// arrays.
 class RayTruths {
 public:
@@ -119,7 +120,7 @@ public:
     [[nodiscard]] std::size_t size() const { return decision.size(); }
     /// Truth of ray i, rebuilt from the columns. Read the columns if they are enough. Its `bits` are at least 106.
     [[nodiscard]] Truth operator[](std::size_t i) const;
-    /// True if the truth of ray i by a convention that is not special may differ from this one.
+    /// True if the truth of ray i by `convention`, which is not special, may differ from the stored truth.
     [[nodiscard]] bool may_differ(std::size_t i, const intersect::Convention& convention) const {
         return matters(convention, touches[i] != 0, on_surface[i] != 0);
     }
@@ -132,14 +133,16 @@ template <class S>
 struct RaysAndPrimitives {
     const scene::rays::BasicRayBlock<S>& rays;
     const scene::rays::PrimitiveList<S>& primitives;
-    const culling::PrimitiveIndex* index = nullptr;  ///< every ray can meet its candidates; null: every primitive
-    bool paired = false;                             ///< ray i can meet primitive i alone; all are of one shape
+    /// Finds the primitives that a ray can meet; null: a ray can meet every primitive.
+    const culling::PrimitiveIndex* index = nullptr;
+    bool paired = false;  ///< ray i can meet primitive i alone; all are of one shape
 };
 
 /// Finds the truth of every ray among its primitives, in parallel: the same decisions, hi and lo as `find_truth`.
 /// Returns how many pairs of a ray and a primitive each stage settled.
 StageCounts find_truths(const RaysAndPrimitives<double>& problems, TruthLimit limit, RayTruths& out);
-/// Uses two words for each number. Rays that these do not enclose go to the later stages.
+/// Uses two machine words for each number. If they do not enclose the numbers of a ray, the later stages settle the
+/// ray.
 StageCounts find_truths(const RaysAndPrimitives<Real>& problems, TruthLimit limit, RayTruths& out);
 
 }  // namespace lostbits::measure::truth

@@ -12,11 +12,11 @@
 namespace lostbits::measure::truth {
 namespace {
 
-/// One component at one precision; empty if the enclosure straddles a rounding boundary.
+/// Component of the unit direction at one precision; empty if the enclosure straddles a rounding boundary.
 template <class E>
-std::optional<double> component(double part, const E& length, const FloatFormat& format) {
-    if (part == 0) return part;
-    const auto x = certify(E(part) / length);
+std::optional<double> component(double coordinate, const E& length, const FloatFormat& format) {
+    if (coordinate == 0) return coordinate;
+    const auto x = certify(E(coordinate) / length);
     return x ? round_certified(*x, format) : std::nullopt;
 }
 
@@ -25,13 +25,13 @@ E length_of(const Vec<double>& d) {
     return length(Vec<E>(E(d.x), E(d.y), E(d.z)));
 }
 
-double settle(double part, const Vec<double>& d, const FloatFormat& format) {
+double exact_component(double coordinate, const Vec<double>& d, const FloatFormat& format) {
     std::optional<Certified> last;
     for (int bits = 192; bits <= 8192; bits *= 2) {
         const Interval::Precision precision(bits);
         const Interval length = length_of<Interval>(d);
-        if (const auto x = component(part, length, format)) return *x;
-        last = certify(Interval(part) / length);
+        if (const auto x = component(coordinate, length, format)) return *x;
+        last = certify(Interval(coordinate) / length);
     }
     if (!last) return missing;
     // A component may be exactly halfway (3/5 of a power of two, say, in a tiny format). The midpoint is then rounded
@@ -44,33 +44,37 @@ double settle(double part, const Vec<double>& d, const FloatFormat& format) {
 
 Vec<double> unit_direction(const Vec<double>& d, const FloatFormat& format) {
     const Ball length = length_of<Ball>(d);
-    const auto part = [&](double x) {
-        const auto quick = component(x, length, format);
-        return quick ? *quick : settle(x, d, format);
+    const auto unit_component = [&](double x) {
+        const auto from_ball = component(x, length, format);
+        return from_ball ? *from_ball : exact_component(x, d, format);
     };
-    return Vec<double>(part(d.x), part(d.y), part(d.z));
+    return Vec<double>(unit_component(d.x), unit_component(d.y), unit_component(d.z));
 }
 
 void make_unit(const std::array<std::span<double>, 3>& directions, const FloatFormat& format) {
-    constexpr std::size_t together = 512;
-    double buffers[3][together];
-    std::uint8_t settled[together];
+    constexpr std::size_t block_size = 512;
+    double buffers[3][block_size];
+    std::uint8_t settled[block_size];
     const stages::Stages stages = stages::stages_of(shape_rows.front().shape, intersect::simd::current_isa());
-    const bool native = format == binary32 || format == binary64;
-    for (std::size_t begin = 0; begin < directions[0].size(); begin += together) {
-        const std::size_t count = std::min(together, directions[0].size() - begin);
-        const std::size_t whole = native ? count - count % stages.lanes : 0;
-        double* const at[3] = {directions[0].data() + begin, directions[1].data() + begin,
-                               directions[2].data() + begin};
-        if (whole > 0)
-            stages.unit_directions(
-                {{at[0], at[1], at[2]}, {buffers[0], buffers[1], buffers[2]}, settled, format == binary32, 1, whole});
+    const bool is_native = format == binary32 || format == binary64;
+    for (std::size_t begin = 0; begin < directions[0].size(); begin += block_size) {
+        const std::size_t count = std::min(block_size, directions[0].size() - begin);
+        const std::size_t whole_count = is_native ? count - count % stages.lanes : 0;
+        double* const coordinates[3] = {directions[0].data() + begin, directions[1].data() + begin,
+                                        directions[2].data() + begin};
+        if (whole_count > 0)
+            stages.unit_directions({{coordinates[0], coordinates[1], coordinates[2]},
+                                    {buffers[0], buffers[1], buffers[2]},
+                                    settled,
+                                    format == binary32,
+                                    1,
+                                    whole_count});
         for (std::size_t i = 0; i < count; ++i) {
-            if (i < whole && settled[i] != 0) {
-                for (int k = 0; k < 3; ++k) at[k][i] = buffers[k][i];
+            if (i < whole_count && settled[i] != 0) {
+                for (int k = 0; k < 3; ++k) coordinates[k][i] = buffers[k][i];
             } else {
-                const Vec<double> u = unit_direction({at[0][i], at[1][i], at[2][i]}, format);
-                for (int k = 0; k < 3; ++k) at[k][i] = u[k];
+                const Vec<double> u = unit_direction({coordinates[0][i], coordinates[1][i], coordinates[2][i]}, format);
+                for (int k = 0; k < 3; ++k) coordinates[k][i] = u[k];
             }
         }
     }

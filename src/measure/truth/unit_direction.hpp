@@ -1,4 +1,4 @@
-// Directions for the forms that assume unit length.
+// Normalises directions for the forms that assume unit length.
 #pragma once
 
 #include <array>
@@ -12,10 +12,10 @@ namespace lostbits::measure::truth {
 /// d/|d|, each component correctly rounded to the format. Zero and non-finite directions give NaN.
 Vec<double> unit_direction(const Vec<double>& d, const FloatFormat& format);
 
-/// Makes many directions unit at once, as columns, in place.
+/// Normalises many directions in place, given as a column for each component.
 void make_unit(const std::array<std::span<double>, 3>& directions, const FloatFormat& format);
 
-/// t |d|, rounded once to the format: the end of a range, for the direction of length one.
+/// t |d|, rounded once to the format: an end t of the range of a ray with direction d, as a distance.
 double as_distance(double t, const Vec<double>& d, const FloatFormat& format);
 
 }  // namespace lostbits::measure::truth

@@ -17,14 +17,14 @@ struct ThreeRay : InvertsProjection {
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const Vec<T> seen = multiplied_by_reciprocal_w(from_clip.point(clip_point(camera, pixel, T(1) / T(2))));
+        const Vec<T> point_ahead = multiplied_by_reciprocal_w(from_clip.point(clip_point(camera, pixel, T(1) / T(2))));
         const Vec<T> eye = camera.to_world.shift();
-        return {eye, unit_by_reciprocal(Vec<T>(camera.to_world.affine(seen) - eye))};
+        return {eye, unit_by_reciprocal(Vec<T>(camera.to_world.affine(point_ahead) - eye))};
     }
 };
 
-/// A picking ray in Babylon.js. The second point has z = 1 - 1e-8 for every range of depths: it is behind the near
-/// plane if z is reversed, and 1 itself in float.
+/// A picking ray in Babylon.js. The second point has z = 1 - 1e-8 for every range of depths: the point is behind the
+/// near plane if z is reversed, and its z rounds to 1 in float.
 struct BabylonRay : InvertsBoth {
     static constexpr RayGeneratorInfo info{
         .name = "babylon",
@@ -35,15 +35,15 @@ struct BabylonRay : InvertsBoth {
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const auto at = [&](const T& z) {
+        const auto point_at = [&](const T& z) {
             return multiplied_by_reciprocal_w(from_clip.point(clip_point(camera, pixel, z)));
         };
-        const Vec<T> near = at(camera.depth_near), far = at(T(1) - T(1) / T(100000000));
+        const Vec<T> near = point_at(camera.depth_near), far = point_at(T(1) - T(1) / T(100000000));
         return {near, unit_by_reciprocal(Vec<T>(far - near))};
     }
 };
 
-/// Two calls of `unProject`, at the near plane and at the far one, as in tutorials on picking.
+/// Two calls of `unProject`, at the near plane and at the far plane, as in tutorials on picking.
 struct GlmRay : InvertsBoth {
     static constexpr RayGeneratorInfo info{
         .name = "glm",
@@ -54,14 +54,14 @@ struct GlmRay : InvertsBoth {
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
-        const Vec<T> near = at(camera.depth_near), far = at(camera.depth_far);
+        const auto point_at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
+        const Vec<T> near = point_at(camera.depth_near), far = point_at(camera.depth_far);
         return {near, unit_by_reciprocal(Vec<T>(far - near))};
     }
 };
 
-/// A camera's ray in the samples of DirectX Raytracing. z = 0 is the near plane if z runs from 0 to 1, and the far one
-/// if it is reversed.
+/// A camera's ray in the samples of DirectX Raytracing. z = 0 is the near plane if z runs from 0 to 1, and the far
+/// plane if z is reversed.
 struct DxrRay : InvertsBoth {
     static constexpr RayGeneratorInfo info{
         .name = "dxr",
@@ -92,8 +92,8 @@ struct UnrealRay {
     }
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
-        const Vec<T> start = at(camera.depth_near), end = at(depth_at(camera, T(1) / T(100)));
+        const auto point_at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
+        const Vec<T> start = point_at(camera.depth_near), end = point_at(depth_at(camera, T(1) / T(100)));
         return {start, unit_by_reciprocal(Vec<T>(end - start))};
     }
 };
@@ -114,8 +114,8 @@ struct BevyRay {
     }
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
-        const Vec<T> near = at(camera.depth_near), far = at(depth_at(camera, T(1) / T(8388608)));
+        const auto point_at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
+        const Vec<T> near = point_at(camera.depth_near), far = point_at(depth_at(camera, T(1) / T(8388608)));
         return {near, unit_of(Vec<T>(far - near))};
     }
 };
@@ -131,8 +131,8 @@ struct BevyViewRay : InvertsProjection {
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const auto at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
-        const Vec<T> near = at(camera.depth_near), far = at(depth_at(camera, T(1) / T(8388608)));
+        const auto point_at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
+        const Vec<T> near = point_at(camera.depth_near), far = point_at(depth_at(camera, T(1) / T(8388608)));
         return {camera.to_world.affine(near), unit_of(camera.to_world.linear(Vec<T>(far - near)))};
     }
 };
@@ -155,9 +155,9 @@ struct NvproRay {
         return {inverse(camera.projection), inverse(camera.view)};
     }
     template <Number T>
-    static Ray<T> ray(const CameraNumbers<T>& camera, const Inverses<T>& from, const Pixel<T>& pixel) {
-        const Vec<T> target = from.projection.point(clip_point(camera, pixel, T(1))).at;
-        return {from.view.shift(), from.view.linear(unit_of(target))};
+    static Ray<T> ray(const CameraNumbers<T>& camera, const Inverses<T>& inverses, const Pixel<T>& pixel) {
+        const Vec<T> target = inverses.projection.point(clip_point(camera, pixel, T(1))).xyz;
+        return {inverses.view.shift(), inverses.view.linear(unit_of(target))};
     }
 };
 
@@ -173,8 +173,8 @@ struct GodotRay : AsStored {
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
         const auto& p = camera.projection.rows;
-        const Vec<T> at = clip_point(camera, pixel, T(0));
-        const Vec<T> local(at.x * (camera.near / p[0][0]), at.y * (camera.near / p[1][1]), -camera.near);
+        const Vec<T> clip = clip_point(camera, pixel, T(0));
+        const Vec<T> local(clip.x * (camera.near / p[0][0]), clip.y * (camera.near / p[1][1]), -camera.near);
         return {camera.eye, unit_of(camera.to_world.linear(unit_of(local)))};
     }
 };
@@ -189,14 +189,14 @@ struct OptixRay : AsStored {
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
-        const Vec<T> at = clip_point(camera, pixel, T(0));
+        const Vec<T> clip = clip_point(camera, pixel, T(0));
         const Vec<T> u = camera.tan_x * camera.right, v = camera.tan_y * camera.up;
-        return {camera.eye, unit_by_reciprocal(Vec<T>(at.x * u + at.y * v + camera.forward))};
+        return {camera.eye, unit_by_reciprocal(Vec<T>(clip.x * u + clip.y * v + camera.forward))};
     }
 };
 
-/// The middle of a pixel in the world and the vector to it from the eye, as in "Ray Tracing in One Weekend". The
-/// source does not normalise directions; here they are, by a quotient for each component.
+/// The middle of a pixel in the world and the vector to it from the eye, as in "Ray Tracing in One Weekend". The source
+/// does not normalise directions. Here they are normalised, by a quotient for each component.
 struct WeekendRay {
     static constexpr RayGeneratorInfo info{
         .name = "weekend",
@@ -214,8 +214,8 @@ struct WeekendRay {
     static Pixels<T> prepare(const CameraNumbers<T>& camera) {
         const T distance(10), two(2), half = T(1) / T(2);
         const Vec<T> u = two * camera.tan_x * distance * camera.right, v = -(two * camera.tan_y * distance) * camera.up;
-        const Vec<T> right = over(u, T(camera.width)), down = over(v, T(camera.height));
-        const Vec<T> corner = camera.eye + distance * camera.forward - over(u, two) - over(v, two);
+        const Vec<T> right = quotient(u, T(camera.width)), down = quotient(v, T(camera.height));
+        const Vec<T> corner = camera.eye + distance * camera.forward - quotient(u, two) - quotient(v, two);
         return {corner + half * Vec<T>(right + down), right, down};
     }
     template <Number T>
@@ -247,7 +247,7 @@ struct PbrtRay : AsStored {
     }
 };
 
-/// The ray of a pixel from the differentials of the one to its left.
+/// The ray of a pixel from the differentials of the pixel to its left.
 struct DifferentialsRay {
     static constexpr RayGeneratorInfo info{
         .name = "differentials",
@@ -259,8 +259,10 @@ struct DifferentialsRay {
     /// dxCamera: the width of a pixel on the near plane.
     template <Number T>
     static Vec<T> prepare(const CameraNumbers<T>& camera) {
-        const auto at = [&](int x) { return divided_by_w(camera.raster_to_camera.point({T(x), T(0), T(0)})); };
-        return at(1) - at(0);
+        const auto near_plane_point = [&](int x) {
+            return divided_by_w(camera.raster_to_camera.point({T(x), T(0), T(0)}));
+        };
+        return near_plane_point(1) - near_plane_point(0);
     }
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Vec<T>& step, const Pixel<T>& pixel) {
@@ -269,7 +271,8 @@ struct DifferentialsRay {
     }
 };
 
-/// The inverse of projection and view without the eye's position, and the eye separately: camera-relative rendering.
+/// The inverse of projection and view without the position of the eye, which is added separately: camera-relative
+/// rendering.
 struct RelativeRay : AsStored {
     static constexpr RayGeneratorInfo info{
         .name = "relative",
@@ -288,21 +291,21 @@ struct RelativeRay : AsStored {
 /// Calls `act.template operator()<ThreeRay>()` for each ray generator in turn.
 template <class Act>
 constexpr void for_each_generator(const Act& act) {
-    const auto all = [&act]<class... M>() { (act.template operator()<M>(), ...); };
-    all.template operator()<ThreeRay,          //
-                            BabylonRay,        //
-                            GlmRay,            //
-                            DxrRay,            //
-                            UnrealRay,         //
-                            BevyRay,           //
-                            BevyViewRay,       //
-                            NvproRay,          //
-                            GodotRay,          //
-                            OptixRay,          //
-                            WeekendRay,        //
-                            PbrtRay,           //
-                            DifferentialsRay,  //
-                            RelativeRay>();
+    const auto act_on_all = [&act]<class... Generator>() { (act.template operator()<Generator>(), ...); };
+    act_on_all.template operator()<ThreeRay,          //
+                                   BabylonRay,        //
+                                   GlmRay,            //
+                                   DxrRay,            //
+                                   UnrealRay,         //
+                                   BevyRay,           //
+                                   BevyViewRay,       //
+                                   NvproRay,          //
+                                   GodotRay,          //
+                                   OptixRay,          //
+                                   WeekendRay,        //
+                                   PbrtRay,           //
+                                   DifferentialsRay,  //
+                                   RelativeRay>();
 }
 
 }  // namespace lostbits::scene::camera

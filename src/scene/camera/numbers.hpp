@@ -14,7 +14,7 @@ namespace lostbits::scene::camera {
 /// A point before division by w.
 template <class T>
 struct Homogeneous {
-    Vec<T> at;
+    Vec<T> xyz;
     T w;
 };
 
@@ -22,7 +22,7 @@ template <class T>
 struct Matrix4 {
     std::array<std::array<T, 4>, 4> rows;
 
-    /// ((a x + b y) + c z) + d for each row.
+    /// Computes ((a x + b y) + c z) + d for each row a b c d.
     [[nodiscard]] Homogeneous<T> point(const Vec<T>& p) const {
         const auto row = [&](std::size_t i) {
             return rows[i][0] * p.x + rows[i][1] * p.y + rows[i][2] * p.z + rows[i][3];
@@ -30,7 +30,7 @@ struct Matrix4 {
         return {{row(0), row(1), row(2)}, row(3)};
     }
     /// Transforms a point by a matrix whose last row is 0 0 0 1.
-    [[nodiscard]] Vec<T> affine(const Vec<T>& p) const { return point(p).at; }
+    [[nodiscard]] Vec<T> affine(const Vec<T>& p) const { return point(p).xyz; }
     [[nodiscard]] Vec<T> linear(const Vec<T>& v) const {
         const auto row = [&](std::size_t i) { return rows[i][0] * v.x + rows[i][1] * v.y + rows[i][2] * v.z; };
         return {row(0), row(1), row(2)};
@@ -62,21 +62,21 @@ Matrix4<T> operator*(const Matrix4<T>& a, const Matrix4<T>& b) {
 template <class T>
 Matrix4<T> inverse(const Matrix4<T>& m) {
     const auto& a = m.rows;
-    const auto two_by_two = [&a](std::size_t above, std::size_t j, std::size_t k) {
-        return a[above][j] * a[above + 1][k] - a[above][k] * a[above + 1][j];
+    const auto two_by_two = [&a](std::size_t upper_row, std::size_t j, std::size_t k) {
+        return a[upper_row][j] * a[upper_row + 1][k] - a[upper_row][k] * a[upper_row + 1][j];
     };
     const auto cofactor = [&](std::size_t i, std::size_t j) {
         const std::size_t x = j == 0 ? 1 : 0, y = j <= 1 ? 2 : 1, z = j == 3 ? 2 : 3;
-        const std::size_t beside = i ^ 1, pair = i < 2 ? 2 : 0;
-        const auto& row = a[beside];
-        const T minor =
-            row[x] * two_by_two(pair, y, z) - row[y] * two_by_two(pair, x, z) + row[z] * two_by_two(pair, x, y);
+        const std::size_t other_row = i ^ 1, pair_row = i < 2 ? 2 : 0;
+        const auto& row = a[other_row];
+        const T minor = row[x] * two_by_two(pair_row, y, z) - row[y] * two_by_two(pair_row, x, z) +
+                        row[z] * two_by_two(pair_row, x, y);
         return (i + j) % 2 == 0 ? minor : T(-minor);
     };
     const auto adjugate = Matrix4<T>::of([&](std::size_t i, std::size_t j) { return cofactor(j, i); });
-    const auto part = [&](std::size_t j) { return a[0][j] * adjugate.rows[j][0]; };
-    const T over_det = T(1) / ((part(0) + part(1)) + (part(2) + part(3)));
-    return adjugate.each([&](const T& x) -> T { return x * over_det; });
+    const auto term = [&](std::size_t j) { return a[0][j] * adjugate.rows[j][0]; };
+    const T reciprocal_det = T(1) / ((term(0) + term(1)) + (term(2) + term(3)));
+    return adjugate.each([&](const T& x) -> T { return x * reciprocal_det; });
 }
 
 /// The properties of a ray generator.
@@ -84,24 +84,25 @@ struct RayGeneratorInfo {
     std::string_view name;  ///< unique; `three` in `sphere.unified@ray-three`
     std::string_view title;
     std::string_view source;
-    bool from_near = false;  ///< its rays begin on the near plane, not at the eye
+    bool from_near = false;  ///< true if the rays begin on the near plane, not at the eye
 };
 
-/// A pinhole camera in a format: every number is computed from the scene's in exact numbers and rounded once. In clip
-/// space x points to the right and y up. The camera looks along -z of its own space.
+/// A pinhole camera in a format. Every number is computed exactly from the numbers of the scene, and rounded once. In
+/// clip space x points to the right and y up. The camera looks along -z of its own space.
 template <class T>
 struct CameraNumbers {
     int width, height;               ///< pixels
-    Vec<T> eye, right, up, forward;  ///< the last three of length one
+    Vec<T> eye, right, up, forward;  ///< right, up and forward have length one
     T tan_x, tan_y;                  ///< half of the picture's width and height, at distance 1 in front of the eye
     T near;
-    T depth_near, depth_far;  ///< z over w of both planes in clip space
+    T depth_near, depth_far;  ///< z over w of the near and far planes in clip space
     Matrix4<T> view;          ///< from the world to the camera's space
-    Matrix4<T> projection;    ///< from there to clip space
+    Matrix4<T> projection;    ///< from the camera's space to clip space
     Matrix4<T> to_world;      ///< the inverse of `view`: the axes and the eye
-    /// The inverse of projection times view, and the same with the eye at the origin of the world.
+    /// The inverse of projection times view, and this inverse with the eye at the origin of the world.
     Matrix4<T> clip_to_world, clip_to_offset;
-    Matrix4<T> raster_to_camera;  ///< pixels to the right and down; z is 0 on the near plane
+    /// From pixels, to the right and down, to the camera's space; z is 0 on the near plane.
+    Matrix4<T> raster_to_camera;
 
     /// Applies `f` to each number, in this order.
     template <class F>
@@ -131,7 +132,7 @@ struct CameraNumbers {
 /// The names of the numbers, in the order of `CameraNumbers::each`: `eye.x`, `tan_x`, `view.r0c3`.
 std::vector<std::string> camera_number_names();
 
-/// x counts to the right from the left column, y down from the top row.
+/// Position of a pixel: x counts to the right from the left column, y down from the top row.
 template <class T>
 struct Pixel {
     T x, y;
@@ -162,34 +163,34 @@ struct InvertsBoth {
     }
 };
 
-/// The middle of a pixel in clip space over w: (x + 1/2)/width * 2 - 1, and the same for y, negated.
+/// The middle of a pixel in clip space, divided by w: (x + 1/2)/width * 2 - 1, and the same formula for y, negated.
 template <Number T>
 Vec<T> clip_point(const CameraNumbers<T>& camera, const Pixel<T>& pixel, const T& z) {
     const T half = T(1) / T(2), two(2), one(1);
     return {(pixel.x + half) / T(camera.width) * two - one, -((pixel.y + half) / T(camera.height) * two - one), z};
 }
 
-/// The depth at a fraction between the far plane (0) and the near one (1). For reversed z it is the fraction itself.
+/// The depth at a fraction between the far plane (0) and the near plane (1). For reversed z it is the fraction itself.
 template <Number T>
-T depth_at(const CameraNumbers<T>& camera, const T& share) {
-    return camera.depth_far + share * (camera.depth_near - camera.depth_far);
+T depth_at(const CameraNumbers<T>& camera, const T& fraction) {
+    return camera.depth_far + fraction * (camera.depth_near - camera.depth_far);
 }
 
 template <Number T>
-Vec<T> over(const Vec<T>& v, const T& by) {
-    return {v.x / by, v.y / by, v.z / by};
+Vec<T> quotient(const Vec<T>& v, const T& divisor) {
+    return {v.x / divisor, v.y / divisor, v.z / divisor};
 }
 template <Number T>
 Vec<T> divided_by_w(const Homogeneous<T>& p) {
-    return over(p.at, p.w);
+    return quotient(p.xyz, p.w);
 }
 /// Multiplies by 1/w.
 template <Number T>
 Vec<T> multiplied_by_reciprocal_w(const Homogeneous<T>& p) {
-    return T(1) / p.w * p.at;
+    return T(1) / p.w * p.xyz;
 }
 
-/// Transforms the middle of a pixel at a depth by a matrix, over w.
+/// Transforms the middle of a pixel at a depth by a matrix, and divides by w.
 template <Number T>
 Vec<T> unprojected(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel, const T& z) {
     return divided_by_w(from_clip.point(clip_point(camera, pixel, z)));

@@ -19,13 +19,13 @@ void make(const CameraNumbers<T>& camera, Rows rows, const std::function<void(co
 }
 
 template <class M>
-std::array<NodeId, 6> record(const Format& format, const CameraNumbers<double>& stored, PixelCoordinates at,
+std::array<NodeId, 6> record(const Format& format, const CameraNumbers<double>& stored, PixelCoordinates pixel,
                              Tape& tape) {
     using T = Recorded;
     number::recorders::TapeRecorder recorder(tape, format.parameters);
     const auto input = [](double x) { return T(x); };
     const CameraNumbers<T> camera = stored.each(input);
-    const T x = input(at.x), y = input(at.y), left = input(at.x - 1);
+    const T x = input(pixel.x), y = input(pixel.y), left = input(pixel.x - 1);
     const auto prepared = M::prepare(camera);
     const auto [o, d] = M::ray(camera, prepared, Pixel<T>{x, y, left});
     return std::array{o.x.node(), o.y.node(), o.z.node(), d.x.node(), d.y.node(), d.z.node()};

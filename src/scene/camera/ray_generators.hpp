@@ -1,4 +1,4 @@
-// The table of ray generators: each over floats, doubles, numbers of any format, and exact numbers.
+// Table of the ray generators. Each is compiled for floats, doubles, numbers of any format, and exact numbers.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct Rows {
     int first, last;
 };
 
-/// Makes the rays of every pixel of some rows, in the order of the pixels.
+/// Makes the rays of every pixel of some rows, and calls `take` with each ray, in the order of the pixels.
 template <class T>
 using MakeIn = void (*)(const CameraNumbers<T>&, Rows, const std::function<void(const Ray<T>&)>& take);
 

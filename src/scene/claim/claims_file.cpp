@@ -103,8 +103,8 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// Returns the comparison in front of the number, as in `> 0`.
 std::string comparison_of(const std::string& text) {
-    for (const char* each : {"<=", ">=", "<", ">", "="}) {
-        if (text.starts_with(each)) return each;
+    for (const char* comparison : {"<=", ">=", "<", ">", "="}) {
+        if (text.starts_with(comparison)) return comparison;
     }
     return "";
 }
@@ -144,23 +144,24 @@ void read_expect(TableReader table, Claim& claim) {
     if (claim.metric.empty() == claim.onset.empty())
         toml::fail(table.where(), "claim.expect names either a metric or an onset; write one of them");
     const auto* const sweep = claim.on<SweepSubject>();
-    const bool along = sweep && sweep->part_if<SweepSubject::Along>(),
-               every_float = sweep && sweep->part_if<SweepSubject::EveryFloat>();
+    const bool is_whole_sweep = sweep && sweep->part_if<SweepSubject::Along>(),
+               is_every_float = sweep && sweep->part_if<SweepSubject::EveryFloat>();
     if (!claim.onset.empty()) {
-        if (!along && !every_float) table.fail_at("onset", "needs a sweep in claim.given, and no `at`");
-        const char* const usual = every_float && claim.onset == "lost_bits" ? "max" : "count";
-        claim.statistic = table.optional_string("statistic").value_or(usual);
-        if (every_float && claim.statistic != usual)
-            table.fail_at("statistic", "must be " + std::string(usual) + " for a sweep over every float; leave it out");
+        if (!is_whole_sweep && !is_every_float) table.fail_at("onset", "needs a sweep in claim.given, and no `at`");
+        const char* const usual_statistic = is_every_float && claim.onset == "lost_bits" ? "max" : "count";
+        claim.statistic = table.optional_string("statistic").value_or(usual_statistic);
+        if (is_every_float && claim.statistic != usual_statistic)
+            table.fail_at("statistic",
+                          "must be " + std::string(usual_statistic) + " for a sweep over every float; leave it out");
         claim.threshold = static_cast<double>(table.optional_number("threshold").value_or(Real(1)));
-    } else if (along) {
+    } else if (is_whole_sweep) {
         table.fail_at("metric", "along a sweep needs the position on the axis, `at` in claim.given, or a `case`");
     }
     claim.quantity = table.where("metric");
     read_operations(table, claim);
-    const auto ends = table.numbers("in", 2);
-    claim.low = static_cast<double>(ends[0]);
-    claim.high = static_cast<double>(ends[1]);
+    const auto bounds = table.numbers("in", 2);
+    claim.low = static_cast<double>(bounds[0]);
+    claim.high = static_cast<double>(bounds[1]);
     if (!(claim.low <= claim.high)) table.fail_at("in", "must be [low, high] with low <= high");
     claim.criterion = read_criterion(table);
     if (claim.criterion) claim.criterion->demand(table, name_of(claim.verdict), claim.low, claim.high);
@@ -171,12 +172,12 @@ void read_expect(TableReader table, Claim& claim) {
 }  // namespace
 
 void Criterion::demand(const toml::TableReader& table, std::string_view verdict, double from, double to) const {
-    const bool met = is_met_by(from, to), failed = is_failed_by(from, to);
-    if (verdict == "holds" ? met : verdict == "refuted" ? failed : met || failed) return;
+    const bool is_met = is_met_by(from, to), failed = is_failed_by(from, to);
+    if (verdict == "holds" ? is_met : verdict == "refuted" ? failed : is_met || failed) return;
     table.fail_at("criterion", fmt::format("is {}, which is {} of the numbers in [{}, {}]: the verdict \"{}\" does not "
                                            "follow; change the verdict, the sentence or the interval",
                                            text,
-                                           met      ? "true"
+                                           is_met   ? "true"
                                            : failed ? "false"
                                                     : "true of some and false of others",
                                            from, to, verdict));
@@ -187,7 +188,7 @@ std::string_view name_of(Claim::Profile profile) { return name_in(profiles, prof
 std::string_view name_of(Claim::Evidence evidence) { return name_in(evidences, evidence); }
 
 const std::string& Claim::subject_name() const {
-    return std::visit([](const auto& on) -> const std::string& { return on.name; }, subject);
+    return std::visit([](const auto& kind) -> const std::string& { return kind.name; }, subject);
 }
 
 const std::string& Claim::tested() const {

@@ -1,4 +1,4 @@
-// Claims: sentences with a citation, a measurement and an expectation.
+// Reads claims: sentences with a citation, a measurement and an expectation.
 #pragma once
 
 #include <filesystem>
@@ -19,23 +19,24 @@ struct Criterion {
 
     /// True if the criterion is true of all numbers from `from` to `to`.
     [[nodiscard]] bool is_met_by(double from, double to) const { return low <= from && to <= high; }
-    /// True if the criterion is true of none of them.
+    /// True if the criterion is true of no number from `from` to `to`.
     [[nodiscard]] bool is_failed_by(double from, double to) const { return to < low || high < from; }
-    /// Checks that the verdict follows from what the sentence says of every number from `from` to `to`. Then every
-    /// measurement in that interval confirms the verdict too. Throws InputError at the criterion otherwise.
+    /// Checks that the verdict follows if the criterion is applied to every number from `from` to `to`. Every
+    /// measurement in this interval then confirms the verdict too. Throws InputError at the criterion if the verdict
+    /// does not follow.
     void demand(const toml::TableReader& table, std::string_view verdict, double from, double to) const;
 };
 
 struct Claim {
-    /// `qualified`: true under a condition that the source does not state, and `condition` does.
+    /// `qualified`: true under a condition that the source does not state; it is in `condition`.
     enum class Verdict { holds, qualified, refuted };
     enum class Severity { error, warn };
-    /// Says which run of `lostbits check` measures the claim. `results` are the same everywhere and always; `timing`
-    /// is not. `libraries` are claims about intersectors that are not part of lostbits and may not be loaded.
+    /// Kind of `lostbits check` run that measures the claim. `results` are the same everywhere and always; `timing` is
+    /// not. `libraries` are claims about intersectors that are not part of lostbits and may not be loaded.
     enum class Profile { results, timing, libraries };
 
-    /// The evidence for the verdict. `proof`: an inequality, in `lemma`. `exhaustive`: everything that the sentence
-    /// covers was measured. `search`: an adversarial search for the worst case, or the worst case that one found.
+    /// Evidence for the verdict. `proof`: an inequality, in `lemma`. `exhaustive`: everything that the sentence covers
+    /// was measured. `search`: an adversarial search for the worst case, or the worst case that such a search found.
     /// `counterexample`: the measurement contradicts the sentence. `sample`: only the measured rays. A sentence about
     /// all cases ("never", "at most") must state its evidence.
     enum class Evidence { none, proof, exhaustive, search, counterexample, sample };
@@ -54,9 +55,10 @@ struct Claim {
 
     // given
     Subject subject;
-    std::string form, format;                       ///< no form if a row of a table takes its place
-    std::optional<intersect::Touching> convention;  ///< judged as closed or open; absent: the form's own
-    /// Requirements on the machine, without which the claim is skipped: `isa-256`, `processors-2`.
+    std::string form, format;  ///< no form if a row of a table takes its place
+    /// Convention by which the form is judged, closed or open; absent: the form's own.
+    std::optional<intersect::Touching> convention;
+    /// Requirements on the machine: `isa-256`, `processors-2`. If one is not met, the claim is skipped.
     std::vector<std::string> requirements;
 
     /// True if the claim cites somebody: `source` is not "-".
@@ -65,7 +67,7 @@ struct Claim {
     [[nodiscard]] const std::string& subject_name() const;
     /// The name of the form, or of the row of a table.
     [[nodiscard]] const std::string& tested() const;
-    /// The subject, if it is of this kind; else null.
+    /// The subject if it is of the kind `Kind`; else null.
     template <class Kind>
     [[nodiscard]] const Kind* on() const {
         return std::get_if<Kind>(&subject);
@@ -78,12 +80,12 @@ struct Claim {
     std::string onset, statistic;         ///< event and statistic, as in `onsets.csv`
     double threshold = 0;
     double low = 0, high = 0;  ///< both ends included; they guard against drift, and are fitted to the measurement
-    /// The statement of the sentence about the number. It is true of all of `low`..`high` if the claim holds, of none
-    /// of it if it is refuted, and one of the two if it is qualified. Without a criterion the sentence describes the
-    /// number, and the interval is its statement.
+    /// What the sentence says about the number. The criterion is true of all numbers in `low`..`high` if the claim
+    /// holds, of none of them if it is refuted, and of all or none if it is qualified. Without a criterion the sentence
+    /// describes the number, and the interval is what it says.
     std::optional<Criterion> criterion;
-    /// Number of draws from which the interval was derived (see `interval_of` in measure/claim). 0: nothing in the
-    /// claim is random, or the interval comes from elsewhere.
+    /// Number of draws from which the interval was derived (see `interval_of` in measure/claim). 0: the claim has no
+    /// random numbers, or the interval has another origin.
     int draws = 0;
 };
 

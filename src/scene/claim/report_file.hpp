@@ -1,4 +1,4 @@
-// The content of a report if nothing is named on the command line: data/report.toml.
+// Reads data/report.toml, which gives the content of a report if the command line names none.
 #pragma once
 
 #include <filesystem>

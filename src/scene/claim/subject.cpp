@@ -21,9 +21,9 @@ void read_row(TableReader& table, Claim& claim) {
     claim.format = table.string("format");
 }
 
-/// Marks the keys of a position as known for every subject that is not timed or mended. Their own readers check what
-/// they need.
-void expect_place(TableReader& table) {
+/// Marks the keys of a position as known, for every subject that is neither timed nor repaired. The readers of these
+/// keys check whether the subject allows them.
+void mark_position_keys(TableReader& table) {
     for (const char* key : {"at", "case", "exhaustive", "step", "pixel", "convention"})
         static_cast<void>(table.has(key));
 }
@@ -60,7 +60,7 @@ Subject read_timing(TableReader& table, Claim& claim, std::string name) {
     return timing;
 }
 
-/// Reads a requirement on a scene, or a time relative to another one there.
+/// Reads a requirement on a scene, or a time relative to that of another form and format on this scene.
 Subject read_choice(TableReader& table, Claim& claim, std::string name) {
     ChoiceSubject choice{.name = std::move(name)};
     read_row(table, claim);
@@ -83,18 +83,18 @@ Subject read_choice(TableReader& table, Claim& claim, std::string name) {
     return choice;
 }
 
-Subject read_mend(TableReader& table, Claim& claim, std::string name) {
-    MendSubject mend{.name = std::move(name), .requirement = read_requirement(table, "max")};
+Subject read_repair(TableReader& table, Claim& claim, std::string name) {
+    MendSubject repair{.name = std::move(name), .requirement = read_requirement(table, "max")};
     if (table.has("size")) {
         const auto size = table.numbers("size", 2);
         const auto side = [&](const Real& x) {
             if (!(x >= 1 && x <= 4096)) table.fail_at("size", "must be [width, height], each from 1 to 4096");
             return static_cast<int>(x);
         };
-        mend.size = {side(size[0]), side(size[1])};
+        repair.size = {side(size[0]), side(size[1])};
     }
     read_row(table, claim);
-    return mend;
+    return repair;
 }
 
 std::optional<int> read_step(TableReader& table) {
@@ -104,70 +104,71 @@ std::optional<int> read_step(TableReader& table) {
 
 Subject read_scene(TableReader& table, Claim& claim, std::string name) {
     read_row(table, claim);
-    expect_place(table);
+    mark_position_keys(table);
     table.reject("at", "needs a sweep or a table: it is a position on their axes");
-    SceneSubject on{std::move(name), read_step(table)};
-    if (on.step)
+    SceneSubject subject{std::move(name), read_step(table)};
+    if (subject.step)
         table.reject("pixel", "is given together with step, which is at pixel (0, 0); leave one of the two out");
     constexpr long long last = 65535;
     if (const auto pixel = table.optional_integers("pixel", 2, 0, last))
-        on.pixel = {static_cast<int>((*pixel)[0]), static_cast<int>((*pixel)[1])};
-    return on;
+        subject.pixel = {static_cast<int>((*pixel)[0]), static_cast<int>((*pixel)[1])};
+    return subject;
 }
 
-/// Reads `exhaustive` and its keys. `may`: the claim is about a sweep of which nothing else is named.
-std::optional<SweepSubject::EveryFloat> read_every_float(TableReader& table, bool may) {
+/// Reads `exhaustive` and its keys. `is_allowed` is true if the claim is about a sweep without `at` and `case`.
+std::optional<SweepSubject::EveryFloat> read_every_float(TableReader& table, bool is_allowed) {
     if (!table.optional_boolean("exhaustive").value_or(false)) {
         for (const char* key : {"ray", "from", "to"})
             table.reject(key, "needs `exhaustive = true`, for a sweep over every float");
         return std::nullopt;
     }
-    if (!may) table.fail_at("exhaustive", "needs a sweep over every float, and neither `at` nor `case`");
+    if (!is_allowed) table.fail_at("exhaustive", "needs a sweep over every float, and neither `at` nor `case`");
     return SweepSubject::EveryFloat{table.optional_string("ray").value_or(""), table.optional_number("from"),
                                     table.optional_number("to")};
 }
 
 std::vector<double> read_at(TableReader& table) {
-    std::vector<double> at;
+    std::vector<double> values;
     if (table.node("at").kind != Node::Kind::array) return {static_cast<double>(table.number("at"))};
-    for (const Real& x : table.numbers("at")) at.push_back(static_cast<double>(x));
-    return at;
+    for (const Real& x : table.numbers("at")) values.push_back(static_cast<double>(x));
+    return values;
 }
 
 Subject read_sweep(TableReader& table, Claim& claim, std::string name) {
     SweepSubject sweep{.name = std::move(name)};
     read_row(table, claim);
-    const bool placed = table.has("at");
-    if (placed) sweep.part = SweepSubject::At{read_at(table)};
-    const std::string of_case = table.optional_string("case").value_or("");
-    if (placed) table.reject("case", needs_cases);
-    if (!of_case.empty()) sweep.part = SweepSubject::Case{of_case};
-    if (auto every = read_every_float(table, !placed && of_case.empty())) sweep.part = std::move(*every);
+    const bool has_position = table.has("at");
+    if (has_position) sweep.part = SweepSubject::At{read_at(table)};
+    const std::string case_name = table.optional_string("case").value_or("");
+    if (has_position) table.reject("case", needs_cases);
+    if (!case_name.empty()) sweep.part = SweepSubject::Case{case_name};
+    if (auto every_float = read_every_float(table, !has_position && case_name.empty()))
+        sweep.part = std::move(*every_float);
     return sweep;
 }
 
 Subject read_table(TableReader& table, Claim& claim, std::string name) {
     TableSubject row{.name = std::move(name), .row = table.string("row")};
     claim.format = table.string("format");
-    const auto at = table.has("at") ? read_at(table) : std::vector<double>{};
-    if (at.size() != 1) toml::fail(table.where(), "a table's row needs `at`, its argument");
-    row.at = at.front();
+    const auto values = table.has("at") ? read_at(table) : std::vector<double>{};
+    if (values.size() != 1) toml::fail(table.where(), "a table's row needs `at`, its argument");
+    row.at = values.front();
     return row;
 }
 
-/// Reads a table of words: `{ check = "reverse" }`.
-std::map<std::string, std::string> read_words(TableReader& table, std::string_view key) {
-    std::map<std::string, std::string> words;
-    if (auto given = table.optional_table(key))
-        for (const std::string& name : given->keys()) words[name] = given->string(name);
-    return words;
+/// Reads a table of texts by name: `{ check = "reverse" }`.
+std::map<std::string, std::string> read_texts(TableReader& table, std::string_view key) {
+    std::map<std::string, std::string> texts;
+    if (auto text_table = table.optional_table(key))
+        for (const std::string& name : text_table->keys()) texts[name] = text_table->string(name);
+    return texts;
 }
 
 /// Reads a study by its name, with the scene in a key of its own.
 Subject read_study(TableReader& table, Claim& claim, std::string name) {
     StudySubject study{.name = std::move(name), .study = table.string("study")};
-    study.options = read_words(table, "options");
-    study.where = read_words(table, "where");
+    study.options = read_texts(table, "options");
+    study.where = read_texts(table, "where");
     read_row(table, claim);
     return study;
 }
@@ -205,62 +206,63 @@ Subject read_search(TableReader& table, Claim& claim, std::string name) {
 struct Kind {
     std::string_view key;
     Subject (*read)(TableReader& table, Claim& claim, std::string name);
-    std::string_view no_place = {};  ///< says why `at`, `case` and `convention` have no meaning there
+    /// Message that `at`, `case` and `convention` have no meaning for this subject.
+    std::string_view no_position_reason = {};
 };
 
-constexpr Kind timing{"timing", read_timing}, choice{"choose", read_choice}, mend{"mend", read_mend};
-constexpr std::string_view no_place = "has no meaning for a study of a scene; leave it out";
-constexpr Kind study{"scene", read_study, no_place};
+constexpr Kind timing{"timing", read_timing}, choice{"choose", read_choice}, repair{"mend", read_repair};
+constexpr std::string_view study_has_no_position = "has no meaning for a study of a scene; leave it out";
+constexpr Kind study{"scene", read_study, study_has_no_position};
 constexpr Kind measured[] = {
     {"scene", read_scene},
     {"sweep", read_sweep},
     {"table", read_table},
-    {"render", read_render, no_place},
-    {"offsets", read_offsets, no_place},
-    {"consistency", read_consistency, no_place},
+    {"render", read_render, study_has_no_position},
+    {"offsets", read_offsets, study_has_no_position},
+    {"consistency", read_consistency, study_has_no_position},
     {"search", read_search, "has no meaning for a search, which draws its own rays; leave it out"}};
 
 /// A key of one kind, and the message if it is given for another kind.
 struct OwnKey {
-    std::string_view key, kind, why;
+    std::string_view key, kind, message;
 };
-constexpr std::string_view of_study = "needs study = \"...\" beside scene = \"...\"";
-constexpr std::string_view of_offsets = "needs offsets = \"...\", a scene whose next rays the claim is about";
+constexpr std::string_view needs_study = "needs study = \"...\" beside scene = \"...\"";
+constexpr std::string_view needs_offsets = "needs offsets = \"...\", a scene whose next rays the claim is about";
 constexpr OwnKey own_keys[] = {
     {"size", "", "is the scene's own; write it there, or name a variant of the scene that has that size"},
-    {"strategy", "offsets", of_offsets},
-    {"side", "offsets", of_offsets},
-    {"points", "offsets", of_offsets},
+    {"strategy", "offsets", needs_offsets},
+    {"side", "offsets", needs_offsets},
+    {"points", "offsets", needs_offsets},
     {"check", "consistency", "needs consistency = \"...\", a scene whose questions are asked in two ways"},
     {"stage", "render", "needs a scene to render: render = \"raycast-course.pixels\""},
-    {"options", "study", of_study},
-    {"where", "study", of_study}};
+    {"options", "study", needs_study},
+    {"where", "study", needs_study}};
 
-/// Reads a subject that is neither timed nor mended: a form and the rays of one thing.
+/// Reads a subject that is neither timed nor repaired: a form, and rays of a scene, a sweep or another source.
 Subject read_measured(TableReader& table, Claim& claim) {
-    for (const Kind& other : {timing, choice})
-        table.reject(other.key, "needs `profile = \"timing\"` at the head of the file");
-    std::vector<std::pair<const Kind*, std::string>> given;
+    for (const Kind& timed_kind : {timing, choice})
+        table.reject(timed_kind.key, "needs `profile = \"timing\"` at the head of the file");
+    std::vector<std::pair<const Kind*, std::string>> named;
     const bool is_study = table.has("study");
-    for (const Kind& each : measured) {
-        const Kind& kind = is_study && each.key == study.key ? study : each;
+    for (const Kind& candidate : measured) {
+        const Kind& kind = is_study && candidate.key == study.key ? study : candidate;
         const std::string name = table.optional_string(kind.key).value_or("");
-        if (!name.empty()) given.emplace_back(&kind, file::beside(table.where().source, name));
+        if (!name.empty()) named.emplace_back(&kind, file::beside(table.where().source, name));
     }
-    if (given.size() != 1)
+    if (named.size() != 1)
         toml::fail(
             table.where(),
             "claim.given needs a scene, a sweep, a search, a table, a scene to render, or a scene for offsets or "
             "consistency; write one of them. A study needs a scene beside its name");
-    auto& [kind, name] = given.front();
-    if (!kind->no_place.empty()) {
-        for (const char* key : {"at", "case", "convention"}) table.reject(key, kind->no_place);
+    auto& [kind, name] = named.front();
+    if (!kind->no_position_reason.empty()) {
+        for (const char* key : {"at", "case", "convention"}) table.reject(key, kind->no_position_reason);
     }
-    for (const OwnKey& own : own_keys) {
-        if (own.kind != (is_study ? "study" : kind->key)) table.reject(own.key, own.why);
+    for (const OwnKey& own_key : own_keys) {
+        if (own_key.kind != (is_study ? "study" : kind->key)) table.reject(own_key.key, own_key.message);
     }
     Subject subject = kind->read(table, claim, std::move(name));
-    expect_place(table);
+    mark_position_keys(table);
     if (!std::holds_alternative<SweepSubject>(subject)) {
         if (table.optional_string("case")) table.reject("case", needs_cases);
         read_every_float(table, false);
@@ -276,11 +278,11 @@ Subject read_measured(TableReader& table, Claim& claim) {
 }  // namespace
 
 void read_given(TableReader table, Claim& claim) {
-    const auto whole = [&](const Kind& kind) {
+    const auto read_subject = [&](const Kind& kind) {
         return kind.read(table, claim, file::beside(table.where().source, table.string(kind.key)));
     };
-    if (claim.profile == Claim::Profile::timing) claim.subject = whole(table.has(choice.key) ? choice : timing);
-    else if (table.has(mend.key)) claim.subject = whole(mend);
+    if (claim.profile == Claim::Profile::timing) claim.subject = read_subject(table.has(choice.key) ? choice : timing);
+    else if (table.has(repair.key)) claim.subject = read_subject(repair);
     else claim.subject = read_measured(table, claim);
     claim.requirements = table.optional_strings("requires").value_or(std::vector<std::string>{});
     table.reject_unknown_keys();

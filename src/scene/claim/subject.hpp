@@ -1,4 +1,4 @@
-// The subject of a claim: a struct for each kind, and its keys in a file.
+// Subject of a claim: a struct for each kind of subject, and the reader of their keys.
 #pragma once
 
 #include <map>
@@ -43,8 +43,8 @@ struct SweepSubject {
     }
 };
 
-/// A study of a scene, such as `lostbits offsets`. The claim is about the row of its summary that has these words in
-/// `where` and those of the options that are also columns.
+/// A study of a scene, such as `lostbits offsets`. The claim is about the summary row whose columns have the values in
+/// `where`, and the values of those options that are also columns.
 struct StudySubject {
     std::string name;                                             ///< name of the scene
     std::string study;                                            ///< `offsets`
@@ -56,10 +56,10 @@ struct SearchSubject {
     std::string name;
 };
 
-/// The requirement on a form and format on a scene.
+/// Requirement on a form and format on a scene.
 struct RequiredBits {
     double bits = 0, wrong = 0;
-    std::string at;  ///< `p99`, `max`: the share of hits that must keep the bits
+    std::string at;  ///< share of hits that must keep the bits: `p99`, `max`
 };
 
 /// The repair of a form, as by `lostbits mend`.
@@ -75,15 +75,15 @@ struct TableSubject {
     double at = 0;  ///< the argument
 };
 
-/// A ratio of speeds: of a kernel and another (`over_form` in `over_kernel`), or of all processors and one.
+/// A ratio of speeds: of one kernel to another (`over_form` in `over_kernel`), or of all processors to one.
 struct TimingSubject {
     std::string name, data = {};  ///< see measure/speed/timing_work.hpp
     std::string kernel = {}, over_form = {}, over_kernel = {};
     bool all_processors = false;
 };
 
-/// A form and format among others on the rays of a scene. It is judged by a requirement, which it meets or not, or by
-/// its time relative to another.
+/// A form and format among others on the rays of a scene. They are judged by a requirement, which they meet or not, or
+/// by their time relative to that of another form and format.
 struct ChoiceSubject {
     struct Others {
         RequiredBits requirement;

@@ -12,7 +12,7 @@ namespace lostbits::scene::dump {
 
 namespace {
 
-/// The format of the answers if they are floats, else that of the widest number that has a meaning.
+/// Returns the format of the answers if they are floats, else the format of the widest number that has a meaning.
 Format own_format(const Layout& layout, const std::vector<BinaryColumn>& columns) {
     std::optional<Format> widest;
     for (std::size_t s = 0; s < slot::count; ++s) {
@@ -38,9 +38,10 @@ BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& opt
     if (!source_.size()) return;
     // Faults that the size of the file shows are reported before the work.
     const std::uint64_t bytes = *source_.size() - std::min(*source_.size(), record_layout_.begin);
-    const std::uint64_t whole = bytes / record_layout_.record_size;
-    if (records_ ? whole < *records_ : bytes % record_layout_.record_size != 0)
-        fail_short(whole, bytes - (record_layout_.column_major ? 0 : whole * record_layout_.record_size));
+    const std::uint64_t whole_records = bytes / record_layout_.record_size;
+    if (records_ ? whole_records < *records_ : bytes % record_layout_.record_size != 0)
+        fail_short(whole_records,
+                   bytes - (record_layout_.column_major ? 0 : whole_records * record_layout_.record_size));
     if (records_ && bytes > *records_ * record_layout_.record_size)
         throw InputError(
             fmt::format("{}: byte {}: {} the last of the {} that the header names; is "
@@ -48,7 +49,7 @@ BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& opt
                         source_.name(), record_layout_.begin + *records_ * record_layout_.record_size,
                         toml::counted(bytes - *records_ * record_layout_.record_size, "byte follows", "bytes follow"),
                         toml::counted(*records_, "record")));
-    if (!records_) records_ = whole;
+    if (!records_) records_ = whole_records;
 }
 
 void BinaryDump::fail_short(std::uint64_t record, std::uint64_t bytes) const {
@@ -70,108 +71,113 @@ bool BinaryDump::next(std::size_t most, Records& records) {
     records.bytes.clear();
     if (records_) most = static_cast<std::size_t>(std::min<std::uint64_t>(most, *records_ - record_));
     if (most == 0) return false;
-    std::size_t got = 0;
+    std::size_t bytes_read = 0;
     if (record_layout_.column_major) {
         for (const BinaryColumn& c : record_layout_.columns)
-            got += source_.read_at(record_layout_.begin + c.offset + record_ * c.type.size, records.bytes,
-                                   most * c.type.size);
+            bytes_read += source_.read_at(record_layout_.begin + c.offset + record_ * c.type.size, records.bytes,
+                                          most * c.type.size);
     } else {
-        got = source_.read(records.bytes, most * record_layout_.record_size);
+        bytes_read = source_.read(records.bytes, most * record_layout_.record_size);
     }
-    records.count = got / record_layout_.record_size;
-    const std::size_t rest = got % record_layout_.record_size;
-    if (rest != 0 || (records_ && records.count < most)) fail_short(record_ + records.count, rest);
+    records.count = bytes_read / record_layout_.record_size;
+    const std::size_t rest_bytes = bytes_read % record_layout_.record_size;
+    if (rest_bytes != 0 || (records_ && records.count < most)) fail_short(record_ + records.count, rest_bytes);
     record_ += records.count;
     return records.count > 0;
 }
 
 bool BinaryDump::is_reversed(const Records& records, const std::vector<std::size_t>& columns,
-                             const std::function<bool(double)>& is_usual, std::string& strange) const {
-    std::size_t numbers = 0, usual = 0, usual_reversed = 0;
+                             const std::function<bool(double)>& is_usual, std::string& first_unusual) const {
+    std::size_t number_count = 0, usual_count = 0, reversed_usual_count = 0;
     for (const std::size_t c : columns) {
         const BinaryColumn& column = record_layout_.columns[c];
         ItemType reversed = column.type;
         reversed.big_endian = !reversed.big_endian;
         for (std::size_t i = 0; i < std::min<std::size_t>(records.count, 64); ++i) {
-            const char* const at = records.bytes.data() + i * record_layout_.record_size + column.offset;
-            const double x = column.type.read(at).value;
+            const char* const bytes = records.bytes.data() + i * record_layout_.record_size + column.offset;
+            const double x = column.type.read(bytes).value;
             if (x == 0) continue;
-            ++numbers;
-            usual += is_usual(x) ? 1 : 0;
-            usual_reversed += is_usual(reversed.read(at).value) ? 1 : 0;
-            if (!is_usual(x) && strange.empty()) strange = fmt::format("record {}: {} is {}", i, column.name, x);
+            ++number_count;
+            usual_count += is_usual(x) ? 1 : 0;
+            reversed_usual_count += is_usual(reversed.read(bytes).value) ? 1 : 0;
+            if (!is_usual(x) && first_unusual.empty())
+                first_unusual = fmt::format("record {}: {} is {}", i, column.name, x);
         }
     }
-    return numbers >= 6 && 2 * usual <= numbers && 10 * usual_reversed >= 9 * numbers;
+    return number_count >= 6 && 2 * usual_count <= number_count && 10 * reversed_usual_count >= 9 * number_count;
 }
 
-void BinaryDump::refuse_reversed(const Records& records) const {
+void BinaryDump::reject_reversed(const Records& records) const {
     // t may have any value: the number that means a miss may be of any size.
-    std::vector<std::size_t> floats, whole;
+    std::vector<std::size_t> float_columns, hit_columns;
     for (std::size_t c = 0; c < record_layout_.columns.size(); ++c) {
-        const auto means = layout_->columns()[c].slot;
+        const auto column_slot = layout_->columns()[c].slot;
         const ItemType& type = record_layout_.columns[c].type;
-        if (!means || *means == slot::t || *means == slot::tmin || *means == slot::tmax || type.size < 2) continue;
-        if (type.kind == ItemType::Kind::floating) floats.push_back(c);
-        else if (*means == slot::hit) whole.push_back(c);
+        if (!column_slot || *column_slot == slot::t || *column_slot == slot::tmin || *column_slot == slot::tmax ||
+            type.size < 2)
+            continue;
+        if (type.kind == ItemType::Kind::floating) float_columns.push_back(c);
+        else if (*column_slot == slot::hit) hit_columns.push_back(c);
     }
-    // Tests nonzero floats. Lengths of scenes are in this range; of random bits, a sixth or less are.
-    std::string strange;
-    const bool floats_are = is_reversed(
-        records, floats, [](double x) { return std::fabs(x) > 0x1p-20 && std::fabs(x) < 0x1p20; }, strange);
-    if (!floats_are) strange.clear();
-    const bool hit_is = is_reversed(
-        records, whole, [](double x) { return x == 1; }, strange);
-    if (!floats_are && !hit_is) return;
-    std::string words, before;
+    // Tests nonzero floats. Lengths of scenes are in this range; at most a sixth of the floats of random bits are.
+    std::string first_unusual;
+    const bool are_floats_reversed = is_reversed(
+        records, float_columns, [](double x) { return std::fabs(x) > 0x1p-20 && std::fabs(x) < 0x1p20; },
+        first_unusual);
+    if (!are_floats_reversed) first_unusual.clear();
+    const bool is_hit_reversed = is_reversed(
+        records, hit_columns, [](double x) { return x == 1; }, first_unusual);
+    if (!are_floats_reversed && !is_hit_reversed) return;
+    std::string columns_text, previous_type;
     bool big_endian = false;
     for (const BinaryColumn& column : record_layout_.columns) {
         const bool is_float = column.type.kind == ItemType::Kind::floating;
         ItemType type = column.type;
-        if (type.size > 1 && (is_float ? floats_are : hit_is || floats_are)) type.big_endian = !type.big_endian;
+        if (type.size > 1 && (is_float ? are_floats_reversed : is_hit_reversed || are_floats_reversed))
+            type.big_endian = !type.big_endian;
         big_endian |= type.big_endian;
         const std::string name = type.name();
-        words += (words.empty() ? "" : ",") + column.name + (name == before ? "" : ":" + name);
-        before = name;
+        columns_text += (columns_text.empty() ? "" : ",") + column.name + (name == previous_type ? "" : ":" + name);
+        previous_type = name;
     }
     throw InputError(
         fmt::format("{}: {}, and nearly all numbers are as unusual; in the other byte order they have "
                     "usual sizes, so the {} significant byte comes first; write --columns {}",
-                    source_.name(), strange, big_endian ? "most" : "least", words));
+                    source_.name(), first_unusual, big_endian ? "most" : "least", columns_text));
 }
 
 Chunk BinaryDump::decode(const Records& records) const {
-    if (records.first == 0 && !record_layout_.records) refuse_reversed(records);
+    if (records.first == 0 && !record_layout_.records) reject_reversed(records);
     Chunk chunk;
     chunk.first = records.first;
-    struct Reader {
-        const char* at;
+    struct ColumnReader {
+        const char* bytes;
         std::size_t step;
         ItemType type;
         std::optional<std::size_t> slot;
-        bool kept;
+        bool is_kept;
     };
-    std::vector<Reader> readers;
+    std::vector<ColumnReader> readers;
     std::size_t begin = 0;
     for (std::size_t c = 0; c < record_layout_.columns.size(); ++c) {
         const BinaryColumn& column = record_layout_.columns[c];
-        const LayoutColumn& means = layout_->columns()[c];
+        const LayoutColumn& layout_column = layout_->columns()[c];
         const std::size_t offset = record_layout_.column_major ? begin : column.offset;
         begin += records.count * column.type.size;
-        const bool kept = !means.slot && !means.skipped && terms().keep;
-        if (!means.slot && !kept) continue;
+        const bool is_kept = !layout_column.slot && !layout_column.skipped && terms().keep;
+        if (!layout_column.slot && !is_kept) continue;
         readers.push_back(
             {records.bytes.data() + offset,
              record_layout_.column_major ? column.type.size : static_cast<std::size_t>(record_layout_.record_size),
-             column.type, means.slot, kept});
+             column.type, layout_column.slot, is_kept});
     }
     ChunkWriter writer(*layout_, terms(), records.count, chunk);
     for (std::size_t i = 0; i < records.count; ++i) {
-        for (Reader& reader : readers) {
-            if (reader.kept) {
-                chunk.kept.push_back(reader.type.text(reader.at));
+        for (ColumnReader& reader : readers) {
+            if (reader.is_kept) {
+                chunk.kept.push_back(reader.type.text(reader.bytes));
             } else {
-                const auto [value, exact] = reader.type.read(reader.at);
+                const auto [value, exact] = reader.type.read(reader.bytes);
                 const double stored = number_in(value, format());
                 if (std::isinf(stored) && !std::isinf(value))
                     throw InputError(fmt::format(
@@ -181,7 +187,7 @@ Chunk BinaryDump::decode(const Records& records) const {
                         value, format().name));
                 writer.put(*reader.slot, stored, exact && (stored == value || std::isnan(value)));
             }
-            reader.at += reader.step;
+            reader.bytes += reader.step;
         }
         writer.end_record([&](std::size_t) { return fmt::format("{}: record {}", source_.name(), records.first + i); });
     }
@@ -196,17 +202,17 @@ std::vector<BinaryColumn> read_columns(const std::string& text) {
     std::uint64_t offset = 0;
     for (std::size_t begin = 0; begin <= text.size();) {
         const std::size_t end = std::min(text.find(',', begin), text.size());
-        std::string word = text.substr(begin, end - begin);
-        word.erase(0, word.find_first_not_of(' '));
-        word.erase(word.find_last_not_of(' ') + 1);
-        const auto colon = word.find(':');
-        const std::string name = word.substr(0, colon);
+        std::string column_text = text.substr(begin, end - begin);
+        column_text.erase(0, column_text.find_first_not_of(' '));
+        column_text.erase(column_text.find_last_not_of(' ') + 1);
+        const auto colon = column_text.find(':');
+        const std::string name = column_text.substr(0, colon);
         if (colon != std::string::npos) {
-            const std::string named = word.substr(colon + 1);
-            type = find_item_type(named);
+            const std::string type_name = column_text.substr(colon + 1);
+            type = find_item_type(type_name);
             if (!type)
-                throw InputError(fmt::format("--columns: {}: \"{}\" is not a type of numbers; write {}", name, named,
-                                             known_item_types));
+                throw InputError(fmt::format("--columns: {}: \"{}\" is not a type of numbers; write {}", name,
+                                             type_name, known_item_types));
         }
         if (name.empty())
             throw InputError(fmt::format(
@@ -237,11 +243,12 @@ RecordLayout read_raw(toml::ByteSource& source, const DumpOptions& options) {
     if (source.size() && *source.size() < options.skip)
         throw InputError(fmt::format("{}: --skip {} is beyond its end: it has {} bytes", source.name(), options.skip,
                                      *source.size()));
-    std::string passed;
-    for (std::uint64_t left = options.skip; left > 0; passed.clear()) {
-        const std::size_t got = source.read(passed, static_cast<std::size_t>(std::min<std::uint64_t>(left, 1U << 20)));
-        if (got == 0) throw InputError(source.name() + ": ends before the bytes of --skip do");
-        left -= got;
+    std::string skipped;
+    for (std::uint64_t bytes_left = options.skip; bytes_left > 0; skipped.clear()) {
+        const std::size_t bytes_read =
+            source.read(skipped, static_cast<std::size_t>(std::min<std::uint64_t>(bytes_left, 1U << 20)));
+        if (bytes_read == 0) throw InputError(source.name() + ": ends before the bytes of --skip do");
+        bytes_left -= bytes_read;
     }
     return raw;
 }

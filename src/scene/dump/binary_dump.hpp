@@ -1,4 +1,4 @@
-// The common part of raw numbers and arrays: columns of fixed size, record after record or column after column.
+// Reads raw numbers and numpy arrays: columns of fixed size, record after record or column after column.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@ namespace lostbits::scene::dump {
 struct BinaryColumn {
     std::string name;
     ItemType type;
-    std::uint64_t offset = 0;  ///< in a record; if columns are apart, in the file after its header
+    std::uint64_t offset = 0;  ///< in a record; if `column_major`, in the file after its header
 };
 
 /// The layout of the numbers in a file, as its header gives it.
@@ -22,10 +22,10 @@ struct RecordLayout {
     std::vector<BinaryColumn> columns;
     std::uint64_t begin = 0;                    ///< of the first record, in bytes; the source is at this position
     std::uint64_t record_size = 0;              ///< in bytes
-    std::optional<std::uint64_t> records = {};  ///< from the header; nothing: as many as there are
+    std::optional<std::uint64_t> records = {};  ///< from the header; absent: all records of the file
     bool column_major = false;                  ///< column after column; `records` is known then
     std::optional<std::pair<int, int>> picture = {};
-    std::string error_source = {};  ///< what errors name if the columns are not those of rays
+    std::string error_source = {};  ///< name in the errors about columns that are not those of rays
 };
 using LayoutReader = RecordLayout (*)(toml::ByteSource& source, const DumpOptions& options);
 
@@ -50,11 +50,11 @@ public:
 
 private:
     /// True if the numbers of these columns look byte-swapped: nearly all of them have usual values only after their
-    /// bytes are reversed. `strange` is set to the position of the first unusual number.
+    /// bytes are reversed. `first_unusual` is set to a description of the first unusual number.
     [[nodiscard]] bool is_reversed(const Records& records, const std::vector<std::size_t>& columns,
-                                   const std::function<bool(double)>& is_usual, std::string& strange) const;
-    /// Throws InputError if these records, which are raw numbers, have their bytes in the other order.
-    void refuse_reversed(const Records& records) const;
+                                   const std::function<bool(double)>& is_usual, std::string& first_unusual) const;
+    /// Throws InputError if these records, which are raw numbers, look byte-swapped.
+    void reject_reversed(const Records& records) const;
     [[noreturn]] void fail_short(std::uint64_t record, std::uint64_t bytes) const;
 
     toml::ByteSource source_;

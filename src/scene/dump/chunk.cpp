@@ -17,7 +17,7 @@ ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& terms, std::s
       chunk_(chunk),
       answers_(layout.answers()),
       shape_(layout.primitive()),
-      decides_(layout.has_answers()) {
+      has_answers_(layout.has_answers()) {
     if (layout.has_matrix() && terms.under_matrix) shape_ = terms.under_matrix->shape;
     rays::RayBlock& rays = chunk.rays;
     for (auto* column : rays.numbers()) column->reserve(records);
@@ -25,7 +25,7 @@ ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& terms, std::s
     if (layout.has(slot::tmax)) rays.tmax.reserve(records);
     rays.open = terms.open;
     if (shape_) chunk.primitives.reserve(records);
-    if (decides_) chunk.t.reserve(records), chunk.hit.reserve(records);
+    if (has_answers_) chunk.t.reserve(records), chunk.hit.reserve(records);
     if (layout.has(slot::object)) chunk.object.reserve(records);
     if (answers_ > AnswerKind::first_hit) chunk.counts.reserve(records);
 }
@@ -38,7 +38,7 @@ void ChunkWriter::fail(const std::string& place, const std::string& why) { throw
 
 namespace {
 
-std::string beyond_the_last(std::size_t primitives) {
+std::string index_advice(std::size_t primitives) {
     if (primitives == 1) return "there is one primitive, number 0; write 0, or -1 or nothing if it was not hit";
     return fmt::format(
         "there are {} primitives, numbered from 0 to {} in the order of the scene; write the number of the one that "
@@ -50,13 +50,13 @@ std::string beyond_the_last(std::size_t primitives) {
 
 std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
     const auto& x = numbers_;
-    const auto bad = [&](std::size_t slot, std::string_view why) {
+    const auto fault_at = [&](std::size_t slot, std::string_view why) {
         const std::string value = is_present(slot) ? fmt::format("is {}", x[slot]) : "is empty";
         return Fault{slot, fmt::format("{} {}; {}", slot_name(slot), value, why)};
     };
     for (std::size_t s = slot::origin; s < (layout_.are_points() ? slot::direction : slot::tmax); ++s) {
         if (!is_present(s) || !std::isfinite(x[s]))
-            return bad(
+            return fault_at(
                 s, layout_.are_points()
                        ? "a point has three finite numbers; leave this point out"
                        : "a ray has six finite numbers; leave this ray out, or write it as a [[case]], which may hold "
@@ -65,60 +65,61 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
     if (!layout_.are_points() && x[3] == 0 && x[4] == 0 && x[5] == 0)
         return Fault{slot::direction, "the direction is 0,0,0, so this record is not a ray; leave the record out"};
     if (is_present(slot::tmax) && std::isnan(x[slot::tmax]))
-        return bad(slot::tmax, "write where the ray ends, or inf (or nothing) for a ray without end");
+        return fault_at(slot::tmax, "write where the ray ends, or inf (or nothing) for a ray without end");
     if (is_present(slot::tmin) && !(x[slot::tmin] >= 0 && x[slot::tmin] < HUGE_VAL))
-        return bad(slot::tmin,
-                   "a ray looks ahead, and its range begins at a finite t of 0 or more; write that, or nothing for 0");
+        return fault_at(
+            slot::tmin,
+            "a ray looks ahead, and its range begins at a finite t of 0 or more; write that, or nothing for 0");
     if (const Range<double> range = this->range(); !range.holds_any()) {
         // With open ends, a range is empty if its ends are equal.
         const std::size_t s = is_present(slot::tmax) ? slot::tmax : slot::tmin;
-        return bad(s, fmt::format("the range of this ray begins at tmin = {} and ends at tmax = {}, and no t lies "
-                                  "between; write a tmax above tmin, or leave this ray out",
-                                  range.tmin, range.tmax));
+        return fault_at(s, fmt::format("the range of this ray begins at tmin = {} and ends at tmax = {}, and no t lies "
+                                       "between; write a tmax above tmin, or leave this ray out",
+                                       range.tmin, range.tmax));
     }
     if (shape_) {
         const std::size_t count = row_of(*shape_).numbers;
         for (std::size_t s = slot::primitive; s < slot::primitive + count; ++s) {
             if (!layout_.has(s)) continue;  // the column is optional, and the number 0
             if (!is_present(s) || !std::isfinite(x[s]))
-                return bad(s,
-                           fmt::format("{} has {} finite numbers; leave this ray out", with_article(*shape_), count));
+                return fault_at(
+                    s, fmt::format("{} has {} finite numbers; leave this ray out", with_article(*shape_), count));
         }
         if (const auto broken = broken_limit(primitive())) {
             const std::size_t s = slot::primitive + broken->number;
             const std::string name = with_article(*shape_);
             if (broken->key->limit == Key::Limit::positive)
-                return bad(s,
-                           fmt::format("{} of {} must be greater than 0; leave this ray out", broken->key->name, name));
+                return fault_at(
+                    s, fmt::format("{} of {} must be greater than 0; leave this ray out", broken->key->name, name));
             if (broken->key->limit != Key::Limit::at_least_before)
-                return bad(s, fmt::format("{} {}; or leave this ray out", broken->key->name,
-                                          limit_phrase(*shape_, *broken->key)));
-            const std::size_t before = s - broken->key->count();
-            return bad(before, fmt::format("it is above {}, which is {}; {} has {} in each component", slot_name(s),
-                                           x[s], name, order_phrase(*broken->key)));
+                return fault_at(s, fmt::format("{} {}; or leave this ray out", broken->key->name,
+                                               limit_phrase(*shape_, *broken->key)));
+            const std::size_t lower_slot = s - broken->key->count();
+            return fault_at(lower_slot, fmt::format("it is above {}, which is {}; {} has {} in each component",
+                                                    slot_name(s), x[s], name, order_phrase(*broken->key)));
         }
     }
     for (std::size_t s = slot::matrix; layout_.has_matrix() && s < slot::count; ++s) {
         if (!is_present(s) || !std::isfinite(x[s]))
-            return bad(s, "a matrix has twelve finite numbers; leave this ray out");
+            return fault_at(s, "a matrix has twelve finite numbers; leave this ray out");
     }
     if (layout_.has_matrix() && !primitive().placed->is_proper())
         return Fault{slot::matrix, fmt::format("the matrix {}, or leave this ray out", singular_words)};
     const double object = x[slot::object];
     if (is_present(slot::object) && !(object >= -1 && object < 0x1p31 && object == std::floor(object)))
-        return bad(slot::object,
-                   "write the number of the primitive that was hit, from 0, or -1 or nothing if none was");
+        return fault_at(slot::object,
+                        "write the number of the primitive that was hit, from 0, or -1 or nothing if none was");
     if (is_present(slot::object) && terms_.primitives && object >= static_cast<double>(*terms_.primitives))
-        return bad(slot::object, beyond_the_last(*terms_.primitives));
+        return fault_at(slot::object, index_advice(*terms_.primitives));
     if (answers_ > AnswerKind::first_hit) return find_fault_of_count();
-    if (!decides_) return std::nullopt;
+    if (!has_answers_) return std::nullopt;
     if (const auto fault = find_fault_of_answer()) return fault;
-    const bool is_told = layout_.has(slot::object) && !shape_;  // otherwise the primitive is the record's own
-    if (hits_ && is_told && !(is_present(slot::object) && object >= 0))
-        return bad(slot::object,
-                   fmt::format("{} says that the ray hits; write the number of the primitive that it hit, from 0, "
-                               "or say that it misses",
-                               slot_name(layout_.has(slot::hit) ? slot::hit : slot::t)));
+    const bool names_primitive = layout_.has(slot::object) && !shape_;  // otherwise the primitive is the record's own
+    if (is_hit_ && names_primitive && !(is_present(slot::object) && object >= 0))
+        return fault_at(slot::object,
+                        fmt::format("{} says that the ray hits; write the number of the primitive that it hit, from 0, "
+                                    "or say that it misses",
+                                    slot_name(layout_.has(slot::hit) ? slot::hit : slot::t)));
     return std::nullopt;
 }
 
@@ -131,19 +132,19 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
             return Fault{slot::hit,
                          fmt::format("{} {}; write 1 for a hit and 0 for a miss", slot_name(slot::hit), value)};
         }
-        hits_ = hit == 1;
-        if (hits_ && layout_.has(slot::t) && !is_present(slot::t))
+        is_hit_ = hit == 1;
+        if (is_hit_ && layout_.has(slot::t) && !is_present(slot::t))
             return Fault{slot::t, fmt::format("{} is empty, but {} is 1; write the t of the hit, nan if it is not a "
                                               "number, or 0 as {}",
                                               slot_name(slot::t), slot_name(slot::hit), slot_name(slot::hit))};
         return {};
     }
-    hits_ = is_present(slot::t) && std::isfinite(t);
-    if (!hits_) return {};
+    is_hit_ = is_present(slot::t) && std::isfinite(t);
+    if (!is_hit_) return {};
     switch (terms_.miss.kind) {
         case MissRule::Kind::never: return {};
-        case MissRule::Kind::negative: hits_ = !(t < 0); return {};
-        case MissRule::Kind::number: hits_ = t != terms_.miss.number; return {};
+        case MissRule::Kind::negative: is_hit_ = !(t < 0); return {};
+        case MissRule::Kind::number: is_hit_ = t != terms_.miss.number; return {};
         case MissRule::Kind::refuse_negative: break;
     }
     if (!(t < 0)) return {};
@@ -168,34 +169,36 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_count() {
 
 std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_hit_index() {
     const double index = is_present(slot::hit_index) ? numbers_[slot::hit_index] : -1;
-    const auto bad = [this, index](const std::string& why) {
+    const auto fault_of_index = [this, index](const std::string& why) {
         return Fault{slot::hit_index, fmt::format("{} is {}; {}", slot_name(slot::hit_index), index, why)};
     };
     if (!(index >= -1 && index < 0x1p31 && index == std::floor(index)))
-        return bad("write 0 for the first hit of a ray, 1 for the next and so on, and -1 or nothing for no hit");
-    hits_ = index >= 0;
-    if (!hits_ && is_present(slot::object) && numbers_[slot::object] >= 0)
+        return fault_of_index(
+            "write 0 for the first hit of a ray, 1 for the next and so on, and -1 or nothing for no hit");
+    is_hit_ = index >= 0;
+    if (!is_hit_ && is_present(slot::object) && numbers_[slot::object] >= 0)
         return Fault{slot::hit_index,
                      fmt::format("{} says that the ray has no hit, but {} is {}; write 0 for its first "
                                  "hit, or leave {} empty",
                                  slot_name(slot::hit_index), slot_name(slot::object), numbers_[slot::object],
                                  slot_name(slot::object))};
-    if (const auto before = chunk_.counts.empty() ? std::optional<std::int32_t>() : chunk_.counts.back();
-        index > 0 && before) {
-        if (index != *before + 1.0)
-            return bad(
+    if (const auto previous_index = chunk_.counts.empty() ? std::optional<std::int32_t>() : chunk_.counts.back();
+        index > 0 && previous_index) {
+        if (index != *previous_index + 1.0)
+            return fault_of_index(
                 fmt::format("the hit_index before it is {}; the hits of a ray follow each other in the order of "
                             "their hit_index, from 0",
-                            *before));
+                            *previous_index));
         const Ray<double> ray = chunk_.rays[chunk_.rays.size() - 1];
         for (int k = 0; k < 3; ++k)
             if (ray.origin[k] != numbers_[k] || ray.direction[k] != numbers_[k + 3])
-                return bad("the record before it is of another ray; write the same ray in all records of its hits");
+                return fault_of_index(
+                    "the record before it is of another ray; write the same ray in all records of its hits");
     }
-    if (hits_ && !(is_present(slot::object) && numbers_[slot::object] >= 0))
+    if (is_hit_ && !(is_present(slot::object) && numbers_[slot::object] >= 0))
         return Fault{slot::object, fmt::format("{} is {}; write the number of the triangle that is hit, from 0",
                                                slot_name(slot::hit_index), index)};
-    if (hits_ && layout_.has(slot::t) && !is_present(slot::t))
+    if (is_hit_ && layout_.has(slot::t) && !is_present(slot::t))
         return Fault{slot::t, fmt::format("{} is empty, but {} is {}; write the t of the hit, or nan if it is not a "
                                           "number",
                                           slot_name(slot::t), slot_name(slot::hit_index), index)};
@@ -218,7 +221,7 @@ Primitive<double> ChunkWriter::primitive() const {
     return primitive;
 }
 
-void ChunkWriter::keep() {
+void ChunkWriter::store_record() {
     const auto& x = numbers_;
     chunk_.rays.push({{x[0], x[1], x[2]}, {x[3], x[4], x[5]}});
     const Range<double> range = this->range();
@@ -227,12 +230,12 @@ void ChunkWriter::keep() {
     if (shape_) {
         chunk_.primitives.push_back(primitive());
     }
-    if (decides_) {
-        chunk_.hit.push_back(hits_ ? 1 : 0);
-        chunk_.t.push_back(hits_ && is_present(slot::t) ? x[slot::t] : 0);
+    if (has_answers_) {
+        chunk_.hit.push_back(is_hit_ ? 1 : 0);
+        chunk_.t.push_back(is_hit_ && is_present(slot::t) ? x[slot::t] : 0);
     }
     if (answers_ == AnswerKind::all_hits)
-        chunk_.counts.push_back(hits_ ? static_cast<std::int32_t>(x[slot::hit_index]) : -1);
+        chunk_.counts.push_back(is_hit_ ? static_cast<std::int32_t>(x[slot::hit_index]) : -1);
     else if (answers_ > AnswerKind::first_hit) chunk_.counts.push_back(static_cast<std::int32_t>(x[slot_of(answers_)]));
     if (layout_.has(slot::object))
         chunk_.object.push_back(is_present(slot::object) ? static_cast<std::int32_t>(x[slot::object]) : -1);

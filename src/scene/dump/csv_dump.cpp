@@ -19,14 +19,14 @@ std::string_view without_blanks(std::string_view text) {
     return text;
 }
 
-/// Reads the cells of one line, without quotes. It stores the text of cells with doubled quotes.
+/// Reads the cells of one line, without their quotes. Stores the text of cells that have doubled quotes.
 class Cells {
 public:
     explicit Cells(std::string_view line) : rest_(line), line_(line.data()) {}
 
-    /// Reads the next cell. Returns false after the last. `fault` is the error in its quotes, if any.
+    /// Reads the next cell. Returns false after the last cell. `fault` is the error in the quotes of the cell, or null.
     bool next(std::string_view& cell, const char*& fault) {
-        if (ended_) return false;
+        if (at_end_) return false;
         begin_ = static_cast<std::size_t>(rest_.data() - line_);
         fault = nullptr;
         const std::size_t blanks = std::min(rest_.find_first_not_of(" \t"), rest_.size());
@@ -43,39 +43,39 @@ public:
 private:
     bool next_quoted(std::size_t blanks, std::string_view& cell, const char*& fault) {
         text_.clear();
-        std::size_t at = blanks + 1;
-        for (;; ++at) {
-            if (at >= rest_.size()) {
+        std::size_t position = blanks + 1;
+        for (;; ++position) {
+            if (position >= rest_.size()) {
                 fault = "a quote opens a cell and does not close it";
                 break;
             }
-            if (rest_[at] != '"') text_ += rest_[at];
-            else if (at + 1 < rest_.size() && rest_[at + 1] == '"') text_ += rest_[at++];
+            if (rest_[position] != '"') text_ += rest_[position];
+            else if (position + 1 < rest_.size() && rest_[position + 1] == '"') text_ += rest_[position++];
             else break;
         }
-        const std::size_t comma = std::min(rest_.find(',', std::min(at, rest_.size())), rest_.size());
-        if (fault == nullptr && !without_blanks(rest_.substr(at + 1, comma - at - 1)).empty())
+        const std::size_t comma = std::min(rest_.find(',', std::min(position, rest_.size())), rest_.size());
+        if (fault == nullptr && !without_blanks(rest_.substr(position + 1, comma - position - 1)).empty())
             fault = "text follows the quote that closes a cell";
         cell = text_;
         pass(comma);
         return true;
     }
     void pass(std::size_t comma) {
-        ended_ = comma == rest_.size();
-        rest_.remove_prefix(ended_ ? comma : comma + 1);
+        at_end_ = comma == rest_.size();
+        rest_.remove_prefix(at_end_ ? comma : comma + 1);
     }
 
     std::string_view rest_;
     const char* line_;
     std::string text_;
     std::size_t begin_ = 0;
-    bool ended_ = false;
+    bool at_end_ = false;
 };
 
 bool is_blank(std::string_view line) { return line.find_first_not_of(" \t") == std::string_view::npos; }
 
-/// Returns a line of the text without its break.
-std::string_view line_in(std::string_view text) {
+/// Returns a line without its line break.
+std::string_view without_line_break(std::string_view text) {
     if (text.ends_with('\n')) text.remove_suffix(1);
     if (text.ends_with('\r')) text.remove_suffix(1);
     return text;
@@ -90,36 +90,36 @@ CsvDump::CsvDump(const std::filesystem::path& path, const DumpOptions& options)
     parser_.emplace(terms().format);
 }
 
-std::string CsvDump::place(std::uint64_t line, std::size_t column) const {
+std::string CsvDump::position_text(std::uint64_t line, std::size_t column) const {
     return fmt::format("{}:{}:{}", source_.name(), line, column + 1);
 }
 
 std::size_t CsvDump::find_end(std::size_t begin) {
-    std::size_t looked = begin;  // the quotes are counted up to here
-    bool inside = false;
+    std::size_t counted_end = begin;  // the quotes before this position are counted
+    bool in_quotes = false;
     for (;;) {
         const auto* const found =
-            static_cast<const char*>(std::memchr(buffer_.data() + looked, '\n', buffer_.size() - looked));
+            static_cast<const char*>(std::memchr(buffer_.data() + counted_end, '\n', buffer_.size() - counted_end));
         const std::size_t stop = found ? static_cast<std::size_t>(found - buffer_.data()) : buffer_.size();
-        if (std::memchr(buffer_.data() + looked, '"', stop - looked) != nullptr)
-            inside ^= (std::count(buffer_.begin() + static_cast<std::ptrdiff_t>(looked),
-                                  buffer_.begin() + static_cast<std::ptrdiff_t>(stop), '"') &
-                       1) != 0;
-        looked = found ? stop + 1 : stop;
-        if (found && !inside) return looked;
-        if (looked - begin > longest_line)
-            throw InputError(place(line_, 0) +
+        if (std::memchr(buffer_.data() + counted_end, '"', stop - counted_end) != nullptr)
+            in_quotes ^= (std::count(buffer_.begin() + static_cast<std::ptrdiff_t>(counted_end),
+                                     buffer_.begin() + static_cast<std::ptrdiff_t>(stop), '"') &
+                          1) != 0;
+        counted_end = found ? stop + 1 : stop;
+        if (found && !in_quotes) return counted_end;
+        if (counted_end - begin > longest_line)
+            throw InputError(position_text(line_, 0) +
                              ": is longer than a million characters; is this a CSV file? Raw numbers "
                              "are read with --columns");
         if (found) continue;
-        if (ended_) return looked > begin ? looked : 0;
-        ended_ = source_.read(buffer_, block) < block;
+        if (is_complete_) return counted_end > begin ? counted_end : 0;
+        is_complete_ = source_.read(buffer_, block) < block;
     }
 }
 
 void CsvDump::read_header(const DumpOptions& options) {
-    if (source_.read(buffer_, block) < block) ended_ = true;
-    if (buffer_.starts_with("\xEF\xBB\xBF")) used_ = 3;
+    if (source_.read(buffer_, block) < block) is_complete_ = true;
+    if (buffer_.starts_with("\xEF\xBB\xBF")) used_bytes_ = 3;
     std::vector<std::string> names;
     std::vector<std::size_t> begins;
     if (!options.columns.empty()) {
@@ -131,13 +131,13 @@ void CsvDump::read_header(const DumpOptions& options) {
         return;
     }
     std::string_view line;
-    std::size_t end = used_;
+    std::size_t end = used_bytes_;
     do {
         const std::size_t begin = end;
         end = find_end(begin);
         if (end == 0)
             throw InputError(source_.name() + ":1:1: is empty; a CSV of rays begins with the names of its columns");
-        line = line_in(std::string_view(buffer_).substr(begin, end - begin));
+        line = without_line_break(std::string_view(buffer_).substr(begin, end - begin));
         line_ += static_cast<std::uint64_t>(std::ranges::count(buffer_.substr(begin, end - begin), '\n'));
     } while (is_blank(line));
     const std::uint64_t header = line_ - (buffer_[end - 1] == '\n' ? 1 : 0);
@@ -145,45 +145,45 @@ void CsvDump::read_header(const DumpOptions& options) {
     const char* fault = nullptr;
     for (std::string_view cell; cells.next(cell, fault);) {
         if (fault != nullptr)
-            throw InputError(place(header, cells.begin()) + ": " + fault + "; write \"\" for a quote");
+            throw InputError(position_text(header, cells.begin()) + ": " + fault + "; write \"\" for a quote");
         names.emplace_back(without_blanks(cell));
         begins.push_back(cells.begin());
     }
     if (names.size() == 1 && line.find_first_of(";\t") != std::string_view::npos)
-        throw InputError(place(header, line.find_first_of(";\t")) +
+        throw InputError(position_text(header, line.find_first_of(";\t")) +
                          ": the columns are not separated by commas; write commas between them");
     const std::string first = names.front();
     if (!first.empty() && first.find_first_not_of("0123456789+-.eEnaif") == std::string::npos)
-        throw InputError(place(header, 0) + ": \"" + first +
+        throw InputError(position_text(header, 0) + ": \"" + first +
                          "\" is a number, but the names of the columns are expected here; name them with --columns "
                          "ox,oy,oz,dx,dy,dz,… if the file has no header");
     layout_.emplace(std::move(names), [&](std::size_t c, const std::string& why) {
-        throw InputError(place(header, begins[c]) + ": " + why);
+        throw InputError(position_text(header, begins[c]) + ": " + why);
     });
-    used_ = end;
+    used_bytes_ = end;
 }
 
 bool CsvDump::next(std::size_t most, Records& records) {
     records.first = record_;
     records.count = 0;
-    buffer_.erase(0, used_);
-    used_ = 0;
+    buffer_.erase(0, used_bytes_);
+    used_bytes_ = 0;
     records.line = line_;
     std::size_t end = 0;
     while (records.count < most) {
-        const std::size_t after = find_end(end);
-        if (after == 0) break;
-        const std::string_view line(buffer_.data() + end, after - end);
-        if (!is_blank(line_in(line))) ++records.count;
-        // Also counts the lines of a cell in quotes.
+        const std::size_t record_end = find_end(end);
+        if (record_end == 0) break;
+        const std::string_view line(buffer_.data() + end, record_end - end);
+        if (!is_blank(without_line_break(line))) ++records.count;
+        // Also counts the line breaks in quoted cells.
         line_ += 1;
         if (line.find('"') != std::string_view::npos)
-            line_ += static_cast<std::uint64_t>(std::ranges::count(line_in(line), '\n'));
-        end = after;
+            line_ += static_cast<std::uint64_t>(std::ranges::count(without_line_break(line), '\n'));
+        end = record_end;
     }
     record_ += records.count;
     records.bytes.assign(buffer_, 0, end);
-    used_ = end;
+    used_bytes_ = end;
     return records.count > 0;
 }
 
@@ -192,7 +192,7 @@ Chunk CsvDump::decode(const Records& records) const {
     chunk.first = records.first;
     ChunkWriter writer(*layout_, terms(), records.count, chunk);
     std::string_view rest = records.bytes;
-    std::uint64_t number = records.line;
+    std::uint64_t line_number = records.line;
     while (!rest.empty()) {
         std::size_t end = 0, quotes = 0;
         do {  // a line break inside quotes belongs to the cell
@@ -200,19 +200,19 @@ Chunk CsvDump::decode(const Records& records) const {
             end = std::min(rest.find('\n', begin), rest.size() - 1) + 1;
             quotes += static_cast<std::size_t>(std::ranges::count(rest.substr(begin, end - begin), '"'));
         } while (end < rest.size() && quotes % 2 != 0);
-        const std::string_view line = line_in(rest.substr(0, end));
-        if (!is_blank(line)) decode_line(line, number, writer, chunk);
-        number += 1 + static_cast<std::uint64_t>(std::ranges::count(line, '\n'));
+        const std::string_view line = without_line_break(rest.substr(0, end));
+        if (!is_blank(line)) decode_line(line, line_number, writer, chunk);
+        line_number += 1 + static_cast<std::uint64_t>(std::ranges::count(line, '\n'));
         rest.remove_prefix(end);
     }
     return chunk;
 }
 
-std::string CsvDump::put(std::string_view word, std::size_t slot, ChunkWriter& writer) const {
-    if (word.empty()) return {};
-    const NumberParser::Parsed read = parser_->read(word);
-    switch (read.kind) {
-        case NumberParser::Kind::number: writer.put(slot, read.value, read.representable, read.digits); return {};
+std::string CsvDump::write_number(std::string_view text, std::size_t slot, ChunkWriter& writer) const {
+    if (text.empty()) return {};
+    const NumberParser::Parsed parsed = parser_->read(text);
+    switch (parsed.kind) {
+        case NumberParser::Kind::number: writer.put(slot, parsed.value, parsed.representable, parsed.digits); return {};
         case NumberParser::Kind::too_large:
             return fmt::format(
                 "is larger than the largest number of {}; name the format that the answers were computed "
@@ -220,16 +220,16 @@ std::string CsvDump::put(std::string_view word, std::size_t slot, ChunkWriter& w
                 format().name);
         case NumberParser::Kind::not_numeric: break;
     }
-    const bool decides = slot == slot::hit || slot == slot::parity || slot == slot::inside;
-    if (decides && (word == "true" || word == "True" || word == "TRUE")) writer.put(slot, 1, true);
-    else if (decides && (word == "false" || word == "False" || word == "FALSE")) writer.put(slot, 0, true);
+    const bool is_boolean = slot == slot::hit || slot == slot::parity || slot == slot::inside;
+    if (is_boolean && (text == "true" || text == "True" || text == "TRUE")) writer.put(slot, 1, true);
+    else if (is_boolean && (text == "false" || text == "False" || text == "FALSE")) writer.put(slot, 0, true);
     else
         return "is not a number; write a decimal such as 4100 or 1e-3, a hexadecimal float such as 0x1.004p+12, nan or "
                "inf";
     return {};
 }
 
-void CsvDump::decode_line(std::string_view line, std::uint64_t number, ChunkWriter& writer, Chunk& chunk) const {
+void CsvDump::decode_line(std::string_view line, std::uint64_t line_number, ChunkWriter& writer, Chunk& chunk) const {
     const auto& columns = layout_->columns();
     std::size_t begins[slot::count] = {};
     Cells cells(line);
@@ -237,14 +237,14 @@ void CsvDump::decode_line(std::string_view line, std::uint64_t number, ChunkWrit
     std::size_t c = 0;
     for (std::string_view cell; cells.next(cell, fault); ++c) {
         if (fault != nullptr)
-            throw InputError(place(number, cells.begin()) + ": " + fault + "; write \"\" for a quote");
+            throw InputError(position_text(line_number, cells.begin()) + ": " + fault + "; write \"\" for a quote");
         if (c >= columns.size()) continue;
         if (columns[c].slot) {
             begins[*columns[c].slot] = cells.begin();
-            const std::string_view word = without_blanks(cell);
-            if (const std::string why = put(word, *columns[c].slot, writer); !why.empty())
-                throw InputError(
-                    fmt::format("{}: {} \"{}\" {}", place(number, cells.begin()), columns[c].name, word, why));
+            const std::string_view text = without_blanks(cell);
+            if (const std::string why = write_number(text, *columns[c].slot, writer); !why.empty())
+                throw InputError(fmt::format("{}: {} \"{}\" {}", position_text(line_number, cells.begin()),
+                                             columns[c].name, text, why));
         }
         if (!columns[c].slot && !columns[c].skipped && terms().keep) chunk.kept.emplace_back(cell);
     }
@@ -252,9 +252,9 @@ void CsvDump::decode_line(std::string_view line, std::uint64_t number, ChunkWrit
         throw InputError(
             fmt::format("{}: has {} for {} columns; every record has one for each column, empty "
                         "if it has no value{}",
-                        place(number, 0), toml::counted(c, "cell"), columns.size(),
+                        position_text(line_number, 0), toml::counted(c, "cell"), columns.size(),
                         c < columns.size() ? " (or the file is cut short)" : ""));
-    writer.end_record([&](std::size_t s) { return place(number, begins[s]); });
+    writer.end_record([&](std::size_t s) { return position_text(line_number, begins[s]); });
 }
 
 }  // namespace lostbits::scene::dump

@@ -78,7 +78,7 @@ std::string names_of(const std::vector<std::unique_ptr<Dump>>& files) {
     return names;
 }
 
-/// True if both files have primitives, answers and a format alike.
+/// True if both files have the same kinds of primitives and answers and the same format.
 bool are_alike(const Dump& a, const Dump& b) {
     return a.layout().primitive() == b.layout().primitive() && a.layout().has_matrix() == b.layout().has_matrix() &&
            a.layout().has_answers() == b.layout().has_answers() &&
@@ -88,7 +88,9 @@ bool are_alike(const Dump& a, const Dump& b) {
 class JoinedDump final : public Dump {
 public:
     explicit JoinedDump(std::vector<std::unique_ptr<Dump>> files)
-        : Dump(names_of(files), {.format = files.front()->format()}), files_(std::move(files)), first_(files_.size()) {
+        : Dump(names_of(files), {.format = files.front()->format()}),
+          files_(std::move(files)),
+          first_records_(files_.size()) {
         for (const auto& file : files_) {
             if (!are_alike(*files_.front(), *file))
                 throw InputError(
@@ -100,24 +102,25 @@ public:
 
     [[nodiscard]] const Layout& layout() const override { return files_.front()->layout(); }
     [[nodiscard]] std::uint64_t bytes() const override {
-        std::uint64_t all = 0;
+        std::uint64_t sum = 0;
         for (const auto& file : files_) {
             if (file->bytes() == 0) return 0;
-            all += file->bytes();
+            sum += file->bytes();
         }
-        return all;
+        return sum;
     }
 
     bool next(std::size_t most, Records& records) override {
-        for (; file_ < files_.size(); ++file_) {
-            if (files_[file_]->next(most, records)) {
-                records.file = file_;
-                count_ += records.count;
+        for (; file_index_ < files_.size(); ++file_index_) {
+            if (files_[file_index_]->next(most, records)) {
+                records.file = file_index_;
+                record_count_ += records.count;
                 return true;
             }
-            if (count_ == first_[file_])
-                throw InputError(files_[file_]->name() + ": has no rays; write a record for each after the header");
-            if (file_ + 1 < files_.size()) first_[file_ + 1] = count_;
+            if (record_count_ == first_records_[file_index_])
+                throw InputError(files_[file_index_]->name() +
+                                 ": has no rays; write a record for each after the header");
+            if (file_index_ + 1 < files_.size()) first_records_[file_index_ + 1] = record_count_;
         }
         return false;
     }
@@ -130,15 +133,15 @@ public:
     }
     [[nodiscard]] Chunk decode(const Records& records) const override {
         Chunk chunk = files_[records.file]->decode(records);
-        chunk.first += first_[records.file];
+        chunk.first += first_records_[records.file];
         return chunk;
     }
 
 private:
     std::vector<std::unique_ptr<Dump>> files_;
-    std::vector<std::uint64_t> first_;  ///< rays before each file; set before its records are read
-    std::size_t file_ = 0;
-    std::uint64_t count_ = 0;
+    std::vector<std::uint64_t> first_records_;  ///< rays before each file; set before its records are read
+    std::size_t file_index_ = 0;
+    std::uint64_t record_count_ = 0;
 };
 
 }  // namespace

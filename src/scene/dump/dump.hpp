@@ -1,4 +1,4 @@
-// A file of rays, primitives and answers in any container, read in pieces, so that memory does not grow with the file.
+// Reads a file of rays, primitives and answers in any container, in pieces, so that memory does not grow with the file.
 #pragma once
 
 #include <cstdint>
@@ -20,23 +20,24 @@ enum class Container { by_name, csv, npy, raw };
 /// The command line's options for a file.
 struct DumpOptions {
     Container container = Container::by_name;
-    /// Names of the columns, and types for raw numbers: `ox:f32,oy,oz`. A column without a type has that of the one
-    /// before it. For a CSV: it has no header, and these are its columns. For an array: the names of its last axis.
+    /// Names of the columns, and types for raw numbers: `ox:f32,oy,oz`. A column without a type has the type of the
+    /// column before it. For a CSV: the names of its columns, since it has no header. For an array: the names of its
+    /// last axis.
     std::string columns = {};
     std::uint64_t skip = 0;                       ///< bytes in front of raw numbers
-    std::optional<Format> format = std::nullopt;  ///< of the answers; absent: the file's own
+    std::optional<Format> format = std::nullopt;  ///< format of the answers; absent: the file's own format
     std::optional<MissRule> miss = std::nullopt;
-    std::optional<Shape> primitive = std::nullopt;  ///< of the primitives that are given once
+    std::optional<Shape> primitive = std::nullopt;  ///< shape of the primitives that are given once for all rays
     OpenEnds open = {};                             ///< for the ranges of all rays
     intersect::process::StopToken stop = {};        ///< checked before each piece is read
-    bool keep = false;                              ///< keep the user's own columns
+    bool keep = false;                              ///< true: the user's own columns are stored
 };
 
 /// Consecutive records as they are in the file.
 struct Records {
-    std::uint64_t first = 0;  ///< position of the first record, from 0
+    std::uint64_t first = 0;  ///< index of the first record, from 0
     std::size_t count = 0;
-    std::uint64_t line = 0;  ///< for text: the line of the first record, from 1
+    std::uint64_t line = 0;  ///< for text: number of the first record's line, from 1
     std::size_t file = 0;    ///< index of the file, if several are read as one
     std::string bytes;
 };
@@ -44,7 +45,7 @@ struct Records {
 /// Rounds a number of a file once to a format. Infinities and NaN stay as they are.
 double number_in(double x, const Format& format);
 
-/// One file. It throws only InputErrors that name the file and the position, and EnvironmentErrors.
+/// A file of rays. Throws only InputErrors, which name the file and the position, and EnvironmentErrors.
 class Dump {
 public:
     virtual ~Dump() = default;
@@ -53,29 +54,30 @@ public:
     [[nodiscard]] virtual const Layout& layout() const = 0;
     /// The format of the answers; every number is rounded once to it.
     [[nodiscard]] const Format& format() const { return terms_.format; }
-    /// Number of records, if the file states it before it is read.
+    /// Number of records, if it is known before the records are read.
     [[nodiscard]] virtual std::optional<std::uint64_t> size() const { return {}; }
     /// Columns and rows of the picture whose pixels the records are, if the file has that shape.
     [[nodiscard]] virtual std::optional<std::pair<int, int>> picture() const { return {}; }
     /// Size of the whole file; 0 if unknown.
     [[nodiscard]] virtual std::uint64_t bytes() const = 0;
 
-    /// Reads the next records, at most `most`. Returns false if none are left. For one thread at a time.
+    /// Reads the next records, at most `most`. Returns false if no records are left. Only one thread may call this at a
+    /// time.
     virtual bool next(std::size_t most, Records& records) = 0;
-    /// Decodes the numbers of records. Several threads may call it at once.
+    /// Decodes the numbers of records. Several threads may call this at once.
     [[nodiscard]] virtual Chunk decode(const Records& records) const = 0;
-    /// Puts one primitive under the matrix of each record, for a file with matrices and no primitives. Its numbers
-    /// must be of the format. Call it before any record is read.
+    /// Puts one primitive under the matrix of each record, for a file with matrices and no primitives. The numbers of
+    /// the primitive must be numbers of the format. Call this before any record is read.
     virtual void put_under_matrices(const Primitive<double>& primitive) { terms_.under_matrix = primitive; }
-    /// Sets the number of primitives at which the rays are aimed. No record may name a larger index. Call it before
-    /// any record is read.
+    /// Sets the number of primitives at which the rays are aimed. No record may have an index beyond them. Call this
+    /// before any record is read.
     virtual void number_primitives(std::size_t count) { terms_.primitives = count; }
 
 protected:
     explicit Dump(const std::filesystem::path& path) : name_(path.string()) {}
     Dump(std::string name, ReadSettings terms) : name_(std::move(name)), terms_(std::move(terms)) {}
-    /// Ends the reading of the header. `own` is the format of the file's numbers. Throws InputError if the options
-    /// repeat something that the file says, or if neither says it.
+    /// Ends the reading of the header. `own` is the format of the file's numbers. Throws InputError if the options and
+    /// the file both give the primitives or the rule for misses, or if neither gives primitives.
     void settle(const DumpOptions& options, const Layout& layout, const Format& own);
     [[nodiscard]] const ReadSettings& terms() const { return terms_; }
 
@@ -87,8 +89,8 @@ private:
 /// Opens a file and reads everything before its records.
 std::unique_ptr<Dump> open_dump(const std::filesystem::path& path, const DumpOptions& options);
 
-/// Joins one or more files into one, in their order. Pictures that they may be are lost. Throws InputError if not all
-/// have primitives, answers and a format alike.
+/// Joins one or more files into one, in their order. Several joined files are not a picture. Throws InputError unless
+/// all files have the same kinds of primitives and answers and the same format.
 std::unique_ptr<Dump> join_dumps(std::vector<std::unique_ptr<Dump>> files);
 
 }  // namespace lostbits::scene::dump

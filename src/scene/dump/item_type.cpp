@@ -94,21 +94,21 @@ std::optional<Format> ItemType::format() const {
 
 std::optional<ItemType> find_item_type(std::string_view word) {
     ItemType type;
-    const bool numpy = !word.empty() && std::string_view("<>|=").find(word.front()) != std::string_view::npos;
-    if (numpy) {
+    const bool is_numpy = !word.empty() && std::string_view("<>|=").find(word.front()) != std::string_view::npos;
+    if (is_numpy) {
         type.big_endian = word.front() == '>';
         word.remove_prefix(1);
     } else if (word.ends_with("be") || word.ends_with("le")) {
         type.big_endian = word.ends_with("be");
         word.remove_suffix(2);
     }
-    struct Known {
+    struct KnownType {
         std::string_view name, numpy;
         ItemType::Kind kind;
         std::uint8_t size;
     };
     using Kind = ItemType::Kind;
-    static constexpr Known known[] = {
+    static constexpr KnownType known_types[] = {
         {"f16", "f2", Kind::floating, 2},         {"f32", "f4", Kind::floating, 4},
         {"f64", "f8", Kind::floating, 8},         {"i8", "i1", Kind::signed_integer, 1},
         {"i16", "i2", Kind::signed_integer, 2},   {"i32", "i4", Kind::signed_integer, 4},
@@ -116,10 +116,10 @@ std::optional<ItemType> find_item_type(std::string_view word) {
         {"u16", "u2", Kind::unsigned_integer, 2}, {"u32", "u4", Kind::unsigned_integer, 4},
         {"u64", "u8", Kind::unsigned_integer, 8}, {"bool", "b1", Kind::boolean, 1},
     };
-    for (const Known& k : known) {
-        if (word != (numpy ? k.numpy : k.name) && !(k.kind == Kind::boolean && word == "?")) continue;
-        type.kind = k.kind;
-        type.size = k.size;
+    for (const KnownType& known : known_types) {
+        if (word != (is_numpy ? known.numpy : known.name) && !(known.kind == Kind::boolean && word == "?")) continue;
+        type.kind = known.kind;
+        type.size = known.size;
         return type;
     }
     return {};

@@ -1,4 +1,4 @@
-// The type of a number in a binary file: its kind, its bytes and their order.
+// Type of a number in a binary file: its kind, its size in bytes and the order of the bytes.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ struct ItemType {
 
     struct Item {
         double value;
-        bool exact;  ///< a double holds it exactly
+        bool exact;  ///< true if a double holds the number exactly
     };
     [[nodiscard]] Item read(const char* from) const;
     /// The shortest decimal that reads back to the same number.
@@ -32,10 +32,10 @@ struct ItemType {
 };
 
 /// Finds a type by `f32`, `f64be`, `u8`, `i64le`, `bool`, or as numpy writes it: `<f4`, `>f8`, `|u1`, `|b1`, `?`. If
-/// the byte order is not given, the least significant byte comes first. Returns nothing for any other word.
+/// the byte order is not given, the least significant byte comes first. Returns nothing for any other text.
 std::optional<ItemType> find_item_type(std::string_view word);
 
-/// The advice for an unknown type.
+/// Advice for an unknown type.
 inline constexpr std::string_view known_item_types =
     "f16, f32, f64, i8 to i64, u8 to u64 or bool, followed by be if the most significant byte comes first";
 

@@ -22,20 +22,20 @@ struct KnownName {
 };
 
 std::vector<KnownName> make_known_names() {
-    std::vector<KnownName> all;
-    const auto add = [&all](std::size_t slot, std::initializer_list<const char*> names) {
-        for (const char* const name : names) all.push_back({name, slot++});
+    std::vector<KnownName> known;
+    const auto add = [&known](std::size_t slot, std::initializer_list<const char*> names) {
+        for (const char* const name : names) known.push_back({name, slot++});
     };
     add(slot::origin, {"ox", "oy", "oz", "dx", "dy", "dz", "tmax", "tmin"});
     for (const ShapeRow& row : shape_rows)
         for (std::size_t k = 0; k < row.numbers; ++k)
-            all.push_back({column_names(row.shape)[k], slot::primitive + k, row.shape});
+            known.push_back({column_names(row.shape)[k], slot::primitive + k, row.shape});
     add(slot::t, {"t"});
     add(slot::hit, {"hit"});
     add(slot::object, {"object"});
     add(slot::hit_index, {"hit_index", "crossings", "parity", "inside"});
     for (std::size_t k = 0; k < matrix_columns.size(); ++k)
-        all.push_back({std::string(matrix_columns[k]), slot::matrix + k});
+        known.push_back({std::string(matrix_columns[k]), slot::matrix + k});
     // Names in the project's own tables and in other programs.
     add(slot::origin, {"px", "py", "pz"});
     add(slot::origin,
@@ -43,8 +43,8 @@ std::vector<KnownName> make_known_names() {
     for (const ShapeRow& row : shape_rows)
         for (std::size_t k = 0; k < row.numbers; ++k)
             for (std::string& name : other_column_names(row.shape, k))
-                all.push_back({std::move(name), slot::primitive + k, row.shape});
-    return all;
+                known.push_back({std::move(name), slot::primitive + k, row.shape});
+    return known;
 }
 
 const std::vector<KnownName>& known_names() {
@@ -58,10 +58,12 @@ std::string folded(std::string_view name) {
     return lower;
 }
 
-/// Finds a name. If several shapes have the name, this shape is preferred.
-const KnownName* find_known(std::string_view name, std::optional<Shape> shape) {
-    const auto own = [&](const KnownName& k) { return k.name == name && (!k.shape || k.shape == shape); };
-    auto found = std::ranges::find_if(known_names(), own);
+/// Finds a known name; null if there is none. If several shapes have the name, `shape` is preferred.
+const KnownName* find_known_name(std::string_view name, std::optional<Shape> shape) {
+    const auto has_name_for_shape = [&](const KnownName& known) {
+        return known.name == name && (!known.shape || known.shape == shape);
+    };
+    auto found = std::ranges::find_if(known_names(), has_name_for_shape);
     if (found == known_names().end()) found = std::ranges::find(known_names(), name, &KnownName::name);
     return found == known_names().end() ? nullptr : &*found;
 }
@@ -73,16 +75,16 @@ struct NamedNumbers {
 
     /// True if no required number is missing.
     [[nodiscard]] bool are_whole() const {
-        bool whole = true;
+        bool is_complete = true;
         for (std::size_t k = 0; k < row_of(shape).numbers; ++k)
-            whole = whole && (slots.contains(slot::primitive + k) || is_optional(shape, k));
-        return whole;
+            is_complete = is_complete && (slots.contains(slot::primitive + k) || is_optional(shape, k));
+        return is_complete;
     }
 };
 
-/// The shapes that a file names, and the chosen one. Candidates are the shapes that have a column for each number or,
-/// if there are none, all shapes. The one with the most columns is chosen, and the first of equals. Hits in a file of
-/// spheres may have normals, which discs have too.
+/// The shapes that a file names, and the chosen shape. Candidates are the shapes that have a column for each number or,
+/// if there is no such shape, all shapes. The candidate with the most columns is chosen, or the first of several with
+/// equally many. (Hits in a file of spheres may have normals, which discs have too.)
 struct NamedShapes {
     std::vector<NamedNumbers> all;  ///< in the order of the list
     std::optional<Shape> chosen;
@@ -96,9 +98,9 @@ struct NamedShapes {
             all, {}, [](const NamedNumbers& n) { return std::pair(n.are_whole(), n.slots.size()); });
         if (!most->slots.empty()) chosen = most->shape;
     }
-    /// True if a number of another shape is just a column of the user's own: the chosen shape is complete, and the
-    /// other one is not.
-    [[nodiscard]] bool are_own(Shape other) const {
+    /// True if a number of the shape `other` is only a column of the user's own: the chosen shape is complete, and
+    /// `other` is not.
+    [[nodiscard]] bool is_users_own(Shape other) const {
         return other != chosen && all[static_cast<std::size_t>(*chosen)].are_whole() &&
                !all[static_cast<std::size_t>(other)].are_whole();
     }
@@ -106,25 +108,27 @@ struct NamedShapes {
 
 constexpr std::string_view hex_tail = "_hex";
 
-/// The columns as the file names them, at most six.
+/// Names of at most six columns, as in the file.
 std::string found_names(const std::vector<LayoutColumn>& columns) {
-    std::string all;
+    std::string names;
     for (std::size_t i = 0; i < std::min<std::size_t>(columns.size(), 6); ++i)
-        all += (i == 0 ? "" : ",") + columns[i].name;
-    return columns.size() > 6 ? all + ",..." : all;
+        names += (i == 0 ? "" : ",") + columns[i].name;
+    return columns.size() > 6 ? names + ",..." : names;
 }
 
 }  // namespace
 
 std::string_view name_of_slot(std::size_t slot, std::optional<Shape> shape) {
-    const auto is_it = [&](const KnownName& k) { return k.slot == slot && (!k.shape || !shape || *k.shape == *shape); };
-    return std::ranges::find_if(known_names(), is_it)->name;
+    const auto has_slot = [&](const KnownName& known) {
+        return known.slot == slot && (!known.shape || !shape || *known.shape == *shape);
+    };
+    return std::ranges::find_if(known_names(), has_slot)->name;
 }
 
 Layout::Layout(std::vector<std::string> names, const Complain& complain) {
     for (std::string& name : names) columns_.push_back({std::move(name), {}, false});
     find_slots(complain);
-    require_whole(complain);
+    require_complete(complain);
 }
 
 void Layout::find_slots(const Complain& complain) {
@@ -142,8 +146,8 @@ void Layout::find_slots(const Complain& complain) {
     }
     const NamedShapes shapes(names);
     for (std::size_t c = 0; c < columns_.size(); ++c) {
-        const KnownName* const known = find_known(names[c], shapes.chosen);
-        found[c].known = known && known->shape && shapes.are_own(*known->shape) ? nullptr : known;
+        const KnownName* const known = find_known_name(names[c], shapes.chosen);
+        found[c].known = known && known->shape && shapes.is_users_own(*known->shape) ? nullptr : known;
     }
     const auto has_any = [&found](std::size_t first, std::size_t last) {
         return std::ranges::any_of(
@@ -162,10 +166,10 @@ void Layout::find_slots(const Complain& complain) {
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         const KnownName* const known = found[c].known;
         if (known == nullptr) continue;
-        const auto twin = [&](const Found& other) {
+        const auto is_hex_twin = [&](const Found& other) {
             return !found[c].hex && other.hex && other.known != nullptr && other.known->slot == known->slot;
         };
-        if (std::ranges::any_of(found, twin)) continue;
+        if (std::ranges::any_of(found, is_hex_twin)) continue;
         if (known->shape && primitive_ && *known->shape != *primitive_)
             complain(c,
                      fmt::format("\"{}\" is a number of {}, but other columns are of {}; a file has primitives of one "
@@ -178,12 +182,12 @@ void Layout::find_slots(const Complain& complain) {
         column_of_slot_[known->slot] = c;
         columns_[c].slot = known->slot;
     }
-    // A typing error: only for words of three letters and more, and only for columns that are missing. The letters of
-    // `a_x` are in too many words.
+    // Looks for typing errors, but only in words of three letters and more, and only for columns that are missing. The
+    // letters of `a_x` are in too many words.
     const bool has_answer = first_hits || has_any(slot::hit_index, slot::matrix);
     std::vector<std::string> missing;
     for (const KnownName& known : known_names()) {
-        if (known.shape && shapes.chosen && shapes.are_own(*known.shape)) continue;
+        if (known.shape && shapes.chosen && shapes.is_users_own(*known.shape)) continue;
         if (known.slot >= slot::matrix && !has_any_of_matrix()) continue;
         if (known.slot > slot::hit_index && known.slot < slot::matrix &&
             (has_answer || directions == (known.slot == slot::inside)))
@@ -192,10 +196,10 @@ void Layout::find_slots(const Complain& complain) {
     }
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         if (columns_[c].slot || found[c].known != nullptr || columns_[c].name.size() < 3) continue;
-        if (const auto near = toml::slip_of(columns_[c].name, missing))
+        if (const auto closest_name = toml::slip_of(columns_[c].name, missing))
             complain(c, fmt::format("\"{}\" is not a known column, and \"{}\" is missing; did you mean \"{}\"? To "
                                     "keep it as a column of your own, give it a name less like \"{}\"",
-                                    columns_[c].name, *near, *near, *near));
+                                    columns_[c].name, *closest_name, *closest_name, *closest_name));
     }
 }
 
@@ -229,7 +233,7 @@ void Layout::require_one_kind(const Complain& complain) const {
                              name, primitive_ ? "a primitive" : "a matrix"));
 }
 
-void Layout::require_whole(const Complain& complain) const {
+void Layout::require_complete(const Complain& complain) const {
     require_one_kind(complain);
     const auto lacks = [&](std::size_t begin, std::size_t end, std::optional<Shape> shape) {
         std::string names;
@@ -248,14 +252,16 @@ void Layout::require_whole(const Complain& complain) const {
     if (const auto names = lacks(0, slot::tmax, {}); !names.empty()) {
         // Every word of two letters is one edit away from many others, so ask only if one alone is known to be missing.
         for (const LayoutColumn& column : columns_) {
-            std::vector<std::string_view> near;
+            std::vector<std::string_view> similar_names;
             for (std::size_t s = 0; s < slot::tmax; ++s) {
                 const std::string_view name = name_of_slot(s, {});
-                if (!has(s) && !column.slot && toml::edit_distance(column.name, name) == 1) near.push_back(name);
+                if (!has(s) && !column.slot && toml::edit_distance(column.name, name) == 1)
+                    similar_names.push_back(name);
             }
-            if (near.size() == 1)
+            if (similar_names.size() == 1)
                 complain(static_cast<std::size_t>(&column - columns_.data()),
-                         fmt::format("a ray has no {}; is \"{}\" meant to be \"{}\"?", names, column.name, near[0]));
+                         fmt::format("a ray has no {}; is \"{}\" meant to be \"{}\"?", names, column.name,
+                                     similar_names[0]));
         }
         complain(0, fmt::format("a ray has no {}: the columns are \"{}\"; name ox,oy,oz,dx,dy,dz, and optionally tmin, "
                                 "tmax, hit and t (docs/judge.md lists these columns and those of a primitive)",
@@ -274,7 +280,7 @@ void Layout::require_whole(const Complain& complain) const {
 
 bool Layout::has_any_of_matrix() const {
     return std::ranges::any_of(std::span(column_of_slot_).subspan(slot::matrix),
-                               [](const auto& place) { return place.has_value(); });
+                               [](const auto& column) { return column.has_value(); });
 }
 
 std::vector<std::string> Layout::kept() const {
@@ -291,7 +297,7 @@ std::vector<std::string> parts_of(std::string_view name, std::size_t count) {
         std::vector<std::string> parts;
     };
     static const std::vector<Group> groups = [] {
-        std::vector<Group> all{
+        std::vector<Group> known_groups{
             {"origin", {"ox", "oy", "oz"}},
             {"o", {"ox", "oy", "oz"}},
             {"direction", {"dx", "dy", "dz"}},
@@ -302,20 +308,20 @@ std::vector<std::string> parts_of(std::string_view name, std::size_t count) {
         };
         for (const ShapeRow& row : shape_rows) {
             const auto names = column_names(row.shape);
-            all.push_back({std::string(row.name), {names.begin(), names.end()}});
-            std::size_t at = 0;
+            known_groups.push_back({std::string(row.name), {names.begin(), names.end()}});
+            std::size_t first_number = 0;
             for (const Key& key : row.keys) {
-                const auto part = names.subspan(at, key.count());
-                for (const std::string_view own : {key.name, key.letter, key.aliases[0], key.aliases[1]})
-                    all.push_back({std::string(own), {part.begin(), part.end()}});
-                at += key.count();
+                const auto part = names.subspan(first_number, key.count());
+                for (const std::string_view group_name : {key.name, key.letter, key.aliases[0], key.aliases[1]})
+                    known_groups.push_back({std::string(group_name), {part.begin(), part.end()}});
+                first_number += key.count();
             }
         }
-        return all;
+        return known_groups;
     }();
-    const std::string word = folded(name);
+    const std::string lower_name = folded(name);
     for (const Group& group : groups) {
-        if (group.name == word && group.parts.size() == count) return group.parts;
+        if (group.name == lower_name && group.parts.size() == count) return group.parts;
     }
     return {};
 }

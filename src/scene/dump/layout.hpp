@@ -1,4 +1,4 @@
-// The columns of a file of rays, and their meaning.
+// Finds the meaning of the columns of a file of rays.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace lostbits::scene::dump {
 
-/// The numbers of a record that have a meaning, in one row: the ray (or a point, as its origin), its range, its
+/// Indices (slots) of the numbers of a record that have a meaning: the ray (or a point, as its origin), its range, its
 /// primitive, its answer, and the matrix of its primitive, row by row.
 namespace slot {
 inline constexpr std::size_t origin = 0, direction = 3, tmax = 6, tmin = 7, primitive = 8;
@@ -31,14 +31,14 @@ enum class AnswerKind : std::uint8_t {
     none,
     first_hit,  ///< each record is a ray and its first hit
     all_hits,   ///< each record is one hit of a ray, `hit_index` from 0; records of one ray follow each other
-    crossings,  ///< each record is a ray and how often it crosses the surface
-    parity,     ///< the same modulo 2
-    inside      ///< each record is a point, and 1 if it is inside
+    crossings,  ///< each record is a ray, and the number of times it crosses the surface
+    parity,     ///< each record is a ray, and its number of crossings modulo 2
+    inside      ///< each record is a point, and 1 if the point is inside, else 0
 };
 inline constexpr std::array<std::string_view, 6> answer_kind_names{"none",      "first hit", "all hits",
                                                                    "crossings", "parity",    "inside"};
 
-/// The number that gives the answer of each record, for kinds after `first_hit`.
+/// Slot of the number that is the answer of each record, for kinds after `first_hit`.
 constexpr std::size_t slot_of(AnswerKind kind) {
     return slot::hit_index + static_cast<std::size_t>(kind) - static_cast<std::size_t>(AnswerKind::all_hits);
 }
@@ -47,22 +47,22 @@ constexpr std::size_t slot_of(AnswerKind kind) {
 struct LayoutColumn {
     std::string name;                 ///< as in the file
     std::optional<std::size_t> slot;  ///< absent: the column is kept unchanged, or skipped
-    bool skipped = false;             ///< named `_`: neither read nor kept
+    bool skipped = false;             ///< true if it is named `_`: neither read nor kept
 };
 
-/// The layout of a file: its columns in their order, and each number of a record at most once.
+/// Layout of a file: its columns in their order. Each number of a record has at most one column.
 class Layout {
 public:
-    /// Throws what `complain(column, why)` throws. It complains about a ray of fewer than six numbers, an incomplete
-    /// primitive or matrix, numbers of a sphere and of a box together, answers of two kinds, a number that is there
-    /// twice, and a name that looks like a misspelling of a known name that is missing. Names are also known in upper
-    /// case, and with `_hex` at the end: of `t` and `t_hex`, the latter is read and the former kept.
+    /// Throws what `complain(column, why)` throws. `complain` is called for a ray of fewer than six numbers, an
+    /// incomplete primitive or matrix, numbers of a sphere and of a box together, answers of two kinds, two columns of
+    /// one number, and a name that looks like a misspelling of a known name that is missing. Names are also known in
+    /// upper case, and with `_hex` at the end: if a file has `t` and `t_hex`, `t_hex` is read and `t` is kept.
     using Complain = std::function<void(std::size_t column, const std::string& why)>;
     Layout(std::vector<std::string> names, const Complain& complain);
 
     [[nodiscard]] const std::vector<LayoutColumn>& columns() const { return columns_; }
     [[nodiscard]] bool has(std::size_t slot) const { return column_of_slot_.at(slot).has_value(); }
-    /// Index of the column of a number that is present.
+    /// Index of the column of a number for which `has` is true.
     [[nodiscard]] std::size_t index_of(std::size_t slot) const { return column_of_slot_.at(slot).value(); }
     /// Shape of the primitive that each record has; nothing if records have none.
     [[nodiscard]] std::optional<Shape> primitive() const { return primitive_; }
@@ -79,7 +79,7 @@ public:
 
 private:
     void find_slots(const Complain& complain);
-    void require_whole(const Complain& complain) const;
+    void require_complete(const Complain& complain) const;
     void require_one_kind(const Complain& complain) const;
     [[nodiscard]] bool has_any_of_matrix() const;
 
@@ -88,8 +88,8 @@ private:
     std::optional<Shape> primitive_;
 };
 
-/// Returns the name of a number of a record in messages and files: `ox`, `cx`, `lox`. `shape` is the shape of the
-/// primitive, for numbers of it.
+/// Returns the name of a number of a record in messages and files: `ox`, `cx`, `lox`. For numbers of a primitive,
+/// `shape` is its shape.
 std::string_view name_of_slot(std::size_t slot, std::optional<Shape> shape);
 
 /// Returns the names of the numbers that one name stands for: `origin` or `o` (3), `direction` or `d` (3), `centre`

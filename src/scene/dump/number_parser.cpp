@@ -22,10 +22,10 @@ std::string_view unsigned_part(std::string_view text) {
     return text;
 }
 
-bool is_word(std::string_view text, std::string_view lower) {
-    if (text.size() != lower.size()) return false;
+bool is_word(std::string_view text, std::string_view lower_case) {
+    if (text.size() != lower_case.size()) return false;
     for (std::size_t i = 0; i < text.size(); ++i) {
-        if (std::tolower(static_cast<unsigned char>(text[i])) != lower[i]) return false;
+        if (std::tolower(static_cast<unsigned char>(text[i])) != lower_case[i]) return false;
     }
     return true;
 }
@@ -40,8 +40,8 @@ int significant_digits(std::string_view text) {
     return digits;
 }
 
-/// True if a decimal of few digits is exactly `x`, its nearest double: n / 10^d is m / 2^d, or differs by at least
-/// 10^-d.
+/// True if a decimal of few digits is exactly `x`, the double nearest to it. n / 10^d either equals m / 2^d, or differs
+/// from it by at least 10^-d.
 bool is_exactly(std::string_view text, double x) {
     const std::size_t end = std::min(text.find_first_of("eE"), text.size()), point = text.find('.');
     int places = point < end ? static_cast<int>(end - point) - 1 : 0;
@@ -140,14 +140,14 @@ Parsed NumberParser::read_slowly(std::string_view text) const {
 }
 
 bool is_float_in_decimal(double x) {
-    const auto narrow = static_cast<float>(x);
+    const auto narrowed = static_cast<float>(x);
     char text[64];
-    const auto reads_as = [&](std::to_chars_result written) {
-        double read = 0;
-        return read_whole(std::string_view(text, static_cast<std::size_t>(written.ptr - text)), read) && read == x;
+    const auto reads_back = [&](std::to_chars_result written) {
+        double value = 0;
+        return read_whole(std::string_view(text, static_cast<std::size_t>(written.ptr - text)), value) && value == x;
     };
-    return reads_as(std::to_chars(text, text + sizeof text, narrow)) ||
-           reads_as(std::to_chars(text, text + sizeof text, narrow, std::chars_format::general, 9));
+    return reads_back(std::to_chars(text, text + sizeof text, narrowed)) ||
+           reads_back(std::to_chars(text, text + sizeof text, narrowed, std::chars_format::general, 9));
 }
 
 }  // namespace lostbits::scene::dump

@@ -1,4 +1,4 @@
-// Numbers written as text, each rounded once to a format.
+// Reads numbers from text, and rounds each of them once to a format.
 #pragma once
 
 #include <string_view>
@@ -16,11 +16,11 @@ public:
     struct Parsed {
         Kind kind = Kind::number;
         double value = 0;  ///< RN_F of the exact number in the text; NaN and infinities as written
-        /// True if the format has the number that was meant: the text is exactly a number of the format, or has no
-        /// more digits than needed to distinguish the numbers of the format (9 in binary32, 17 in binary64).
+        /// True if the text stands for a number of the format: it is exactly such a number, or it has no more digits
+        /// than needed to distinguish the numbers of the format (9 in binary32, 17 in binary64).
         bool representable = true;
-        /// Number of decimal digits from the first that is not 0, if they are not exactly a number of the format, or
-        /// are as many as it needs; else 0.
+        /// Number of decimal digits from the first digit that is not 0. It is 0 if the text is exactly a number of the
+        /// format and has fewer digits than needed to distinguish these numbers.
         int digits = 0;
     };
     [[nodiscard]] Parsed read(std::string_view text) const;
@@ -35,7 +35,8 @@ private:
     int digits_;  ///< number of digits that distinguish the numbers of the format
 };
 
-/// True if a double is what a decimal of a binary32 number reads as: one with nine digits, or the shortest.
+/// True if the double x is the value of a decimal that was written for a binary32 number: a decimal of nine digits, or
+/// the shortest decimal.
 bool is_float_in_decimal(double x);
 
 }  // namespace lostbits::scene::dump

@@ -11,12 +11,12 @@ namespace lostbits::scene::dump {
 
 namespace {
 
-/// The dictionary in front of an array, in Python's notation.
+/// Header of an array: a dictionary in Python's notation.
 struct NpyHeader {
     struct Field {
         std::string name;  ///< empty if the array has no fields
         std::string type;
-        std::vector<std::uint64_t> shape = {};  ///< of a field that is an array itself
+        std::vector<std::uint64_t> shape = {};  ///< axes of a field that is itself an array
     };
     std::vector<Field> fields;
     bool fortran = false;
@@ -24,126 +24,129 @@ struct NpyHeader {
     bool structured = false;
 };
 
-class Literal {
+class LiteralParser {
 public:
-    Literal(std::string_view text, const std::string& where) : text_(text), where_(where) {}
+    LiteralParser(std::string_view text, const std::string& error_start) : text_(text), error_start_(error_start) {}
 
     [[noreturn]] void fail(const std::string& why) const {
-        throw InputError(
-            fmt::format("{}: byte {} of the header: {}; write the file again with numpy.save", where_, at_, why));
+        throw InputError(fmt::format("{}: byte {} of the header: {}; write the file again with numpy.save",
+                                     error_start_, position_, why));
     }
-    bool take(char c) {
-        skip();
-        if (at_ >= text_.size() || text_[at_] != c) return false;
-        ++at_;
+    bool skip_if(char c) {
+        skip_blanks();
+        if (position_ >= text_.size() || text_[position_] != c) return false;
+        ++position_;
         return true;
     }
     void require(char c) {
-        if (!take(c)) fail(fmt::format("'{}' is expected", c));
+        if (!skip_if(c)) fail(fmt::format("'{}' is expected", c));
     }
-    [[nodiscard]] bool is(char c) {
-        skip();
-        return at_ < text_.size() && text_[at_] == c;
+    [[nodiscard]] bool next_is(char c) {
+        skip_blanks();
+        return position_ < text_.size() && text_[position_] == c;
     }
     std::string string() {
-        skip();
-        if (at_ >= text_.size() || (text_[at_] != '\'' && text_[at_] != '"')) fail("a string is expected");
-        const char quote = text_[at_++];
-        const std::size_t end = text_.find(quote, at_);
+        skip_blanks();
+        if (position_ >= text_.size() || (text_[position_] != '\'' && text_[position_] != '"'))
+            fail("a string is expected");
+        const char quote = text_[position_++];
+        const std::size_t end = text_.find(quote, position_);
         if (end == std::string_view::npos) fail("a string is not closed");
-        const std::string found(text_.substr(at_, end - at_));
-        at_ = end + 1;
-        return found;
+        const std::string contents(text_.substr(position_, end - position_));
+        position_ = end + 1;
+        return contents;
     }
     bool boolean() {
-        skip();
-        for (const auto& [word, value] : {std::pair<std::string_view, bool>{"True", true}, {"False", false}}) {
-            if (!text_.substr(at_).starts_with(word)) continue;
-            at_ += word.size();
+        skip_blanks();
+        for (const auto& [literal, value] : {std::pair<std::string_view, bool>{"True", true}, {"False", false}}) {
+            if (!text_.substr(position_).starts_with(literal)) continue;
+            position_ += literal.size();
             return value;
         }
         fail("True or False is expected");
     }
     /// Reads a number, or numbers in parentheses.
     std::vector<std::uint64_t> shape() {
-        std::vector<std::uint64_t> all;
-        if (!is('(')) return {number()};
+        std::vector<std::uint64_t> values;
+        if (!next_is('(')) return {number()};
         require('(');
-        while (!take(')')) {
-            all.push_back(number());
-            if (!take(',') && !is(')')) fail("')' is expected");
+        while (!skip_if(')')) {
+            values.push_back(number());
+            if (!skip_if(',') && !next_is(')')) fail("')' is expected");
         }
-        return all;
+        return values;
     }
     std::vector<NpyHeader::Field> fields() {
-        std::vector<NpyHeader::Field> all;
+        std::vector<NpyHeader::Field> values;
         require('[');
-        while (!take(']')) {
-            NpyHeader::Field& field = all.emplace_back();
+        while (!skip_if(']')) {
+            NpyHeader::Field& field = values.emplace_back();
             require('(');
-            if (is('(')) fail("a field has a title beside its name, which is not supported");
+            if (next_is('(')) fail("a field has a title beside its name, which is not supported");
             field.name = string();
             require(',');
-            if (is('['))
+            if (next_is('['))
                 fail("field '" + field.name + "' is a record itself; write its numbers as fields of the array");
             field.type = string();
-            if (take(',') && !is(')')) field.shape = shape();
-            static_cast<void>(take(','));
+            if (skip_if(',') && !next_is(')')) field.shape = shape();
+            static_cast<void>(skip_if(','));
             require(')');
-            if (!take(',') && !is(']')) fail("']' is expected");
+            if (!skip_if(',') && !next_is(']')) fail("']' is expected");
         }
-        return all;
+        return values;
     }
 
 private:
-    void skip() {
-        while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\n' || text_[at_] == '\t')) ++at_;
+    void skip_blanks() {
+        while (position_ < text_.size() &&
+               (text_[position_] == ' ' || text_[position_] == '\n' || text_[position_] == '\t'))
+            ++position_;
     }
     std::uint64_t number() {
-        skip();
-        std::uint64_t n = 0;
-        const auto [end, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), n);
+        skip_blanks();
+        std::uint64_t value = 0;
+        const auto [end, error] = std::from_chars(text_.data() + position_, text_.data() + text_.size(), value);
         if (error != std::errc{}) fail("a whole number is expected");
-        at_ = static_cast<std::size_t>(end - text_.data());
-        if (n > std::uint64_t{1} << 48) fail("an axis is longer than any file");
-        return n;
+        position_ = static_cast<std::size_t>(end - text_.data());
+        if (value > std::uint64_t{1} << 48) fail("an axis is longer than any file");
+        return value;
     }
 
     std::string_view text_;
-    const std::string& where_;
-    std::size_t at_ = 0;
+    const std::string& error_start_;
+    std::size_t position_ = 0;
 };
 
-/// Reads a header. Throws InputError that begins with `where` for anything else.
-NpyHeader read_npy_header(std::string_view text, const std::string& where) {
-    Literal in(text, where);
+/// Reads a header. Throws InputError that begins with `error_start` for anything else.
+NpyHeader read_npy_header(std::string_view text, const std::string& error_start) {
+    LiteralParser parser(text, error_start);
     NpyHeader header;
-    bool descr = false, order = false, shape = false;
-    in.require('{');
-    while (!in.take('}')) {
-        const std::string key = in.string();
-        in.require(':');
+    bool has_descr = false, has_order = false, has_shape = false;
+    parser.require('{');
+    while (!parser.skip_if('}')) {
+        const std::string key = parser.string();
+        parser.require(':');
         if (key == "descr") {
-            descr = true;
-            header.structured = in.is('[');
+            has_descr = true;
+            header.structured = parser.next_is('[');
             if (header.structured) {
-                header.fields = in.fields();
+                header.fields = parser.fields();
             } else {
                 header.fields.resize(1);
-                header.fields.front().type = in.string();
+                header.fields.front().type = parser.string();
             }
         } else if (key == "fortran_order") {
-            order = true;
-            header.fortran = in.boolean();
+            has_order = true;
+            header.fortran = parser.boolean();
         } else if (key == "shape") {
-            shape = true;
-            header.shape = in.shape();
+            has_shape = true;
+            header.shape = parser.shape();
         } else {
-            in.fail("'" + key + "' is not a key of such a header");
+            parser.fail("'" + key + "' is not a key of such a header");
         }
-        if (!in.take(',') && !in.is('}')) in.fail("'}' is expected");
+        if (!parser.skip_if(',') && !parser.next_is('}')) parser.fail("'}' is expected");
     }
-    if (!descr || !order || !shape) in.fail("descr, fortran_order or shape is missing");
+    if (!has_descr || !has_order || !has_shape) parser.fail("descr, fortran_order or shape is missing");
     return header;
 }
 
@@ -151,60 +154,65 @@ constexpr std::string_view magic = "\x93NUMPY";
 
 /// Returns the dictionary, and the position where the numbers begin.
 std::pair<std::string, std::uint64_t> header_text(toml::ByteSource& source) {
-    const auto cut_short = [&]() { throw InputError(source.name() + ": ends inside its header; it was cut short"); };
-    std::string start;
-    source.read(start, 8);
-    if (!start.starts_with(magic))
+    const auto fail_cut_short = [&]() {
+        throw InputError(source.name() + ": ends inside its header; it was cut short");
+    };
+    std::string magic_and_version;
+    source.read(magic_and_version, 8);
+    if (!magic_and_version.starts_with(magic))
         throw InputError(source.name() +
                          ": is not an array of numpy (it does not begin with \\x93NUMPY); write it with "
                          "numpy.save, or say --container csv or raw");
-    if (start.size() < 8) cut_short();
-    const int version = start[6];
+    if (magic_and_version.size() < 8) fail_cut_short();
+    const int version = magic_and_version[6];
     if (version < 1 || version > 3)
         throw InputError(fmt::format("{}: is an array file of version {}; only versions 1 to 3 are supported",
                                      source.name(), version));
-    const std::size_t wide = version == 1 ? 2 : 4;
-    std::string length;
-    if (source.read(length, wide) < wide) cut_short();
+    const std::size_t length_bytes = version == 1 ? 2 : 4;
+    std::string length_text;
+    if (source.read(length_text, length_bytes) < length_bytes) fail_cut_short();
     std::size_t size = 0;
-    for (std::size_t i = 0; i < wide; ++i) size |= std::size_t{static_cast<unsigned char>(length[i])} << 8 * i;
+    for (std::size_t i = 0; i < length_bytes; ++i)
+        size |= std::size_t{static_cast<unsigned char>(length_text[i])} << 8 * i;
     if (size > std::size_t{1} << 20) throw InputError(source.name() + ": its header is longer than a million bytes");
     std::string text;
-    if (source.read(text, size) < size) cut_short();
-    return {text, 8 + wide + size};
+    if (source.read(text, size) < size) fail_cut_short();
+    return {text, 8 + length_bytes + size};
 }
 
 std::uint64_t product(const std::vector<std::uint64_t>& numbers) {
-    std::uint64_t all = 1;
-    for (const std::uint64_t n : numbers)
-        all = n != 0 && all > (std::uint64_t{1} << 48) / n ? std::uint64_t{1} << 48 : all * n;
-    return all;
+    std::uint64_t result = 1;
+    for (const std::uint64_t factor : numbers)
+        result = factor != 0 && result > (std::uint64_t{1} << 48) / factor ? std::uint64_t{1} << 48 : result * factor;
+    return result;
 }
 
-ItemType type_of(const std::string& word, const std::string& name, const std::string& file) {
-    const auto type = find_item_type(word);
-    if (type && std::string_view("<>|=").find(word.front()) != std::string_view::npos) return *type;
+ItemType type_of(const std::string& type_name, const std::string& name, const std::string& file) {
+    const auto type = find_item_type(type_name);
+    if (type && std::string_view("<>|=").find(type_name.front()) != std::string_view::npos) return *type;
     throw InputError(
         fmt::format("{}: {}is of type '{}'; only floats of 2, 4 or 8 bytes, integers and booleans are supported; "
                     "convert it with astype('<f4') or astype('<f8')",
-                    file, name.empty() ? "" : "field '" + name + "' ", word));
+                    file, name.empty() ? "" : "field '" + name + "' ", type_name));
 }
 
 constexpr std::uint64_t most_record_bytes = std::uint64_t{1} << 20;
 
-/// Adds a field. If it is an array, it becomes several columns: those that its name stands for, or `name_0` and so on.
+/// Adds a field. A field that is an array becomes several columns: those that its name stands for, or `name_0` and so
+/// on.
 void add_field(const NpyHeader::Field& field, const std::string& file, std::uint64_t& offset,
                std::vector<BinaryColumn>& columns) {
-    const auto pass = [&](std::uint64_t size, std::uint64_t times) {
-        if (size > most_record_bytes || times > most_record_bytes || size * times > most_record_bytes - offset)
+    const auto advance_offset = [&](std::uint64_t size, std::uint64_t repeats) {
+        if (size > most_record_bytes || repeats > most_record_bytes || size * repeats > most_record_bytes - offset)
             throw InputError(fmt::format("{}: its records have more than {} bytes; write only the numbers of rays",
                                          file, most_record_bytes));
-        offset += size * times;
+        offset += size * repeats;
     };
-    // Bytes between fields, which numpy writes as fields without a name.
-    if (const bool padding = field.type.starts_with("|V"); padding) {
-        const std::uint64_t each = std::strtoull(field.type.c_str() + 2, nullptr, 10), times = product(field.shape);
-        return pass(each, times);
+    // Skips bytes between fields, which numpy writes as fields without a name.
+    if (const bool is_padding = field.type.starts_with("|V"); is_padding) {
+        const std::uint64_t padding_size = std::strtoull(field.type.c_str() + 2, nullptr, 10),
+                            repeats = product(field.shape);
+        return advance_offset(padding_size, repeats);
     }
     const ItemType type = type_of(field.type, field.name, file);
     const std::uint64_t count = product(field.shape);
@@ -212,7 +220,7 @@ void add_field(const NpyHeader::Field& field, const std::string& file, std::uint
         throw InputError(
             fmt::format("{}: field '{}' has {} numbers; at most 4096 are supported", file, field.name, count));
     const std::uint64_t begin = offset;
-    pass(type.size, count);
+    advance_offset(type.size, count);
     const auto parts = parts_of(field.name, static_cast<std::size_t>(count));
     for (std::uint64_t k = 0; k < count; ++k) {
         const std::string name = field.shape.empty() ? field.name
@@ -222,7 +230,7 @@ void add_field(const NpyHeader::Field& field, const std::string& file, std::uint
     }
 }
 
-/// Returns the names of the last axis.
+/// Returns the names in a list of columns, `ox,oy,oz`.
 std::vector<std::string> names_in(const std::string& columns) {
     std::vector<std::string> names{""};
     for (const char c : columns) {

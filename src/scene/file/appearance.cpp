@@ -32,9 +32,9 @@ void read_coefficient(TableReader& table, std::string_view key, Real& x, const S
 }
 
 Vec<Real> read_light(TableReader table, const StoredNumbers& numbers) {
-    const Vec<Real> at = table.vec3("position");
+    const Vec<Real> position = table.vec3("position");
     table.reject_unknown_keys();
-    return numbers.finite(table, "position", at);
+    return numbers.finite(table, "position", position);
 }
 
 ShadowRule read_shadows(TableReader table, const StoredNumbers& numbers) {

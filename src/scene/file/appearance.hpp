@@ -1,4 +1,4 @@
-// The appearance of a scene: colours, a light, and how shadows are cast. Maps and sweeps do not use it.
+// Appearance of a scene: colours, a light, and the rule for shadows. Maps and sweeps do not use the appearance.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace lostbits::scene::file {
 
-/// The stages of a picture, each on top of the one before (the steps of the course notes Ray-Casting Formulas).
+/// The stages of a picture, each on top of the previous stage (the steps of the course notes Ray-Casting Formulas).
 enum class Stage : std::uint8_t { visible, diffuse, shadows, phong };
 inline constexpr std::array<std::string_view, 4> stage_names{"visible", "diffuse", "shadows", "phong"};
 inline std::string_view name_of(Stage stage) { return stage_names[static_cast<std::size_t>(stage)]; }
@@ -28,16 +28,15 @@ struct Material {
     int exponent = 1;            ///< n of (H·N)ⁿ
 };
 
-/// How shadows are cast: a ray from the point to the light is blocked by the first thing that it meets before the
-/// light.
+/// Rule for shadows: a point is in shadow if a ray from the point to the light meets something before the light.
 struct ShadowRule {
     /// The start of a shadow ray that is also tested against the sphere that it leaves: the point as computed, moved
     /// along the normal by `epsilon` world units, or by `ulps` units in the last place of its largest coordinate.
     enum class Offset : std::uint8_t { none, epsilon, ulp };
 
-    bool half_diffuse = false;       ///< in shadow keep half of the diffuse light, instead of ambient light alone
-    Real background = Real(1) / 2;   ///< the part of the background's colour that is left in shadow
-    bool tests_left_sphere = false;  ///< also test the sphere that the point lies on
+    bool half_diffuse = false;       ///< true: half of the diffuse light remains in shadow; false: only ambient light
+    Real background = Real(1) / 2;   ///< factor on the colour of the background in shadow
+    bool tests_left_sphere = false;  ///< true: the sphere that the point lies on is also tested
     Offset offset = Offset::none;
     Real epsilon = Real(0);
     int ulps = 0;
@@ -50,12 +49,13 @@ struct Appearance {
     Vec<Real> background{Real(0), Real(0), Real(0)};
     std::optional<Vec<Real>> light;     ///< one point light
     std::optional<ShadowRule> shadows;  ///< absent: no shadows
-    Material base;                      ///< the paint of a sphere without its own
+    Material base;                      ///< paint of a sphere that has no paint of its own
     std::vector<Material> materials;    ///< one per primitive of the rendered shape, in their order
 
-    /// True if the scene asks for what this stage adds: a light for `diffuse`, `[shadows]`, a ks above 0 for `phong`.
+    /// True if the scene has what this stage adds: a light for `diffuse`, `[shadows]` for `shadows`, a ks above 0 for
+    /// `phong`.
     [[nodiscard]] bool asks_for(Stage stage) const;
-    /// The last stage that the scene asks for, no later than `stage`.
+    /// The last stage, no later than `stage`, for which `asks_for` is true.
     [[nodiscard]] Stage last_up_to(Stage stage) const;
     [[nodiscard]] Stage furthest() const { return last_up_to(Stage::phong); }
 };

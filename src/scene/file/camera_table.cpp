@@ -22,14 +22,14 @@ constexpr std::pair<std::string_view, Camera::Kind> camera_names[] = {{"orthogra
 
 bool is_zero(const Vec<Real>& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 
-/// |view × up|² ≤ 2^-80 |view|² |up|²: at an angle below 2^-40, rounding would decide the roll of the picture.
-bool is_parallel(const Vec<Real>& view, const Vec<Real>& up) {
-    const Vec<Real> across = cross(view, up);
-    return dot(across, across) <= ldexp(dot(view, view) * dot(up, up), -80);
+/// True if |view × up|² ≤ 2^-80 |view|² |up|². At an angle below 2^-40, rounding would decide the roll of the picture.
+bool are_parallel(const Vec<Real>& view, const Vec<Real>& up) {
+    const Vec<Real> view_cross_up = cross(view, up);
+    return dot(view_cross_up, view_cross_up) <= ldexp(dot(view, view) * dot(up, up), -80);
 }
 
-/// Reads `[camera.projection]`. 1/tan, near and near far/(far − near) are entries of the matrix. If one of them is 0,
-/// it has no inverse.
+/// Reads `[camera.projection]`. 1/tan, near and near·far/(far − near) are entries of its matrix. If one of these
+/// entries is 0, the matrix has no inverse.
 CameraProjection read_projection(TableReader table, const StoredNumbers& numbers) {
     CameraProjection projection;
     table.read("depth", projection.depth, depth_names);
@@ -78,34 +78,36 @@ void read_rays_of_camera(TableReader& table, const StoredNumbers& numbers, Camer
                       "is false, but camera.rays makes directions of length one; leave one of the two out");
 }
 
-constexpr std::string_view pinholes_alone = "belongs to kind = \"pinhole\", whose rays meet in the eye; leave it out",
-                           extent_alone =
+constexpr std::string_view pinhole_only_message =
+                               "belongs to kind = \"pinhole\", whose rays meet in the eye; leave it out",
+                           pixel_plane_only_message =
                                "belongs to kind = \"pixel_plane\"; write width (orthographic) or fov_deg (pinhole)";
 
-/// Keys that a kind of camera does not have, and the reason. Every other key is allowed for every kind.
+/// Keys that a kind of camera does not have, and the message for a file that has one of them. All other keys are
+/// allowed.
 struct ForeignKeys {
     Camera::Kind kind;
     std::array<std::string_view, 3> keys;  ///< unused entries are empty
-    std::string_view why;
+    std::string_view message;
 };
 constexpr ForeignKeys foreign_keys[] = {
     {Camera::Kind::pixel_plane,
      {"look_at", "up", "shift"},
      "has no meaning for a camera of pixels at z = 0; extent and eye say where it looks"},
-    {Camera::Kind::pixel_plane, {"rays", "projection"}, pinholes_alone},
+    {Camera::Kind::pixel_plane, {"rays", "projection"}, pinhole_only_message},
     {Camera::Kind::pixel_plane,
      {"width", "fov_deg"},
      "has no meaning for a camera of pixels at z = 0; write extent = [left, bottom, right, top], in world units"},
     {Camera::Kind::pixel_plane,
      {"normalise"},
      "has no meaning for a camera of pixels at z = 0, whose directions are differences of points; leave it out"},
-    {Camera::Kind::orthographic, {"extent"}, extent_alone},
-    {Camera::Kind::orthographic, {"rays", "projection"}, pinholes_alone},
+    {Camera::Kind::orthographic, {"extent"}, pixel_plane_only_message},
+    {Camera::Kind::orthographic, {"rays", "projection"}, pinhole_only_message},
     {Camera::Kind::orthographic, {"fov_deg"}, "has no meaning for an orthographic camera; write width, in world units"},
     {Camera::Kind::orthographic,
      {"normalise"},
      "has no meaning for an orthographic camera, whose rays all have the same direction; leave it out"},
-    {Camera::Kind::pinhole, {"extent"}, extent_alone},
+    {Camera::Kind::pinhole, {"extent"}, pixel_plane_only_message},
     {Camera::Kind::pinhole,
      {"width"},
      "has no meaning for a pinhole camera; write fov_deg, the vertical field of view in degrees"},
@@ -140,7 +142,7 @@ void read_view(TableReader& table, const StoredNumbers& numbers, Camera& camera)
     const Vec<Real> view = camera.look_at - camera.eye;
     if (is_zero(view)) table.fail_at("look_at", "equals camera.eye, which gives no direction; move one of them");
     if (is_zero(camera.up)) table.fail_at("up", "is zero, which is not a direction; write [0, 1, 0]");
-    if (is_parallel(view, camera.up))
+    if (are_parallel(view, camera.up))
         table.fail_at(
             "up", "is parallel to the direction of view, look_at - eye; write another, such as [0, 0, 1] or [0, 1, 0]");
 
@@ -160,37 +162,37 @@ void read_view(TableReader& table, const StoredNumbers& numbers, Camera& camera)
 Camera read_camera(TableReader table, const StoredNumbers& numbers) {
     Camera camera;
     camera.kind = table.one_of<Camera::Kind>("kind", camera_names);
-    for (const auto& [kind, keys, why] : foreign_keys)
+    for (const auto& [kind, keys, message] : foreign_keys)
         for (const std::string_view key : keys)
-            if (kind == camera.kind && !key.empty()) table.reject(key, why);
+            if (kind == camera.kind && !key.empty()) table.reject(key, message);
     if (camera.kind == Camera::Kind::pixel_plane) read_pixel_plane(table, numbers, camera);
     else read_view(table, numbers, camera);
     table.reject_unknown_keys();
     return camera;
 }
 
-Scene with_rays(Scene scene, const camera::RayGenerator& by) {
-    const std::string who = "scene " + scene.id + ": rays by " + std::string(by.info->name);
+Scene with_rays(Scene scene, const camera::RayGenerator& generator) {
+    const std::string message_start = "scene " + scene.id + ": rays by " + std::string(generator.info->name);
     if (!scene.camera.projection)
-        throw InputError(who +
+        throw InputError(message_start +
                          " need the planes of a projection, which the scene does not have; write [camera.projection] "
                          "with near, and far unless it is at infinity");
     if (!scene.camera.normalise)
-        throw InputError(who + " have length one, but camera.normalise is false; leave it out");
-    scene.camera.rays = &by;
+        throw InputError(message_start + " have length one, but camera.normalise is false; leave it out");
+    scene.camera.rays = &generator;
     if (scene.inputs == Inputs::own) return scene;
     if (scene.flake || scene.mesh)
-        throw InputError(who +
+        throw InputError(message_start +
                          ": each format that makes rays must also round meshes and flakes; write inputs = \"own\"");
-    const auto stored = [](const Real& x) { return Real(toml::round_to_format(x, binary32)); };
+    const auto rounded = [](const Real& x) { return Real(toml::round_to_format(x, binary32)); };
     Camera& camera = scene.camera;
     for (Vec<Real>* const v : {&camera.eye, &camera.look_at, &camera.up})
-        *v = {stored(v->x), stored(v->y), stored(v->z)};
-    camera.fov_deg = stored(camera.fov_deg);
-    camera.projection->near = stored(camera.projection->near);
-    if (auto& far = camera.projection->far) far = stored(*far);
-    for (Primitive<Real>& primitive : scene.listed) primitive = transformed(primitive, stored);
-    if (scene.march) scene.march = transformed(*scene.march, stored);
+        *v = {rounded(v->x), rounded(v->y), rounded(v->z)};
+    camera.fov_deg = rounded(camera.fov_deg);
+    camera.projection->near = rounded(camera.projection->near);
+    if (auto& far = camera.projection->far) far = rounded(*far);
+    for (Primitive<Real>& primitive : scene.listed) primitive = transformed(primitive, rounded);
+    if (scene.march) scene.march = transformed(*scene.march, rounded);
     scene.inputs = Inputs::own;
     return scene;
 }

@@ -14,24 +14,24 @@ using toml::TableReader;
 
 namespace {
 
-Real positive(TableReader& table, std::string_view key, const char* otherwise, Inputs inputs) {
-    const Real x = table.optional_number(key).value_or(Real(otherwise));
+Real positive(TableReader& table, std::string_view key, const char* default_value, Inputs inputs) {
+    const Real x = table.optional_number(key).value_or(Real(default_value));
     const double stored = toml::round_to_format(x, inputs == Inputs::shared ? binary32 : binary64);
     if (!(x > 0) || stored == 0)
         table.fail_at(key, "must be greater than 0 when it is stored; write a positive number, such as " +
-                               std::string(otherwise));
+                               std::string(default_value));
     if (std::isinf(stored))
         table.fail_at(key, "overflows binary32, to which inputs = \"shared\" rounds; write at most 3.4e38");
     return x;
 }
 
-/// Reads a whole number. It may come as a real, because an axis of a sweep may set it.
-int count(TableReader& table, std::string_view key, int lowest, int highest, int otherwise) {
+/// Reads a whole number. It may be written as a real, because an axis of a sweep may set it.
+int count(TableReader& table, std::string_view key, int lowest, int highest, int default_value) {
     const auto x = table.optional_number(key);
-    if (!x) return otherwise;
+    if (!x) return default_value;
     if (*x != floor(*x) || *x < lowest || *x > highest) {
         table.fail_at(key, "must be a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest) +
-                               ", such as " + std::to_string(otherwise));
+                               ", such as " + std::to_string(default_value));
     }
     return static_cast<int>(*x);
 }
@@ -69,12 +69,12 @@ std::vector<std::string> lost_constants(const Scene& scene, const FloatFormat& f
     const bool shared = scene.inputs == Inputs::shared;
     std::size_t i = 0;
     transformed(*scene.march, [&](const Real& ideal) {
-        const double before = toml::round_to_format(ideal, shared ? binary32 : binary64),
-                     after = rounding::to_format(before, 0, f);
+        const double stored = toml::round_to_format(ideal, shared ? binary32 : binary64),
+                     rounded = rounding::to_format(stored, 0, f);
         const std::string_view name = intersect::march_number_names[i++];
-        if (before != 0 && (after == 0 || std::isinf(after)))
-            lost.push_back(fmt::format("{} = {:g} rounds to {}", name, before, after == 0 ? "0" : "infinity"));
-        return after;
+        if (stored != 0 && (rounded == 0 || std::isinf(rounded)))
+            lost.push_back(fmt::format("{} = {:g} rounds to {}", name, stored, rounded == 0 ? "0" : "infinity"));
+        return rounded;
     });
     return lost;
 }

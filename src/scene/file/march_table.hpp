@@ -1,4 +1,4 @@
-// The constants of sphere tracing in scene and sweep files.
+// Reads the constants of sphere tracing from scene and sweep files, and rounds them to formats.
 #pragma once
 
 #include <string>
@@ -20,8 +20,8 @@ intersect::MarchConstants<Real> read_march(toml::TableReader table, Inputs input
 intersect::MarchConstants<double> round_march(const intersect::MarchConstants<Real>& ideal, const FloatFormat& f);
 intersect::MarchConstants<double> round_march(const intersect::MarchConstants<double>& constants, const FloatFormat& f);
 
-/// The constants that F rounds to 0 or infinity, in words: "hit_eps = 1e-09 rounds to 0". A form receives them anyway,
-/// and the measurement shows what it makes of them.
+/// The constants that F rounds to 0 or infinity, in words: "hit_eps = 1e-09 rounds to 0". A form receives these
+/// constants anyway, and the measurement shows what the form makes of them.
 std::vector<std::string> lost_constants(const Scene& scene, const FloatFormat& f);
 
 }  // namespace lostbits::scene::file

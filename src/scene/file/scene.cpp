@@ -38,10 +38,10 @@ Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumb
     if (const auto broken = broken_limit(primitive))
         table.fail_at(broken->key->name, limit_phrase(shape, *broken->key));
     const auto rounded = broken_limit(transformed(primitive, [&](const Real& x) { return numbers.stored(x); }));
-    const bool beside = rounded && (rounded->key->limit == Key::Limit::apart_from_before ||
-                                    rounded->key->limit == Key::Limit::non_negative_below_previous ||
-                                    rounded->key->limit == Key::Limit::positive_below_previous);
-    if (beside)
+    const bool equals_previous = rounded && (rounded->key->limit == Key::Limit::apart_from_before ||
+                                             rounded->key->limit == Key::Limit::non_negative_below_previous ||
+                                             rounded->key->limit == Key::Limit::positive_below_previous);
+    if (equals_previous)
         table.fail_at(rounded->key->name, "equals " + std::string((rounded->key - 1)->name) +
                                               " in binary32, to which inputs = \"shared\" rounds; move one of the two, "
                                               "or write inputs = \"own\"");
@@ -64,9 +64,9 @@ Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumb
 Range<double> read_rays(TableReader table, Inputs inputs, const StoredNumbers& numbers) {
     const FloatFormat& stored = inputs == Inputs::shared ? binary32 : binary64;
     Range<double> range;
-    const auto number = [&](std::string_view key, double otherwise) {
+    const auto number = [&](std::string_view key, double default_t) {
         const auto x = table.optional_number(key);
-        return x ? toml::round_to_format(numbers.finite(table, key, *x), stored) : otherwise;
+        return x ? toml::round_to_format(numbers.finite(table, key, *x), stored) : default_t;
     };
     range.tmin = number("tmin", range.tmin);
     range.tmax = number("tmax", range.tmax);
@@ -82,41 +82,42 @@ Range<double> read_rays(TableReader table, Inputs inputs, const StoredNumbers& n
 struct PrimitiveTable {
     Shape shape;
     TableReader table;
-    std::pair<int, int> place;  ///< line and column in the file
+    std::pair<int, int> position;  ///< line and column in the file
 };
 
-/// Returns the tables of primitives in their order in the file as it was `written`. If a variant or an option rewrites
-/// a list, its tables stay at the positions of the old ones. A list that the file does not have comes last.
-std::vector<PrimitiveTable> primitives_in_order(TableReader& file, const Node& written) {
-    std::vector<PrimitiveTable> all;
+/// Returns the tables of primitives in their order in `original`, the file without changes. If a variant or an option
+/// rewrites a list, its tables take the positions of the original tables. A list that the original file does not have
+/// comes last.
+std::vector<PrimitiveTable> primitives_in_order(TableReader& file, const Node& original) {
+    std::vector<PrimitiveTable> tables;
     for (const ShapeRow& row : shape_rows) {
-        const Node* const before = written.find(row.name);
-        const std::size_t count = before ? before->items.size() : 0;
+        const Node* const original_list = original.find(row.name);
+        const std::size_t count = original_list ? original_list->items.size() : 0;
         std::size_t k = 0;
         for (const TableReader& table : file.tables(row.name)) {
-            constexpr int behind_all = std::numeric_limits<int>::max();
+            constexpr int last_line = std::numeric_limits<int>::max();
             const toml::Where where =
-                count == 0 ? toml::Where{"", behind_all, 0} : before->items[std::min(k++, count - 1)].where;
-            all.push_back({row.shape, table, {where.line, where.column}});
+                count == 0 ? toml::Where{"", last_line, 0} : original_list->items[std::min(k++, count - 1)].where;
+            tables.push_back({row.shape, table, {where.line, where.column}});
         }
     }
-    std::ranges::stable_sort(all, {}, &PrimitiveTable::place);
-    return all;
+    std::ranges::stable_sort(tables, {}, &PrimitiveTable::position);
+    return tables;
 }
 
 /// "[[sphere]] with centre and radius, [[box]] with lo and hi, ..."
 std::string tables_of_primitives() {
-    std::string words;
+    std::string text;
     for (const ShapeRow& row : shape_rows)
-        words += "[[" + std::string(row.name) + "]] with " + key_phrase(row.shape) + ", ";
-    return words + "[sphereflake] with levels, or [[mesh]] with file or make";
+        text += "[[" + std::string(row.name) + "]] with " + key_phrase(row.shape) + ", ";
+    return text + "[sphereflake] with levels, or [[mesh]] with file or make";
 }
 
 bool is_plain_name(std::string_view name) {
-    const auto plain = [](char c) {
+    const auto is_plain = [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
     };
-    return !name.empty() && std::all_of(name.begin(), name.end(), plain);
+    return !name.empty() && std::all_of(name.begin(), name.end(), is_plain);
 }
 
 Override size_override(const std::pair<int, int>& size) {
@@ -136,8 +137,8 @@ SceneFile::SceneFile(const std::filesystem::path& path, intersect::process::Stop
         if (!is_plain_name(variant.name))
             table.fail_at(
                 "name", "is \"" + variant.name + "\", but names are part of file names; use letters, digits, - and _");
-        const auto same = [&](const Variant& other) { return other.name == variant.name; };
-        if (std::any_of(variants_.begin(), variants_.end(), same))
+        const auto has_same_name = [&](const Variant& other) { return other.name == variant.name; };
+        if (std::any_of(variants_.begin(), variants_.end(), has_same_name))
             table.fail_at("name", "is \"" + variant.name +
                                       "\", which is also the name of another variant; give each its own name");
         table.table("set");
@@ -189,7 +190,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     file.read("source", scene.source);
     file.read("note", scene.note);
     file.read("inputs", scene.inputs, inputs_names);
-    static_cast<void>(file.has("variant"));  // taken out already, but `varient` is still recognised
+    static_cast<void>(file.has("variant"));  // the variants were removed, but `varient` must still be recognised
     if (const auto size = file.optional_integers("size", 2, 1, most_pixels_a_side)) {
         scene.width = static_cast<int>((*size)[0]);
         scene.height = static_cast<int>((*size)[1]);
@@ -200,7 +201,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     TableReader camera = file.table("camera");
     scene.camera = read_camera(camera, numbers);
     scene.appearance = read_appearance(file, numbers);
-    for (auto& [shape, table, place] : primitives_in_order(file, root_)) {
+    for (auto& [shape, table, position] : primitives_in_order(file, root_)) {
         if (shape == rendered_shape)
             scene.appearance.materials.push_back(read_material(table, scene.appearance, numbers));
         scene.listed.push_back(read_primitive(shape, table, numbers));
@@ -291,39 +292,39 @@ std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data
 
 namespace {
 
-/// Returns `mine.toml` for `mine.toml` and for its variant `mine.toml.close`; empty for a name that is neither.
+/// Returns `mine.toml` for the file `mine.toml` and for its variant `mine.toml.close`; empty for any other name.
 std::filesystem::path file_in(const std::filesystem::path& name) {
     if (name.extension() == ".toml") return name;
-    const std::filesystem::path before = name.parent_path() / name.stem();
-    return before.extension() == ".toml" ? before : std::filesystem::path();
+    const std::filesystem::path without_variant = name.parent_path() / name.stem();
+    return without_variant.extension() == ".toml" ? without_variant : std::filesystem::path();
 }
 
 }  // namespace
 
 std::string beside(const std::filesystem::path& by, const std::string& name) {
-    const std::filesystem::path given(name), there = by.parent_path() / given;
+    const std::filesystem::path relative(name), neighbour = by.parent_path() / relative;
     std::error_code ignored;
-    const bool is_file = given.is_relative() && !file_in(given).empty();
-    return is_file && std::filesystem::is_regular_file(file_in(there), ignored) ? there.string() : name;
+    const bool is_file = relative.is_relative() && !file_in(relative).empty();
+    return is_file && std::filesystem::is_regular_file(file_in(neighbour), ignored) ? neighbour.string() : name;
 }
 
 SceneName find_scene(const std::string& name_or_path, const std::filesystem::path& data_dir) {
     const std::filesystem::path as_path(name_or_path);
     std::error_code ignored;
     const std::string no_file = name_or_path + ": no such file";
-    const auto refuse_slip = [&] {
+    const auto fail_if_misspelt = [&] {
         if (std::filesystem::exists(as_path, ignored)) return;
-        if (const std::string meant = toml::nearby_file(as_path); !meant.empty())
-            throw InputError(no_file + "; " + meant);
+        if (const std::string hint_text = toml::nearby_file(as_path); !hint_text.empty())
+            throw InputError(no_file + "; " + hint_text);
     };
     if (const auto file = file_in(as_path); !std::filesystem::exists(as_path, ignored) && file != as_path &&
                                             std::filesystem::is_regular_file(file, ignored))
         return {file, as_path.extension().string().substr(1)};
     if (as_path.has_parent_path()) {
-        refuse_slip();
+        fail_if_misspelt();
         return {as_path};
     }
-    // It may also be a folder or a pipe; the reader reports that.
+    // The path may also be a folder or a pipe; the reader reports that.
     if (std::filesystem::exists(as_path, ignored) && as_path.extension() == ".toml") return {as_path};
 
     const std::string name = as_path.extension() == ".toml" ? toml::result_name(as_path) : name_or_path;
@@ -339,7 +340,7 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
         if (ids[i] == name) return {files[i]};
     for (std::size_t i = 0; i < files.size(); ++i)
         if (dot < name.size() && ids[i] == stem) return {files[i], name.substr(dot + 1)};
-    refuse_slip();
+    fail_if_misspelt();
     if (!is_file && std::filesystem::is_regular_file(as_path, ignored))
         throw InputError(name_or_path + ": is not a scene: a scene is a .toml file");
     const std::string hint = toml::did_you_mean(stem, ids);

@@ -21,14 +21,15 @@
 
 namespace lostbits::scene::file {
 
-/// Says who rounds the scene. `shared`: it is rounded once to binary32 and every format gets the same numbers, so
-/// differences come from arithmetic alone. `own`: each format rounds the ideal scene itself, so input error appears
-/// too.
+/// How the numbers of the scene are rounded. `shared`: they are rounded once to binary32 and every format gets the same
+/// numbers, so differences come from arithmetic alone. `own`: each format rounds the ideal numbers itself, so input
+/// error appears too.
 enum class Inputs { shared, own };
 
-/// The planes from which a pinhole's rays are unprojected. Directions do not need them, clip space does.
+/// The near and far planes from which the rays of a pinhole are unprojected. Clip space needs these planes; directions
+/// do not.
 struct CameraProjection {
-    /// z over w from the near plane to the far one: -1 to 1, 0 to 1, 1 to 0.
+    /// Range of z over w from the near plane to the far plane: -1 to 1, 0 to 1, 1 to 0.
     enum class Depth { gl, zero_to_one, reversed };
     Depth depth = Depth::zero_to_one;
     Real near;                ///< > 0
@@ -46,14 +47,14 @@ struct Camera {
     Real fov_deg;  ///< pinhole: the vertical field of view in degrees
     /// Moves the window on the picture plane right and up, in picture widths. The view direction stays.
     Real shift_right, shift_up;
-    bool normalise = true;  ///< pinhole: directions are divided by their length, in the camera's arithmetic
+    bool normalise = true;  ///< pinhole: true if directions are divided by their length, in the camera's arithmetic
     /// pixel_plane: the part of the plane z = 0 that the picture covers, in world units. A ray goes from the eye
-    /// through the middle of its pixel there. Its direction is the difference of the two points, never normalised, so
-    /// t = 1 is the plane.
+    /// through the middle of its pixel in this plane. Its direction is the difference of the two points and is never
+    /// normalised, so t = 1 is in the plane.
     Real left, bottom, right, top;
     std::optional<CameraProjection> projection = {};  ///< pinhole
-    /// The ray generator, which makes the rays in each format from the camera's stored numbers. Null: the ideal rays
-    /// are rounded.
+    /// Ray generator, which makes the rays in each format from the camera's stored numbers. Null: each format rounds
+    /// the ideal rays.
     const camera::RayGenerator* rays = nullptr;
 };
 
@@ -66,10 +67,10 @@ struct Scene {
     int width = 256;  ///< pixels
     int height = 256;
     Camera camera;
-    std::vector<Primitive<Real>> listed;                   ///< as written, in world units, in the file's order
-    std::optional<sphere::Sphereflake> flake;              ///< its spheres come after the others
-    std::shared_ptr<const triangle::Mesh> mesh;            ///< of all [[mesh]]; its triangles come last; null: none
-    std::optional<Placement<double>> mesh_placed;          ///< their matrix: ideal numbers, like the vertices
+    std::vector<Primitive<Real>> listed;         ///< as written, in world units, in the file's order
+    std::optional<sphere::Sphereflake> flake;    ///< its spheres come after the primitives of `listed`
+    std::shared_ptr<const triangle::Mesh> mesh;  ///< the triangles of all [[mesh]] tables, which come last; null: none
+    std::optional<Placement<double>> mesh_placed;  ///< matrix of the meshes, in ideal numbers, like the vertices
     std::optional<intersect::MarchConstants<Real>> march;  ///< absent: no sphere tracing
     Range<double> range = {};                              ///< of every ray, in lengths of its direction
     Appearance appearance;                                 ///< for pictures of the scene
@@ -78,8 +79,8 @@ struct Scene {
     [[nodiscard]] std::uint64_t pixels() const {
         return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     }
-    /// True if the forms for these shapes can be asked about the scene: they are those of its primitives, or, for
-    /// `sdf`, the scene has constants for the march.
+    /// True if forms for these shapes can be used on the scene: the shapes are those of its primitives or, for `sdf`,
+    /// the scene has constants for the march.
     [[nodiscard]] bool meets(Shapes forms) const;
     /// True if a primitive is under a matrix.
     [[nodiscard]] bool is_placed() const;
@@ -95,14 +96,13 @@ struct Scene {
     }
 };
 
-/// The scene with rays that each format makes by this ray generator. Numbers that are rounded to binary32 for all
-/// formats are rounded now: those of the camera and of the primitives. The ideal rays are then exactly those of the
-/// stored camera. Throws InputError for a scene whose camera has no projection, and for shared inputs with meshes or
-/// flakes.
-Scene with_rays(Scene scene, const camera::RayGenerator& by);
+/// Returns the scene with rays that each format makes by this ray generator. If inputs are shared, the numbers of the
+/// camera and of the primitives are rounded to binary32 here. The ideal rays are then exactly those of the stored
+/// camera. Throws InputError for a scene whose camera has no projection, and for shared inputs with meshes or flakes.
+Scene with_rays(Scene scene, const camera::RayGenerator& generator);
 
 struct LoadOptions {
-    std::optional<std::string> variant = std::nullopt;       ///< this variant alone; absent: all
+    std::optional<std::string> variant = std::nullopt;       ///< the only variant to load; absent: all
     std::optional<std::pair<int, int>> size = std::nullopt;  ///< width and height in pixels
     std::vector<toml::Override> overrides = {};              ///< applied after the variant's own, in order
     intersect::process::StopToken stop = {};                 ///< checked while the file, the flake and meshes are read
@@ -145,11 +145,12 @@ struct SceneName {
     std::optional<std::string> variant = std::nullopt;
 };
 
-/// Resolves `x.toml` for the file `by`: the file of that name beside `by` if there is one, else the name unchanged.
+/// Resolves a file name `x.toml` in the file `by`: returns the file of that name in the folder of `by` if there is one,
+/// else the name unchanged.
 std::string beside(const std::filesystem::path& by, const std::string& name);
 
 /// Finds a scene by a path, or by the id of a file in `data_dir/scenes`: `rtg-fig-7-4`. A variant is named
-/// `x.toml.r1e3` or `x.r1e3`. Throws InputError with did-you-mean for a name that is neither. The variant is checked
+/// `x.toml.r1e3` or `x.r1e3`. Throws InputError with did-you-mean if there is no such scene. The variant is checked
 /// when it is loaded.
 SceneName find_scene(const std::string& name_or_path, const std::filesystem::path& data_dir);
 

@@ -15,13 +15,13 @@ Real pi() {
     return value;
 }
 
-/// Applies `change` to every primitive. It may return nothing; then this returns false.
+/// Applies `change` to every primitive. Returns false if `change` returns nothing for one of them.
 template <class Change>
 bool change_primitives(Scene& scene, const Change& change) {
     for (Primitive<Real>& primitive : scene.listed) {
-        std::optional<Primitive<Real>> to = change(primitive);
-        if (!to) return false;
-        primitive = *std::move(to);
+        std::optional<Primitive<Real>> changed = change(primitive);
+        if (!changed) return false;
+        primitive = *std::move(changed);
     }
     return true;
 }
@@ -43,21 +43,23 @@ Vec<Real> middle_of(const Primitive<Real>& primitive) {
 Real size_of(const Primitive<Real>& primitive) {
     const Real size = visit(primitive, [](const auto& shape) { return shape.half_extent(); });
     if (!primitive.placed) return size;
-    const Real times = cbrt(abs(primitive.placed->map().determinant()));
-    return primitive.placed->is_inverse ? Real(size / times) : Real(size * times);
+    const Real factor = cbrt(abs(primitive.placed->map().determinant()));
+    return primitive.placed->is_inverse ? Real(size / factor) : Real(size * factor);
 }
 
 namespace {
 
-/// A primitive under the matrix of the meshes whose corners are all at a point; what happens to a vertex happens to it.
+/// A triangle under the matrix of the meshes whose corners are all at one point. A change moves this point as it moves
+/// a vertex.
 Primitive<Real> at_vertex(const Scene& scene, const Vec<double>& v) {
-    Primitive<double> one(scene.mesh->triangle(0));
-    for (std::size_t k = 0; k < one.used().size(); k += 3) one.set_point(k, v);
-    one.placed = scene.mesh_placed;
-    return transformed(one, [](double x) { return Real(x); });
+    Primitive<double> triangle(scene.mesh->triangle(0));
+    for (std::size_t k = 0; k < triangle.used().size(); k += 3) triangle.set_point(k, v);
+    triangle.placed = scene.mesh_placed;
+    return transformed(triangle, [](double x) { return Real(x); });
 }
 
-/// The mean of the middles of all triangles of meshes. A matrix transforms the mean as it transforms each.
+/// The mean of the middles of all triangles of meshes. A matrix transforms the mean of points to the mean of the
+/// transformed points.
 Vec<Real> middle_of_mesh(const Scene& scene) {
     Vec<double> sum(0, 0, 0);
     for (std::size_t i = 0; i < scene.mesh->faces.size(); ++i) sum = sum + scene.mesh->triangle(i).middle();
@@ -65,7 +67,8 @@ Vec<Real> middle_of_mesh(const Scene& scene) {
     return middle_of(at_vertex(scene, middle));
 }
 
-/// Applies a change to the matrix of the meshes, or if they have none to their vertices, rounded to doubles.
+/// Applies a change to the matrix of the meshes or, if there is none, to the vertices. The results are rounded to
+/// doubles.
 template <class Change>
 void change_mesh(Scene& scene, const Change& change) {
     if (!scene.mesh) return;
@@ -76,8 +79,8 @@ void change_mesh(Scene& scene, const Change& change) {
     }
     const auto mesh = std::make_shared<triangle::Mesh>(*scene.mesh);
     for (Vec<double>& v : mesh->vertices) {
-        const Vec<Real> to = change(at_vertex(scene, v)).point(0);
-        v = Vec<double>(as_double(to.x), as_double(to.y), as_double(to.z));
+        const Vec<Real> changed = change(at_vertex(scene, v)).point(0);
+        v = Vec<double>(as_double(changed.x), as_double(changed.y), as_double(changed.z));
     }
     scene.mesh = mesh;
 }
@@ -87,14 +90,14 @@ void change_mesh(Scene& scene, const Change& change) {
 Vec<Real> middle_of(const Scene& scene) {
     Vec<Real> sum(Real(0), Real(0), Real(0));
     int count = 0;
-    const auto take = [&](const Vec<Real>& v) {
+    const auto add = [&](const Vec<Real>& v) {
         sum = sum + v;
         ++count;
     };
-    for (const Primitive<Real>& primitive : scene.listed) take(middle_of(primitive));
+    for (const Primitive<Real>& primitive : scene.listed) add(middle_of(primitive));
     if (scene.flake) {
         const Vec<double>& c = scene.flake->centre;
-        take({Real(c.x), Real(c.y), Real(c.z)});
+        add({Real(c.x), Real(c.y), Real(c.z)});
     }
     if (scene.mesh) {
         const auto faces = static_cast<int>(scene.mesh->faces.size());
@@ -107,25 +110,26 @@ Vec<Real> middle_of(const Scene& scene) {
 Vec<Real> offset_direction() { return {Real(1), Real(11) / 16, -Real(7) / 16}; }
 
 Primitive<Real> moved(const Primitive<Real>& primitive, const Vec<Real>& by) {
-    Primitive<Real> to = primitive;
+    Primitive<Real> result = primitive;
     if (primitive.placed) {
         const Affine<Real> m = primitive.placed->map();
         const Vec<Real> shift = primitive.placed->is_inverse ? Vec<Real>(-m.linear(by)) : by;
-        for (int i = 0; i < 3; ++i) to.placed->matrix[static_cast<std::size_t>(4 * i + 3)] += shift[i];
-        return to;
+        for (int i = 0; i < 3; ++i) result.placed->matrix[static_cast<std::size_t>(4 * i + 3)] += shift[i];
+        return result;
     }
     for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
-        if (key.kind == Key::Kind::point) to.set_point(k, to.point(k) + by);
+        if (key.kind == Key::Kind::point) result.set_point(k, result.point(k) + by);
     });
-    return to;
+    return result;
 }
 
-std::optional<Primitive<Real>> grown(const Primitive<Real>& primitive, const Vec<Real>& still, const Real& k) {
-    const Vec<Real> there = primitive.placed ? point_in_object(still, *primitive.placed) : still;
-    auto to =
-        visit(primitive, [&](const auto& shape) -> std::optional<Primitive<Real>> { return shape.grown(there, k); });
-    if (to) to->placed = primitive.placed;
-    return to;
+std::optional<Primitive<Real>> grown(const Primitive<Real>& primitive, const Vec<Real>& viewpoint, const Real& k) {
+    const Vec<Real> object_viewpoint = primitive.placed ? point_in_object(viewpoint, *primitive.placed) : viewpoint;
+    auto result = visit(primitive, [&](const auto& shape) -> std::optional<Primitive<Real>> {
+        return shape.grown(object_viewpoint, k);
+    });
+    if (result) result->placed = primitive.placed;
+    return result;
 }
 
 namespace {
@@ -133,12 +137,12 @@ namespace {
 /// Multiplies every length of the world by k.
 Primitive<Real> enlarged(const Primitive<Real>& primitive, const Real& k) {
     if (!primitive.placed) return transformed(primitive, [&k](const Real& x) { return Real(k * x); });
-    Primitive<Real> to = primitive;
-    for (std::size_t i = 0; i < to.placed->matrix.size(); ++i) {
-        if (!to.placed->is_inverse) to.placed->matrix[i] *= k;
-        else if (i % 4 != 3) to.placed->matrix[i] /= k;
+    Primitive<Real> result = primitive;
+    for (std::size_t i = 0; i < result.placed->matrix.size(); ++i) {
+        if (!result.placed->is_inverse) result.placed->matrix[i] *= k;
+        else if (i % 4 != 3) result.placed->matrix[i] /= k;
     }
-    return to;
+    return result;
 }
 
 }  // namespace
@@ -150,28 +154,28 @@ Real view_share(const Scene& scene) {
 
 std::optional<Scene> farther(Scene scene, const Real& k) {
     Camera& camera = scene.camera;
-    const Real share = view_share(scene);
-    if (share <= 0) return std::nullopt;
-    const Vec<Real> back = ((k - 1) * share) * (camera.look_at - camera.eye);
-    camera.eye = camera.eye - back;
-    camera.look_at = camera.look_at - back;
+    const Real view_fraction = view_share(scene);
+    if (view_fraction <= 0) return std::nullopt;
+    const Vec<Real> shift = ((k - 1) * view_fraction) * (camera.look_at - camera.eye);
+    camera.eye = camera.eye - shift;
+    camera.look_at = camera.look_at - shift;
     if (camera.kind == Camera::Kind::pinhole) camera.fov_deg = degrees_of(half_tangent(camera.fov_deg) / k);
     return scene;
 }
 
 Scene enlarged(Scene scene, const Real& k) {
-    const auto place = [&k](const Vec<Real>& v) { return Vec<Real>(k * v.x, k * v.y, k * v.z); };
+    const auto scale = [&k](const Vec<Real>& v) { return Vec<Real>(k * v.x, k * v.y, k * v.z); };
     change_primitives(scene, [&k](const Primitive<Real>& primitive) { return std::optional(enlarged(primitive, k)); });
     change_mesh(scene, [&k](const Primitive<Real>& triangle) { return enlarged(triangle, k); });
-    scene.camera.eye = place(scene.camera.eye);
-    scene.camera.look_at = place(scene.camera.look_at);
+    scene.camera.eye = scale(scene.camera.eye);
+    scene.camera.look_at = scale(scene.camera.look_at);
     scene.camera.width = k * scene.camera.width;
-    if (scene.appearance.light) scene.appearance.light = place(*scene.appearance.light);
+    if (scene.appearance.light) scene.appearance.light = scale(*scene.appearance.light);
     return scene;
 }
 
 std::optional<Scene> grown(Scene scene, const Real& k) {
-    if (scene.mesh) return std::nullopt;  // triangles that grow by themselves are no mesh
+    if (scene.mesh) return std::nullopt;  // triangles that grow one by one are no longer a mesh
     const Vec<Real> eye = scene.camera.eye;
     if (!change_primitives(scene, [&](const Primitive<Real>& primitive) { return grown(primitive, eye, k); }))
         return std::nullopt;

@@ -1,4 +1,4 @@
-// Changes a scene as a whole: seen from farther away, enlarged, grown, moved.
+// Changes a scene as a whole: views it from farther away, enlarges it, grows its primitives, or moves it.
 #pragma once
 
 #include <optional>
@@ -21,19 +21,21 @@ Vec<Real> middle_of(const Primitive<Real>& primitive);
 /// |det A|.
 Real size_of(const Primitive<Real>& primitive);
 
-/// (1, 11/16, −7/16): the direction in which everything is moved. It is short in binary and not along an axis.
+/// (1, 11/16, −7/16): the direction in which everything is moved. Its numbers are short in binary, and it is not along
+/// an axis.
 Vec<Real> offset_direction();
 
-/// `moved` moves a primitive. `grown` scales it by k about its point nearest to `still`, which stays where it is (for
-/// a sphere a point of the surface, also from inside). It returns nothing for a sphere centred at `still`. Under a
-/// matrix, the first moves the matrix, and the second works in the space of the primitive.
+/// `moved` moves a primitive. `grown` scales a primitive by k about its point nearest to `viewpoint`; this point stays
+/// where it is (for a sphere it is a point of the surface, also from inside). `grown` returns nothing for a sphere
+/// centred at `viewpoint`. For a primitive under a matrix, `moved` changes the matrix, and `grown` works in the space
+/// of the primitive.
 Primitive<Real> moved(const Primitive<Real>& primitive, const Vec<Real>& by);
-std::optional<Primitive<Real>> grown(const Primitive<Real>& primitive, const Vec<Real>& still, const Real& k);
+std::optional<Primitive<Real>> grown(const Primitive<Real>& primitive, const Vec<Real>& viewpoint, const Real& k);
 
 /// Distance of the primitives' middle in front of the eye, in lengths of look_at − eye along it.
 Real view_share(const Scene& scene);
 
-// All of these accept every camera except those of the pixel plane, which stay where they are.
+// All functions below accept every camera except cameras of kind `pixel_plane`, which stay where they are.
 
 /// Moves the eye straight back along its view until the primitives' middle is k times as far, measured along the view.
 /// tan(fov/2) is divided by k, so the picture stays the same. Returns nothing if the middle is behind the eye.

@@ -14,7 +14,8 @@
 
 namespace lostbits::scene::file {
 
-/// Checks numbers. Each function returns the number of `key`, or fails there.
+/// Checks the numbers of a file. Each of `finite` and `positive` returns the number of `key`, or fails with the
+/// position of `key`.
 class StoredNumbers {
 public:
     explicit StoredNumbers(Inputs inputs) : shared_(inputs == Inputs::shared) {}
@@ -37,7 +38,7 @@ public:
 
     [[nodiscard]] Real stored(const Real& x) const { return shared_ ? Real(toml::round_to_format(x, binary32)) : x; }
 
-    /// True if the number is zero, or is zero once rounded.
+    /// True if the number is zero, or if it is zero once rounded to binary32 for shared inputs.
     [[nodiscard]] bool vanishes(const Real& x) const {
         return x == 0 || (shared_ && toml::round_to_format(x, binary32) == 0);
     }
@@ -58,8 +59,8 @@ private:
 /// Reads `[camera]`.
 Camera read_camera(toml::TableReader table, const StoredNumbers& numbers);
 
-/// Reads the keys of the file itself: `background`, `[light]`, `[shadows]`, `[material]`. The materials are read one
-/// by one.
+/// Reads the keys of the file itself: `background`, `[light]`, `[shadows]`, `[material]`. `read_material` reads the
+/// materials, one by one.
 Appearance read_appearance(toml::TableReader& file, const StoredNumbers& numbers);
 
 /// Reads the keys of a sphere's paint. A missing key has the value of `look.base`.

@@ -1,4 +1,4 @@
-// A ray distribution for any shape: seeded primitives, and rays aimed at points of them.
+// Ray distribution for any shape: primitives drawn from a seed, and rays aimed at points of these primitives.
 #pragma once
 
 #include <cstdint>
@@ -32,8 +32,9 @@ inline Vec<double> draw_across(Random& random, const Vec<double>& v) {
 
 /// Target of a ray: a point, and the direction of the ray if the target fixes it.
 struct AimedPlace {
-    AimedPlace(const Vec<double>& at) : point(at) {}
-    AimedPlace(const Vec<double>& at, const Vec<double>& way) : point(at), along((1 / length(way)) * way) {}
+    AimedPlace(const Vec<double>& target) : point(target) {}
+    AimedPlace(const Vec<double>& target, const Vec<double>& direction)
+        : point(target), along((1 / length(direction)) * direction) {}
 
     Vec<double> point;
     std::optional<Vec<double>> along;  ///< of length 1
@@ -42,13 +43,13 @@ struct AimedPlace {
 /// Draws a point of the surface of a primitive.
 inline Vec<double> draw_on_surface(Random& random, const Primitive<double>& primitive) {
     return visit(primitive, [&](const auto& shape) {
-        const auto any = [&] {
+        const auto draw_point = [&] {
             const double x = random.unit(), y = random.unit(), z = random.unit();
             return shape.point_at({x, y, z});
         };
-        Vec<double> inside = any();
+        Vec<double> inside = draw_point();
         if (!has_inside(primitive.shape)) return inside;
-        while (!(shape.distance(inside) < 0)) inside = any();
+        while (!(shape.distance(inside) < 0)) inside = draw_point();
         Vec<double> outside = inside + 4 * shape.half_extent() * draw_direction(random);
         for (int i = 0; i < 60; ++i) {
             const Vec<double> middle = 0.5 * (inside + outside);
@@ -59,26 +60,31 @@ inline Vec<double> draw_on_surface(Random& random, const Primitive<double>& prim
 }
 
 /// Start of the rays of a distribution: away from the primitive, or on the surface of a second primitive of the same
-/// kind, as rays to a light and reflected rays do. Rounded to binary32, they begin just inside of it or just outside.
+/// kind, as rays to a light and reflected rays do. Once rounded to binary32, such rays begin just inside or just
+/// outside of the second primitive.
 enum class Begin : std::uint8_t { away, on_other };
 inline constexpr std::pair<std::string_view, Begin> begins[] = {{"away", Begin::away}, {"other", Begin::on_other}};
 
-/// Draws a ray from the surface of a primitive to a point, or in the direction `any` if the two are equal.
+/// Draws a ray from the surface of `other` to the point `target`, or in the direction `default_direction` if the two
+/// points are equal.
 template <class F>
 Ray<double> ray_from_surface(Random& random, const F& distribution, const Primitive<double>& other,
-                             const Vec<double>& to, const Vec<double>& any) {
-    const Vec<double> from = stored(draw_on_surface(random, other));
-    const double apart = length(to - from);
-    return {from, stored(direction_length(distribution) * (apart > 0 ? (to - from) / apart : any))};
+                             const Vec<double>& target, const Vec<double>& default_direction) {
+    const Vec<double> origin = stored(draw_on_surface(random, other));
+    const double separation = length(target - origin);
+    return {origin, stored(direction_length(distribution) *
+                           (separation > 0 ? (target - origin) / separation : default_direction))};
 }
 
-/// Base of the ray distribution of a shape: a struct F with a table's name that is derived from this and has
+/// Base of the ray distribution of a shape. The distribution is a struct F that derives from this one and has the name
+/// of a table and
 ///     static Primitive<double> drawn(Random&, const Vec<double>& middle, double size)
 /// It may also have targets:
-///     static constexpr std::pair<std::string_view, int> aims[]    by the words of the key `aim`; else the first is 0
+///     static constexpr std::pair<std::string_view, int> aims[]    values of the key `aim` by name; else aim is 0
 ///     static AimedPlace aimed_at(Random&, const Primitive<double>&, int aim)
 /// Rays come from any direction that the target leaves open, from `distance` sizes away. If they begin on another
-/// primitive, its middle is that far away in any direction, and they begin anywhere on its surface.
+/// primitive, the middle of that primitive is `distance` sizes away in any direction, and the rays begin anywhere on
+/// its surface.
 template <class F>
 struct AimedDistribution {
     int aim = 0;
@@ -107,24 +113,26 @@ struct AimedDistribution {
     /// Draws the rays: shared inputs, each number rounded once to binary32.
     [[nodiscard]] std::vector<RayGroup> draw() const {
         return draw_views(*this, [](Random& random, const AimedDistribution& f) {
-            const auto drawn = [&](const Vec<double>& middle) {
+            const auto draw_primitive = [&](const Vec<double>& middle) {
                 return transformed(F::drawn(random, middle, f.size), [](double x) { return stored(x); });
             };
-            const Primitive<double> primitive = drawn(offset_of(f));
+            const Primitive<double> primitive = draw_primitive(offset_of(f));
             RayGroup group;
             group.primitives.push_back(primitive);
             if (f.begin == Begin::on_other)
-                group.primitives.push_back(drawn(offset_of(f) + (f.distance * f.size) * draw_direction(random)));
+                group.primitives.push_back(
+                    draw_primitive(offset_of(f) + (f.distance * f.size) * draw_direction(random)));
             for (int i = 0; i < f.rays; ++i) {
-                const Vec<double> any = draw_direction(random), away = (f.aside * f.size) * draw_direction(random);
+                const Vec<double> random_direction = draw_direction(random),
+                                  shift = (f.aside * f.size) * draw_direction(random);
                 const AimedPlace target = F::aimed_at(random, primitive, f.aim);
-                const Vec<double> at = target.point + away;
+                const Vec<double> point = target.point + shift;
                 if (f.begin == Begin::on_other) {
-                    group.rays.push(ray_from_surface(random, f, group.primitives[1], at, any));
+                    group.rays.push(ray_from_surface(random, f, group.primitives[1], point, random_direction));
                     continue;
                 }
-                const Vec<double> d = target.along.value_or(any);
-                group.rays.push({stored(at - (f.distance * f.size) * d), stored(direction_length(f) * d)});
+                const Vec<double> d = target.along.value_or(random_direction);
+                group.rays.push({stored(point - (f.distance * f.size) * d), stored(direction_length(f) * d)});
             }
             return group;
         });
@@ -137,8 +145,9 @@ struct AimedDistribution {
     }
 
     static std::span<const RaySet> sets() {
-        static constexpr RaySet all[] = {{"easy", "from 4 sizes away, in any direction", [] { return F{}.draw(); }}};
-        return all;
+        static constexpr RaySet ray_sets[] = {
+            {"easy", "from 4 sizes away, in any direction", [] { return F{}.draw(); }}};
+        return ray_sets;
     }
     /// Rays for timing. The misses point away from the primitive.
     static HitsAndMisses timed() {

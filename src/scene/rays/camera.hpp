@@ -10,8 +10,9 @@
 
 namespace lostbits::scene::rays {
 
-/// The camera of a picture, ready to make rays. It is built once in Real, and each number is rounded once to T. So it
-/// is the same on every machine (no libm: MPFR's tangent is correctly rounded) and as accurate as T allows.
+/// The camera of a picture, ready to make rays. It is computed once in Real, and each number is rounded once to T. So
+/// the numbers are the same on every machine (no libm: MPFR's tangent is correctly rounded) and as accurate as T
+/// allows.
 template <class T>
 struct CameraFrame {
     file::Camera::Kind kind;
@@ -22,7 +23,7 @@ struct CameraFrame {
     Vec<T> right, up, forward;
     T pitch;     ///< side of a pixel, in world units; for a pinhole, at distance 1 in front of it
     T centre_x;  ///< x of the point where the view axis meets the picture, in pixels from its left edge
-    T centre_y;  ///< y of that point, in pixels down from the top edge
+    T centre_y;  ///< y of the same point, in pixels down from the top edge
     /// pixel_plane: the top left corner of the picture at z = 0, and the height of a pixel (`pitch` is its width).
     T left, top, pitch_down;
 
@@ -76,13 +77,13 @@ Ray<T> ray(const CameraFrame<T>& frame, int x, int y) {
     const T half = T(1) / T(2);
     const T a = (T(x) + half - frame.centre_x) * frame.pitch;
     const T b = (frame.centre_y - (T(y) + half)) * frame.pitch;
-    const Vec<T> aside(a * frame.right.x + b * frame.up.x, a * frame.right.y + b * frame.up.y,
-                       a * frame.right.z + b * frame.up.z);
-    if (frame.kind == file::Camera::Kind::orthographic) return {frame.origin + aside, frame.forward};
-    const Vec<T> direction = frame.forward + aside;
+    const Vec<T> in_plane(a * frame.right.x + b * frame.up.x, a * frame.right.y + b * frame.up.y,
+                          a * frame.right.z + b * frame.up.z);
+    if (frame.kind == file::Camera::Kind::orthographic) return {frame.origin + in_plane, frame.forward};
+    const Vec<T> direction = frame.forward + in_plane;
     if (!frame.normalise) return {frame.origin, direction};
-    const T size = length(direction);
-    return {frame.origin, {direction.x / size, direction.y / size, direction.z / size}};
+    const T magnitude = length(direction);
+    return {frame.origin, {direction.x / magnitude, direction.y / magnitude, direction.z / magnitude}};
 }
 
 }  // namespace lostbits::scene::rays

@@ -15,10 +15,10 @@ using intersect::table::Intersector;
 
 namespace {
 
-using Rows = intersect::table::ComposedForms<std::tuple<const RayGenerator*, const Intersector*>>;
-Rows& rows() {
-    static Rows all;
-    return all;
+using FormTable = intersect::table::ComposedForms<std::tuple<const RayGenerator*, const Intersector*>>;
+FormTable& composed_forms() {
+    static FormTable forms;
+    return forms;
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ const Intersector& with_generator(const RayGenerator& generator, const Intersect
                         "scene, or use --set camera.rays={}",
                         name, form.info->name, std::string(generator_prefix) + std::string(generator.info->name),
                         generator.info->name, generator.info->name));
-    return rows().row_of({&generator, &form}, [&](Rows::Made& made) {
+    return composed_forms().row_of({&generator, &form}, [&](FormTable::Made& made) {
         made.name = name;
         made.title = std::string(form.info->title) + "; rays: " + std::string(generator.info->title);
         made.source = std::string(form.info->source) + "; " + std::string(generator.info->source);
@@ -43,10 +43,12 @@ const Intersector& with_generator(const RayGenerator& generator, const Intersect
     });
 }
 
-const RayGenerator* generator_of(const Intersector& row) { return std::get<const RayGenerator*>(rows().parts_of(row)); }
+const RayGenerator* generator_of(const Intersector& row) {
+    return std::get<const RayGenerator*>(composed_forms().parts_of(row));
+}
 
 const Intersector& strip_generator(const Intersector& row) {
-    const auto* const form = std::get<const Intersector*>(rows().parts_of(row));
+    const auto* const form = std::get<const Intersector*>(composed_forms().parts_of(row));
     return form ? *form : row;
 }
 
@@ -62,14 +64,15 @@ const Intersector& require_no_generator(const Intersector& row) {
 }
 
 std::vector<std::string> forms_in_name(const std::string& name) {
-    const auto is_suffix = [&name](std::size_t plus) {
-        const std::size_t behind = plus + contracted_suffix.size();
+    const auto begins_suffix = [&name](std::size_t plus) {
+        const std::size_t end_of_suffix = plus + contracted_suffix.size();
         return name.compare(plus, contracted_suffix.size(), contracted_suffix) == 0 &&
-               (behind == name.size() || std::string_view("+@^").find(name[behind]) != std::string_view::npos);
+               (end_of_suffix == name.size() ||
+                std::string_view("+@^").find(name[end_of_suffix]) != std::string_view::npos);
     };
     std::vector<std::string> forms{""};
     for (std::size_t i = 0; i < name.size(); ++i) {
-        if (name[i] == '+' && !is_suffix(i)) forms.emplace_back();
+        if (name[i] == '+' && !begins_suffix(i)) forms.emplace_back();
         else forms.back() += name[i];
     }
     return forms;
@@ -82,45 +85,48 @@ std::optional<ComposedName> split_composed_name(const std::string& name) {
                             name.substr(0, name.size() - contracted_suffix.size()),
                             std::string(contracted_suffix.substr(1)),
                             {}};
-    const std::size_t at = name.find_last_of("@^");
-    if (at == std::string::npos) return std::nullopt;
-    ComposedName found{name[at] == '^' ? Kind::box : Kind::transform, name.substr(0, at), name.substr(at + 1), {}};
-    if (found.kind == Kind::transform && found.last.starts_with(generator_prefix)) {
-        found.kind = Kind::generator;
-        found.last.erase(0, generator_prefix.size());
+    const std::size_t separator = name.find_last_of("@^");
+    if (separator == std::string::npos) return std::nullopt;
+    ComposedName split{name[separator] == '^' ? Kind::box : Kind::transform,
+                       name.substr(0, separator),
+                       name.substr(separator + 1),
+                       {}};
+    if (split.kind == Kind::transform && split.last.starts_with(generator_prefix)) {
+        split.kind = Kind::generator;
+        split.last.erase(0, generator_prefix.size());
     }
-    if (const std::size_t tilde = found.last.find('~'); found.kind == Kind::box && tilde != std::string::npos) {
-        found.box_method = found.last.substr(tilde + 1);
-        found.last.erase(tilde);
+    if (const std::size_t tilde = split.last.find('~'); split.kind == Kind::box && tilde != std::string::npos) {
+        split.box_method = split.last.substr(tilde + 1);
+        split.last.erase(tilde);
     }
-    return found;
+    return split;
 }
 
 std::vector<const Intersector*> rows_of(const ComposedName& name, const NamedParts& parts) {
-    std::vector<const Intersector*> all;
+    std::vector<const Intersector*> rows;
     for (const Intersector* const form : parts.forms(name.form)) {
         switch (name.kind) {
-            case ComposedName::Kind::contracted: all.push_back(&parts.contracted(require_no_generator(*form))); break;
+            case ComposedName::Kind::contracted: rows.push_back(&parts.contracted(require_no_generator(*form))); break;
             case ComposedName::Kind::generator:
                 for (const RayGenerator* const generator : parts.ray_generators(name.last))
-                    all.push_back(&with_generator(*generator, *form));
+                    rows.push_back(&with_generator(*generator, *form));
                 break;
             case ComposedName::Kind::transform:
-                for (const auto* const space : parts.transform_methods(name.last))
-                    all.push_back(&intersect::transform::through(*space, require_no_generator(*form)));
+                for (const auto* const method : parts.transform_methods(name.last))
+                    rows.push_back(&intersect::transform::through(*method, require_no_generator(*form)));
                 break;
             case ComposedName::Kind::box: {
                 const auto box_methods = name.box_method ? parts.box_methods(*name.box_method)
                                                          : std::vector{&intersect::bounding_box::usual_box_method()};
                 for (const Intersector* const box : parts.forms(name.last))
                     for (const auto* const box_method : box_methods)
-                        all.push_back(&intersect::bounding_box::behind(*box_method, require_no_generator(*box),
-                                                                       require_no_generator(*form)));
+                        rows.push_back(&intersect::bounding_box::behind(*box_method, require_no_generator(*box),
+                                                                        require_no_generator(*form)));
                 break;
             }
         }
     }
-    return all;
+    return rows;
 }
 
 }  // namespace lostbits::scene::rays

@@ -1,4 +1,4 @@
-// Forms with the rays of a ray generator, as rows of the table.
+// Composed forms: forms with the rays of a ray generator, as rows of the table, and the names of all composed forms.
 #pragma once
 
 #include <functional>
@@ -18,9 +18,9 @@ inline constexpr std::string_view generator_prefix = "ray-";
 /// The end of the name of a form whose products are contracted: `sphere.schoolbook+fma`.
 inline constexpr std::string_view contracted_suffix = "+fma";
 
-/// Returns the row `sphere.unified@ray-three`: the form itself, with rays made by that ray generator. It is made once
-/// and kept. Throws InputError for sets, and for forms in the space of primitives under matrices; a scene with
-/// `camera.rays` can be used for these.
+/// Returns the row `sphere.unified@ray-three`: the form itself, with rays from the ray generator `three`. The row is
+/// made by the first call and stored. Throws InputError for sets, and for forms in the space of primitives under
+/// matrices; a scene with `camera.rays` can be used for these.
 const intersect::table::Intersector& with_generator(const camera::RayGenerator& generator,
                                                     const intersect::table::Intersector& form);
 
@@ -30,26 +30,27 @@ const camera::RayGenerator* generator_of(const intersect::table::Intersector& ro
 /// Returns the row without its ray generator, or the row itself if it has none.
 const intersect::table::Intersector& strip_generator(const intersect::table::Intersector& row);
 
-/// Returns the row itself, to be made part of another row. Throws InputError if it has a ray generator, which must
-/// come last, as in `FORM^BOX@ray-WAY`.
+/// Returns the row itself, to be made part of another row. Throws InputError if the row has a ray generator, which must
+/// come last in a name, as in `FORM^BOX@ray-METHOD`.
 const intersect::table::Intersector& require_no_generator(const intersect::table::Intersector& row);
 
 /// Returns the forms in a set's name, `sphere.unified+fma+box.signs`. The name is split at each + except that of
-/// `+fma`. One form is not a set.
+/// `+fma`. A name of one form is not a set.
 std::vector<std::string> forms_in_name(const std::string& name);
 
 /// A name of a composed row, split before its last part: FORM@TRANSFORM, FORM@ray-METHOD, FORM^BOX, FORM^BOX~METHOD or
 /// FORM+fma.
 struct ComposedName {
     enum class Kind { transform, generator, box, contracted } kind;
-    std::string form;                       ///< may be such a name itself
+    std::string form;                       ///< may itself be the name of a composed row
     std::string last;                       ///< the transform, the ray generator, or the form of boxes; "fma"
     std::optional<std::string> box_method;  ///< the method to compute the bounding box, if one is named
 };
-/// Returns nothing for a name without an @ or a ^ that does not end with +fma.
+/// Returns nothing for a name that neither contains an @ or a ^ nor ends with +fma.
 std::optional<ComposedName> split_composed_name(const std::string& name);
 
-/// Functions that find each part of a name: one for a name, several for a glob. They throw for unknown names.
+/// Functions that find the parts with a given name: one part for a name, several for a glob. They throw for unknown
+/// names.
 struct NamedParts {
     template <class Part>
     using Find = std::function<std::vector<const Part*>(const std::string&)>;
@@ -60,7 +61,7 @@ struct NamedParts {
     /// Returns the row of a form whose products are contracted.
     std::function<const intersect::table::Intersector&(const intersect::table::Intersector&)> contracted;
 };
-/// Returns every row of that name, ordered by the form, then the box, then the other part.
+/// Returns every row with this name, ordered by the form, then the box, then the other part.
 std::vector<const intersect::table::Intersector*> rows_of(const ComposedName& name, const NamedParts& parts);
 
 }  // namespace lostbits::scene::rays

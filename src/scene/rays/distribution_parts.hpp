@@ -1,4 +1,4 @@
-// The common part of the ray distributions: the number of rays, the length of their directions and their offset.
+// Common part of the ray distributions: the number of rays, the length of their directions and their offset.
 #pragma once
 
 #include <cmath>
@@ -37,8 +37,8 @@ F of_one_view(F distribution) {
 inline double stored(double x) { return static_cast<double>(static_cast<float>(x)); }
 inline Vec<double> stored(const Vec<double>& v) { return {stored(v.x), stored(v.y), stored(v.z)}; }
 
-/// Reads the keys that every ray distribution has, and rejects keys that nothing asked for; call it last. Missing keys
-/// keep their value in `distribution`.
+/// Reads the keys that every ray distribution has, and rejects all keys that were not requested; call this function
+/// last. Missing keys keep their value in `distribution`.
 template <class F>
 void read_common_keys(toml::TableReader& table, F& distribution) {
     table.read_number("direction_magnitude", distribution.direction_magnitude, 0x1p-120, 0x1p+120);
@@ -49,7 +49,7 @@ void read_common_keys(toml::TableReader& table, F& distribution) {
     table.reject_unknown_keys();
 }
 
-/// The offset of everything, in no special direction.
+/// Vector by which everything is moved, in no special direction.
 template <class F>
 Vec<double> offset_of(const F& distribution) {
     return distribution.offset * Vec<double>(1, 0.6875, -0.4375);

@@ -18,20 +18,20 @@ namespace {
 
 Matrix4<Real> matrix(const std::array<std::array<Real, 4>, 4>& rows) { return {rows}; }
 
-/// Builds the inverse of a view: the axes in the columns, then a position.
-Matrix4<Real> to_world(const CameraFrame<Real>& f, const Vec<Real>& place) {
-    const auto row = [&](int i) { return std::array<Real, 4>{f.right[i], f.up[i], -f.forward[i], place[i]}; };
+/// Builds the inverse of a view: the axes in the columns, then the position of the eye.
+Matrix4<Real> to_world(const CameraFrame<Real>& f, const Vec<Real>& position) {
+    const auto row = [&](int i) { return std::array<Real, 4>{f.right[i], f.up[i], -f.forward[i], position[i]}; };
     return matrix({row(0), row(1), row(2), {Real(0), Real(0), Real(0), Real(1)}});
 }
 
-/// z/w is p = `depth_near` on the near plane and q = `depth_far` on the far one, with w = -z. With n and f the
-/// distances: z' = a z + b, a = (p n - q f)/(f - n), b = (p - q) f n/(f - n). With f at infinity, a = -q and b = (p -
-/// q) n.
+/// Builds a projection. z/w is p = `depth_near` on the near plane and q = `depth_far` on the far plane, with w = -z. If
+/// n and f are the distances of the planes, z' = a z + b with a = (p n - q f)/(f - n) and b = (p - q) f n/(f - n). With
+/// f at infinity, a = -q and b = (p - q) n.
 Matrix4<Real> projection(const CameraProjection& p, const CameraNumbers<Real>& c) {
-    const Real range = c.depth_near - c.depth_far, zero(0);
+    const Real depth_range = c.depth_near - c.depth_far, zero(0);
     const Real a =
         p.far ? Real((c.depth_near * p.near - c.depth_far * *p.far) / (*p.far - p.near)) : Real(-c.depth_far);
-    const Real b = p.far ? Real(range * *p.far * p.near / (*p.far - p.near)) : Real(range * p.near);
+    const Real b = p.far ? Real(depth_range * *p.far * p.near / (*p.far - p.near)) : Real(depth_range * p.near);
     return matrix({{{1 / c.tan_x, zero, zero, zero},
                     {zero, 1 / c.tan_y, zero, zero},
                     {zero, zero, a, b},
@@ -72,97 +72,98 @@ CameraNumbers<Real> camera_numbers(const Scene& scene) {
 }
 
 GeneratedRays::GeneratedRays(const Scene& scene)
-    : by_(scene.camera.rays), frame_(make_frame<Real>(scene)), numbers_(camera_numbers(scene)) {}
+    : generator_(scene.camera.rays), frame_(make_frame<Real>(scene)), numbers_(camera_numbers(scene)) {}
 
 BasicRayBlock<Real> GeneratedRays::ideal(int y0, int y1) const {
     BasicRayBlock<Real> block;
     block.width = numbers_.width, block.y0 = y0, block.y1 = y1;
     for (int y = y0; y < y1; ++y) {
         for (int x = 0; x < block.width; ++x) {
-            Ray<Real> one = ray(frame_, x, y);
-            if (by_->info->from_near)
-                one.origin = one.origin + (numbers_.near / dot(one.direction, frame_.forward)) * one.direction;
-            block.push(one);
+            Ray<Real> pixel_ray = ray(frame_, x, y);
+            if (generator_->info->from_near)
+                pixel_ray.origin =
+                    pixel_ray.origin + (numbers_.near / dot(pixel_ray.direction, frame_.forward)) * pixel_ray.direction;
+            block.push(pixel_ray);
         }
     }
     return block;
 }
 
 const CameraNumbers<double>& GeneratedRays::stored(const FloatFormat& format) const {
-    const std::lock_guard alone(storing_);
-    for (const auto& [of, numbers] : stored_)
-        if (of == format) return numbers;
+    const std::lock_guard lock(stored_mutex_);
+    for (const auto& [stored_format, numbers] : stored_)
+        if (stored_format == format) return numbers;
     const auto rounded = [&format](const Real& x) { return static_cast<double>(toml::round_to_format(x, format)); };
     return stored_.emplace_back(format, numbers_.each(rounded)).second;
 }
 
 template <class T>
-RayBlock GeneratedRays::generate(camera::MakeIn<T> make, const FloatFormat& format, int y0, int y1) const {
+RayBlock GeneratedRays::generate(camera::MakeIn<T> make_rays, const FloatFormat& format, int y0, int y1) const {
     const CameraNumbers<T> numbers = stored(format).each([](double x) { return T(x); });
     RayBlock block;
     block.width = numbers_.width, block.y0 = y0, block.y1 = y1;
-    make(numbers, {y0, y1}, [&block](const Ray<T>& ray) { block.push(as_doubles(ray)); });
+    make_rays(numbers, {y0, y1}, [&block](const Ray<T>& ray) { block.push(as_doubles(ray)); });
     return block;
 }
 
 RayBlock GeneratedRays::in(const FloatFormat& format, int y0, int y1) const {
-    if (format == binary32) return generate<float>(by_->f32, format, y0, y1);
-    if (format == binary64) return generate<double>(by_->f64, format, y0, y1);
+    if (format == binary32) return generate<float>(generator_->f32, format, y0, y1);
+    if (format == binary64) return generate<double>(generator_->f64, format, y0, y1);
     const CurrentFormat::Scope scope(format);
-    return generate<RoundedAny>(by_->rounded, format, y0, y1);
+    return generate<RoundedAny>(generator_->rounded, format, y0, y1);
 }
 
-RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates at) const {
-    Tape whole;
-    const auto ray = by_->record(format, stored(format.parameters), at, whole);
+RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates pixel) const {
+    Tape tape;
+    const auto ray = generator_->record(format, stored(format.parameters), pixel, tape);
     static const std::vector<std::string> names = [] {
         auto all = camera::camera_number_names();
         all.insert(all.end(), {"pixel.x", "pixel.y", "pixel.left"});
         return all;
     }();
-    std::vector<bool> is_used(whole.nodes.size());
-    for (const NodeId node : ray) is_used[static_cast<std::size_t>(node)] = true;
-    for (NodeId i = whole.size() - 1; i >= 0; --i) {
+    std::vector<bool> is_used(tape.nodes.size());
+    for (const NodeId id : ray) is_used[static_cast<std::size_t>(id)] = true;
+    for (NodeId i = tape.size() - 1; i >= 0; --i) {
         if (!is_used[static_cast<std::size_t>(i)]) continue;
-        for (const NodeId operand : whole.operands_of(i)) is_used[static_cast<std::size_t>(operand)] = true;
+        for (const NodeId operand : tape.operands_of(i)) is_used[static_cast<std::size_t>(operand)] = true;
     }
     RecordedRay recorded;
-    std::vector<NodeId> place(whole.nodes.size(), no_node);
-    for (NodeId i = 0; i < whole.size(); ++i) {
-        const TapeNode& n = whole[i];
+    std::vector<NodeId> new_ids(tape.nodes.size(), no_node);
+    for (NodeId i = 0; i < tape.size(); ++i) {
+        const TapeNode& node = tape[i];
         if (!is_used[static_cast<std::size_t>(i)]) continue;
         const auto operand = [&](std::size_t k) {
-            const NodeId from = n.operands[k];
-            return is_given(n.op) || from == no_node ? from : place[static_cast<std::size_t>(from)];
+            const NodeId id = node.operands[k];
+            return is_given(node.op) || id == no_node ? id : new_ids[static_cast<std::size_t>(id)];
         };
-        NodeId& there = place[static_cast<std::size_t>(i)];
-        if (n.op == TapeOp::input) {
-            recorded.names.push_back(names[static_cast<std::size_t>(n.operands[0])]);
-            there = recorded.tape.add_input(format.parameters, n.value);
+        NodeId& new_id = new_ids[static_cast<std::size_t>(i)];
+        if (node.op == TapeOp::input) {
+            recorded.names.push_back(names[static_cast<std::size_t>(node.operands[0])]);
+            new_id = recorded.tape.add_input(format.parameters, node.value);
         } else {
-            there = recorded.tape.add(n.op, whole.format_of(i), n.value, {operand(0), operand(1), operand(2)});
-            recorded.tape[there].label = n.label;
+            new_id = recorded.tape.add(node.op, tape.format_of(i), node.value, {operand(0), operand(1), operand(2)});
+            recorded.tape[new_id].label = node.label;
         }
     }
     constexpr std::array<std::string_view, 6> numbers{"o.x", "o.y", "o.z", "d.x", "d.y", "d.z"};
     for (std::size_t k = 0; k < ray.size(); ++k) {
-        recorded.ray[k] = place[static_cast<std::size_t>(ray[k])];
+        recorded.ray[k] = new_ids[static_cast<std::size_t>(ray[k])];
         recorded.tape.name(recorded.ray[k], numbers[k]);
     }
     return recorded;
 }
 
 void RecordedRay::put_before(Tape& form) const {
-    Tape whole = tape;
-    whole.outputs = intersect::table::append(form, {ray.begin(), ray.end()}, whole);
-    form = std::move(whole);
+    Tape joined = tape;
+    joined.outputs = intersect::table::append(form, {ray.begin(), ray.end()}, joined);
+    form = std::move(joined);
 }
 
 bool RecordedRay::try_put_before(Tape& form) const {
     const auto is_same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
-    for (const TapeNode& n : form.nodes) {
-        const auto k = static_cast<std::size_t>(n.operands[0]);
-        if (n.op == TapeOp::input && k < ray.size() && !is_same(tape[ray[k]].value, n.value)) return false;
+    for (const TapeNode& node : form.nodes) {
+        const auto k = static_cast<std::size_t>(node.operands[0]);
+        if (node.op == TapeOp::input && k < ray.size() && !is_same(tape[ray[k]].value, node.value)) return false;
     }
     put_before(form);
     return true;

@@ -1,4 +1,4 @@
-// The rays of a camera as each format makes them from its stored numbers, and the ideal rays.
+// Makes the rays of a camera as each format computes them from the camera's stored numbers, and the ideal rays.
 #pragma once
 
 #include <deque>
@@ -15,7 +15,7 @@ namespace lostbits::scene::rays {
 /// The numbers of a scene's camera in exact numbers, in which matrices are composed and inverted.
 camera::CameraNumbers<Real> camera_numbers(const file::Scene& scene);
 
-/// A ray with every operation that made it. The inputs of the tape are the camera's numbers that the ray generator
+/// A ray with all operations that compute it. The inputs of the tape are the camera's numbers that the ray generator
 /// uses.
 struct RecordedRay {
     Tape tape;
@@ -24,7 +24,7 @@ struct RecordedRay {
 
     /// Puts this tape in front of a form's tape, in place of the form's ray.
     void put_before(Tape& form) const;
-    /// The same, but only if the ray is the same to the bit; returns false otherwise. A form for unit directions gets
+    /// Does the same if both rays are the same to the bit; otherwise returns false. A form for unit directions gets
     /// another ray.
     bool try_put_before(Tape& form) const;
 };
@@ -33,24 +33,24 @@ class GeneratedRays {
 public:
     /// Takes a scene whose camera has a ray generator (`file::with_rays`).
     explicit GeneratedRays(const file::Scene& scene);
-    /// The exact rays of the pixels of some rows, with length one: from the eye, or from the point where each meets
+    /// Exact rays of the pixels of rows [y0, y1), with length one: from the eye, or from the point where the ray meets
     /// the near plane.
     [[nodiscard]] BasicRayBlock<Real> ideal(int y0, int y1) const;
-    /// The rays as a format makes them. No number is rounded more than once before the first operation.
+    /// Rays of rows [y0, y1) as a format computes them. No number is rounded more than once before the first operation.
     [[nodiscard]] RayBlock in(const FloatFormat& format, int y0, int y1) const;
     [[nodiscard]] RecordedRay record(const Format& format, camera::PixelCoordinates at) const;
     [[nodiscard]] const CameraFrame<Real>& frame() const { return frame_; }
 
 private:
-    /// The numbers rounded once for each format.
+    /// Returns the camera's numbers, each rounded once to the format.
     [[nodiscard]] const camera::CameraNumbers<double>& stored(const FloatFormat& format) const;
     template <class T>
-    RayBlock generate(camera::MakeIn<T> make, const FloatFormat& format, int y0, int y1) const;
+    RayBlock generate(camera::MakeIn<T> make_rays, const FloatFormat& format, int y0, int y1) const;
 
-    const camera::RayGenerator* by_;
+    const camera::RayGenerator* generator_;
     CameraFrame<Real> frame_;
     camera::CameraNumbers<Real> numbers_;
-    mutable std::mutex storing_;
+    mutable std::mutex stored_mutex_;
     mutable std::deque<std::pair<FloatFormat, camera::CameraNumbers<double>>> stored_;
 };
 

@@ -12,14 +12,14 @@
 
 namespace lostbits::scene::rays {
 
-void LostLengths::lose(const std::string& what, double value, const char* becomes, const Where& where) {
-    const auto same = [&](const Loss& l) { return l.what == what && l.becomes == becomes; };
-    const auto found = std::ranges::find_if(losses_, same);
-    const std::string place = where();
+void LostLengths::add_loss(const std::string& what, double value, const char* becomes, const Where& where) {
+    const auto is_same_loss = [&](const Loss& loss) { return loss.what == what && loss.becomes == becomes; };
+    const auto found = std::ranges::find_if(losses_, is_same_loss);
+    const std::string position = where();
     if (found == losses_.end()) {
-        losses_.push_back({what, becomes, value, place, place, 1});
-    } else if (found->last != place) {
-        found->last = place;
+        losses_.push_back({what, becomes, value, position, position, 1});
+    } else if (found->last != position) {
+        found->last = position;
         ++found->count;
     }
 }
@@ -27,22 +27,22 @@ void LostLengths::lose(const std::string& what, double value, const char* become
 void LostLengths::check_point(const double* before, const double* after, const std::string& what, const Where& where) {
     for (int k = 0; k < 3; ++k) {
         if (!std::isinf(after[k])) continue;
-        lose(what, before[k], "rounds to infinity", where);
+        add_loss(what, before[k], "rounds to infinity", where);
         return;
     }
 }
 
 void LostLengths::add_point(const Vec<double>& before, const char* what, const Where& where) {
-    const double from[] = {before.x, before.y, before.z};
-    double to[3];
-    for (int k = 0; k < 3; ++k) to[k] = rounding::to_format(from[k], 0, format_);
-    check_point(from, to, what, where);
+    const double coordinates[] = {before.x, before.y, before.z};
+    double rounded[3];
+    for (int k = 0; k < 3; ++k) rounded[k] = rounding::to_format(coordinates[k], 0, format_);
+    check_point(coordinates, rounded, what, where);
 }
 
 void LostLengths::add_number(double before, const std::string& what, const Where& where) {
     const double after = rounding::to_format(before, 0, format_);
-    if (before != 0 && after == 0) lose(what, before, "rounds to 0", where);
-    if (std::isinf(after)) lose(what, before, "rounds to infinity", where);
+    if (before != 0 && after == 0) add_loss(what, before, "rounds to 0", where);
+    if (std::isinf(after)) add_loss(what, before, "rounds to infinity", where);
 }
 
 void LostLengths::add(const Primitive<double>& before, const Where& where) {
@@ -50,41 +50,42 @@ void LostLengths::add(const Primitive<double>& before, const Where& where) {
 }
 
 void LostLengths::add(const Primitive<double>& before, const Primitive<double>& after, const Where& where) {
-    const auto of = [](const Primitive<double>& primitive) { return primitive.numbers.data(); };
+    const auto numbers_of = [](const Primitive<double>& primitive) { return primitive.numbers.data(); };
     for_each_key(before.shape, [&](const Key& key, std::size_t k) {
-        const double *const from = of(before) + k, *const to = of(after) + k;
+        const double *const stored = numbers_of(before) + k, *const rounded = numbers_of(after) + k;
         for (std::size_t i = 0; key.is_length() && i < key.count(); ++i) {
             // A positive ideal length may already be 0 in binary64.
-            if (to[i] == 0 && (from[i] != 0 || key.limit == Key::Limit::positive))
-                lose(std::string(key.name), from[i], "rounds to 0", where);
-            if (std::isinf(to[i])) lose(std::string(key.name), from[i], "rounds to infinity", where);
+            if (rounded[i] == 0 && (stored[i] != 0 || key.limit == Key::Limit::positive))
+                add_loss(std::string(key.name), stored[i], "rounds to 0", where);
+            if (std::isinf(rounded[i])) add_loss(std::string(key.name), stored[i], "rounds to infinity", where);
         }
         for (std::size_t i = 0; key.limit == Key::Limit::at_least_before && i < key.count(); ++i) {
             const std::size_t count = key.count();
-            const double thickness = from[i] - (from - count)[i];
-            if (!(thickness > 0) || to[i] != (to - count)[i] || std::isinf(to[i])) continue;
-            lose("thickness", thickness, "rounds to 0", where);
+            const double thickness = stored[i] - (stored - count)[i];
+            if (!(thickness > 0) || rounded[i] != (rounded - count)[i] || std::isinf(rounded[i])) continue;
+            add_loss("thickness", thickness, "rounds to 0", where);
             break;
         }
     });
     for_each_key(before.shape, [&](const Key& key, std::size_t k) {
         if (key.limit == Key::Limit::apart_from_before && after.point(k) == after.point(k - 3))
-            lose("the distance to " + std::string(key.name), length(Vec<double>(before.point(k) - before.point(k - 3))),
-                 "rounds to 0", where);
+            add_loss("the distance to " + std::string(key.name),
+                     length(Vec<double>(before.point(k) - before.point(k - 3))), "rounds to 0", where);
         if (!key.is_length())
-            check_point(of(before) + k, of(after) + k, fmt::format("a coordinate of {}", key.name), where);
+            check_point(numbers_of(before) + k, numbers_of(after) + k, fmt::format("a coordinate of {}", key.name),
+                        where);
     });
 }
 
 std::vector<std::string> LostLengths::lines() const {
-    std::vector<std::string> all;
-    for (const Loss& l : losses_) {
+    std::vector<std::string> lines;
+    for (const Loss& loss : losses_) {
         // A nonzero ideal number may be 0 in a double. A number that is 0 itself is never lost.
-        const std::string size = l.value == 0 ? "less than 5e-324" : fmt::format("= {:g}", l.value);
-        const std::string others = l.count > 1 ? fmt::format("; {} in all", l.count) : "";
-        all.push_back(fmt::format("{} {} {} ({}{})", l.what, size, l.becomes, l.first, others));
+        const std::string size = loss.value == 0 ? "less than 5e-324" : fmt::format("= {:g}", loss.value);
+        const std::string count_text = loss.count > 1 ? fmt::format("; {} in all", loss.count) : "";
+        lines.push_back(fmt::format("{} {} {} ({}{})", loss.what, size, loss.becomes, loss.first, count_text));
     }
-    return all;
+    return lines;
 }
 
 std::vector<std::string> lost_lengths(const file::Scene& scene, const FloatFormat& f) {
@@ -92,16 +93,17 @@ std::vector<std::string> lost_lengths(const file::Scene& scene, const FloatForma
     if (shared && f.precision >= binary32.precision && f.emin <= binary32.emin && f.emax >= binary32.emax) return {};
     const FloatFormat& stored = shared ? binary32 : binary64;
     LostLengths lost(f);
-    const auto store = [&](const Real& x) { return toml::round_to_format(x, stored); };
+    const auto round_to_stored = [&](const Real& x) { return toml::round_to_format(x, stored); };
     const Vec<Real>& eye = scene.camera.eye;
-    lost.add_point({store(eye.x), store(eye.y), store(eye.z)}, "a coordinate of the eye", [] { return "camera"; });
+    lost.add_point({round_to_stored(eye.x), round_to_stored(eye.y), round_to_stored(eye.z)}, "a coordinate of the eye",
+                   [] { return "camera"; });
     const auto add = [&](const Primitive<double>& primitive, std::string_view what, std::size_t i) {
         lost.add(primitive, [&] { return std::string(what) + "[" + std::to_string(i) + "]"; });
     };
-    std::array<std::size_t, shape_rows.size()> of_shape{};
+    std::array<std::size_t, shape_rows.size()> count_by_shape{};
     for (const Primitive<Real>& primitive : scene.listed)
         add(round_primitive(primitive, stored), name_of(primitive.shape),
-            of_shape[static_cast<std::size_t>(primitive.shape)]++);
+            count_by_shape[static_cast<std::size_t>(primitive.shape)]++);
     std::size_t i = 0;
     if (scene.flake)
         sphere::for_each_primitive(

@@ -1,4 +1,4 @@
-// Lengths that a format cannot hold: they round to 0 or to infinity before any form has computed anything.
+// Finds lengths that a format cannot hold: they round to 0 or to infinity before any form has computed anything.
 #pragma once
 
 #include <functional>
@@ -10,11 +10,11 @@
 namespace lostbits::scene::rays {
 
 /// Collects the lengths that a format loses, with a line for each kind of loss: "radius = 1e-09 rounds to 0 (sphere 2;
-/// 3 in all)". A form receives them anyway, and the measurement shows what it makes of them.
+/// 3 in all)". A form receives these lengths anyway, and the measurement shows what the form makes of them.
 ///
 /// A sphere is lost if its radius rounds to 0 or to infinity, and a box if two corners that differ in a coordinate
-/// become equal there. Any point is lost if a coordinate rounds to infinity. (A coordinate that rounds to 0 is still
-/// near the origin: that move is input error like any other rounding.)
+/// become equal in this coordinate. Any point is lost if a coordinate rounds to infinity. (A coordinate that rounds to
+/// 0 is still near the origin: that move is input error like any other rounding.)
 class LostLengths {
 public:
     /// Names the primitive, or the position of the loss; called only if something is lost.
@@ -24,11 +24,11 @@ public:
 
     /// Adds a stored primitive, whose numbers are then rounded to the format. Losses at one position count once.
     void add(const Primitive<double>& before, const Where& where);
-    /// The same, with `after` the primitive in the format.
+    /// Adds a stored primitive `before` that is `after` in the format.
     void add(const Primitive<double>& before, const Primitive<double>& after, const Where& where);
     void add_point(const Vec<double>& before, const char* what, const Where& where);
 
-    /// Adds any other number, which is lost at 0 and at infinity.
+    /// Adds any other number, which is lost if it rounds to 0 or to infinity.
     void add_number(double before, const std::string& what, const Where& where);
 
     [[nodiscard]] std::vector<std::string> lines() const;
@@ -40,7 +40,7 @@ private:
         std::string first, last;  ///< positions
         int count;
     };
-    void lose(const std::string& what, double value, const char* becomes, const Where& where);
+    void add_loss(const std::string& what, double value, const char* becomes, const Where& where);
     void check_point(const double* before, const double* after, const std::string& what, const Where& where);
 
     FloatFormat format_;

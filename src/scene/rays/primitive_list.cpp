@@ -32,10 +32,11 @@ template <class S>
 PrimitiveList<double> rounded_list(const PrimitiveList<S>& primitives, const FloatFormat& f) {
     std::vector<Primitive<double>> listed;
     for (const Primitive<S>& s : primitives.listed()) listed.push_back(round_primitive(s, f));
-    const FloatFormat& held = primitives.unlisted().inputs == file::Inputs::shared ? binary32 : binary64;
-    const bool holds = f.precision >= held.precision && f.emin <= held.emin && f.emax >= held.emax;
+    const FloatFormat& stored_format = primitives.unlisted().inputs == file::Inputs::shared ? binary32 : binary64;
+    const bool holds_stored =
+        f.precision >= stored_format.precision && f.emin <= stored_format.emin && f.emax >= stored_format.emax;
     const auto& [flake, mesh, inputs] = primitives.unlisted();
-    return {std::move(listed), {flake, mesh, inputs}, holds ? std::nullopt : std::optional(f)};
+    return {std::move(listed), {flake, mesh, inputs}, holds_stored ? std::nullopt : std::optional(f)};
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
-// The primitives of a picture as numbers, which may include a flake of millions of spheres. They are stored once and
-// shared by all formats.
+// Stores the primitives of a picture as numbers, once for all formats. They may include a flake of millions of spheres.
 #pragma once
 
 #include <array>
@@ -21,7 +20,7 @@
 namespace lostbits::scene::rays {
 
 /// The spheres of a flake, as a structure of arrays: x, y, z of the centres and the radii. A sphere takes 16 bytes if
-/// inputs are shared, which are numbers of binary32, and 32 if each format rounds its own.
+/// inputs are shared, since these are numbers of binary32, and 32 bytes if each format rounds its own inputs.
 class SphereColumns {
 public:
     SphereColumns(const sphere::Sphereflake& flake, file::Inputs inputs);
@@ -38,7 +37,7 @@ public:
             columns_);
         return primitive;
     }
-    /// The columns as they are stored; nothing if they are stored in the other type.
+    /// The columns as they are stored; null if they are stored in the other type.
     template <class T>
     [[nodiscard]] const std::array<std::vector<T>, 4>* stored() const {
         return std::get_if<std::array<std::vector<T>, 4>>(&columns_);
@@ -95,8 +94,8 @@ public:
         return transformed(i < triangles ? (*unlisted_.flake)[i - listed_.size()] : (*unlisted_.mesh)[i - triangles],
                            [this](double x) { return S(rounded(x)); });
     }
-    /// Loads primitives that will be asked for soon into the cache. In a large mesh this is several times as fast as
-    /// waiting for each of them.
+    /// Loads primitives that will soon be needed into the cache. In a large mesh this is several times as fast as
+    /// waiting for each primitive.
     void prefetch(std::span<const std::uint32_t> primitives) const {
         if (unlisted_.mesh) unlisted_.mesh->prefetch(primitives, first_of_mesh());
     }
@@ -113,14 +112,14 @@ public:
     [[nodiscard]] const std::shared_ptr<const SphereColumns>& flake() const { return unlisted_.flake; }
     /// All primitives one by one, including the flake and the meshes.
     [[nodiscard]] std::vector<Primitive<S>> all() const {
-        std::vector<Primitive<S>> every = listed_;
-        every.reserve(size());
-        for (std::size_t i = every.size(); i < size(); ++i) every.push_back((*this)[i]);
-        return every;
+        std::vector<Primitive<S>> primitives = listed_;
+        primitives.reserve(size());
+        for (std::size_t i = primitives.size(); i < size(); ++i) primitives.push_back((*this)[i]);
+        return primitives;
     }
 
     /// The numbers of the spheres from begin to begin + count, as columns of T: a view of the stored columns, or of
-    /// `room`.
+    /// `columns_of_spheres`, to which they are copied.
     template <class T>
     [[nodiscard]] std::array<std::span<const T>, 4> columns(std::size_t begin, std::size_t count,
                                                             std::array<std::vector<T>, 4>& columns_of_spheres) const {
@@ -148,8 +147,8 @@ private:
     std::optional<FloatFormat> format_;
 };
 
-/// The primitives of `shared_primitives`, with flake and meshes as columns; and the parts of it: the listed primitives
-/// and the meshes.
+/// The primitives of `shared_primitives`, with flake and meshes as columns; then the parts of this list: the listed
+/// primitives, and the meshes.
 PrimitiveList<double> shared_primitive_list(const file::Scene& scene);
 std::vector<Primitive<double>> shared_listed(const file::Scene& scene);
 std::shared_ptr<const MeshColumns> shared_mesh(const file::Scene& scene);

@@ -1,4 +1,4 @@
-// Seeded random numbers, the same on every machine.
+// Draws random numbers from a seed, the same on every machine.
 #pragma once
 
 #include <algorithm>
@@ -8,11 +8,12 @@
 
 namespace lostbits::scene::rays {
 
-/// The standard fixes the engine's sequence but not the distributions, so these are our own.
+/// Generator of random numbers. The standard fixes the sequence of the engine but not the distributions, so the
+/// distributions are our own.
 class Random {
 public:
     explicit Random(std::uint64_t seed) : engine_(seed) {}
-    /// In [0, 1), 53 bits.
+    /// Draws from [0, 1), with 53 bits.
     double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
     double between(double a, double b) { return a + unit() * (b - a); }
     /// Draws from every octave between two positive numbers equally often, with + × and comparisons alone: logarithms

@@ -30,21 +30,21 @@ BasicRayBlock<T> make_rays(const Scene& scene, int y0, int y1) {
 }
 
 template <class T, class Round>
-RayBlock rounded(const BasicRayBlock<T>& from, Round round) {
-    RayBlock to;
-    to.width = from.width, to.y0 = from.y0, to.y1 = from.y1;
-    for (std::size_t k = 0; k < to.numbers().size(); ++k) {
-        to.numbers()[k]->resize(from.size());
-        std::ranges::transform(*from.numbers()[k], to.numbers()[k]->begin(), round);
+RayBlock rounded(const BasicRayBlock<T>& block, Round round) {
+    RayBlock result;
+    result.width = block.width, result.y0 = block.y0, result.y1 = block.y1;
+    for (std::size_t k = 0; k < result.numbers().size(); ++k) {
+        result.numbers()[k]->resize(block.size());
+        std::ranges::transform(*block.numbers()[k], result.numbers()[k]->begin(), round);
     }
-    return to;
+    return result;
 }
 
 template <class T, class Round>
-void round_ranges(const BasicRayBlock<T>& from, RayBlock& to, const Round& round) {
-    for (const double t : from.tmin) to.tmin.push_back(round(t));
-    for (const double t : from.tmax) to.tmax.push_back(round(t));
-    to.open = from.open;
+void round_ranges(const BasicRayBlock<T>& block, RayBlock& result, const Round& round) {
+    for (const double t : block.tmin) result.tmin.push_back(round(t));
+    for (const double t : block.tmax) result.tmax.push_back(round(t));
+    result.open = block.open;
 }
 
 /// v/|v|. Adding zero turns −0, which cross products of axes give, into 0.
@@ -87,17 +87,18 @@ RayGroup group_of(const Ray<double>& ray) {
     return group;
 }
 
-RayGroup some_of(const RayGroup& all, std::size_t most) {
-    const std::size_t step = (all.rays.size() + most - 1) / most;
-    RayGroup some{
-        .rays = {}, .primitives = all.paired ? std::vector<Primitive<double>>() : all.primitives, .paired = all.paired};
-    for (std::size_t i = 0; i < all.rays.size(); i += step) {
-        some.rays.push(all.rays[i]);
-        some.rays.push_range(all.rays, i);
-        if (all.paired) some.primitives.push_back(all.primitives[i]);
+RayGroup some_of(const RayGroup& group, std::size_t most) {
+    const std::size_t step = (group.rays.size() + most - 1) / most;
+    RayGroup part{.rays = {},
+                  .primitives = group.paired ? std::vector<Primitive<double>>() : group.primitives,
+                  .paired = group.paired};
+    for (std::size_t i = 0; i < group.rays.size(); i += step) {
+        part.rays.push(group.rays[i]);
+        part.rays.push_range(group.rays, i);
+        if (group.paired) part.primitives.push_back(group.primitives[i]);
     }
-    some.rays.set_as_list();
-    return some;
+    part.rays.set_as_list();
+    return part;
 }
 
 RayBlock make_shared_rays(const Scene& scene, int y0, int y1) {
@@ -106,17 +107,17 @@ RayBlock make_shared_rays(const Scene& scene, int y0, int y1) {
 
 IdealRayBlock make_own_rays(const Scene& scene, int y0, int y1) {
     if (!scene.camera.rays) return {make_rays<Real>(scene, y0, y1)};
-    const auto made = std::make_shared<const GeneratedRays>(scene);
-    IdealRayBlock block{made->ideal(y0, y1), made};
+    const auto generated = std::make_shared<const GeneratedRays>(scene);
+    IdealRayBlock block{generated->ideal(y0, y1), generated};
     put_range(scene, block);
     return block;
 }
 
 RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f) {
-    RayBlock to = ideal.made ? ideal.made->in(f, ideal.y0, ideal.y1)
-                             : rounded(ideal, [&f](const Real& x) { return toml::round_to_format(x, f); });
-    round_ranges(ideal, to, [&f](double t) { return rounding::to_format(t, 0, f); });
-    return to;
+    RayBlock result = ideal.made ? ideal.made->in(f, ideal.y0, ideal.y1)
+                                 : rounded(ideal, [&f](const Real& x) { return toml::round_to_format(x, f); });
+    round_ranges(ideal, result, [&f](double t) { return rounding::to_format(t, 0, f); });
+    return result;
 }
 
 RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
@@ -125,9 +126,9 @@ RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
     const auto round = [&f, by_machine](double x) {
         return by_machine ? static_cast<double>(static_cast<float>(x)) : rounding::to_format(x, 0, f);
     };
-    RayBlock to = rounded(block, round);
-    round_ranges(block, to, round);
-    return to;
+    RayBlock result = rounded(block, round);
+    round_ranges(block, result, round);
+    return result;
 }
 
 std::vector<Primitive<double>> shared_primitives(const Scene& scene) {
@@ -136,13 +137,13 @@ std::vector<Primitive<double>> shared_primitives(const Scene& scene) {
 
 std::vector<Primitive<double>> stored_primitives(const Scene& scene, const FloatFormat& f) {
     if (scene.inputs == file::Inputs::shared) return shared_primitives(scene);
-    std::vector<Primitive<double>> all;
-    for (const Primitive<Real>& primitive : scene.primitives()) all.push_back(round_primitive(primitive, f));
-    return all;
+    std::vector<Primitive<double>> stored;
+    for (const Primitive<Real>& primitive : scene.primitives()) stored.push_back(round_primitive(primitive, f));
+    return stored;
 }
 
-Primitive<double> round_primitive(const Primitive<Real>& spec, const FloatFormat& f) {
-    return transformed(spec, [&f](const Real& x) { return toml::round_to_format(x, f); });
+Primitive<double> round_primitive(const Primitive<Real>& primitive, const FloatFormat& f) {
+    return transformed(primitive, [&f](const Real& x) { return toml::round_to_format(x, f); });
 }
 
 Primitive<double> round_primitive(const Primitive<double>& primitive, const FloatFormat& f) {

@@ -1,4 +1,4 @@
-// The rays of a picture, made once and stored as the numbers that every form receives.
+// Makes the rays of a picture once, and stores them as the numbers that every form receives.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ struct BasicRayBlock {
     int y1 = 0;
     std::vector<T> ox, oy, oz, dx, dy, dz;
     std::vector<double> tmin = {}, tmax = {};  ///< start and end of the range of each ray; empty: 0 and no end
-    OpenEnds open = {};                        ///< for all of these ranges
+    OpenEnds open = {};                        ///< for the ranges of all rays
 
     [[nodiscard]] std::size_t size() const { return ox.size(); }
     void push(const Ray<T>& ray) {
@@ -35,22 +35,23 @@ struct BasicRayBlock {
         dy.push_back(ray.direction.y);
         dz.push_back(ray.direction.z);
     }
-    /// Adds the range of a ray of another block, for the ray that is pushed before or after it. All rays share `open`.
+    /// Adds the range of ray i of another block, for the ray that is pushed just before or after this call. All rays
+    /// share `open`.
     template <class S>
-    void push_range(const BasicRayBlock<S>& from, std::size_t i) {
-        if (!from.tmin.empty()) tmin.push_back(from.tmin[i]);
-        if (!from.tmax.empty()) tmax.push_back(from.tmax[i]);
-        open = from.open;
+    void push_range(const BasicRayBlock<S>& block, std::size_t i) {
+        if (!block.tmin.empty()) tmin.push_back(block.tmin[i]);
+        if (!block.tmax.empty()) tmax.push_back(block.tmax[i]);
+        open = block.open;
     }
     [[nodiscard]] bool have_ranges() const { return !tmin.empty() || !tmax.empty() || open.tmin; }
     [[nodiscard]] Range<double> range(std::size_t i) const {
-        Range<double> one{.open = open};
-        if (!tmin.empty()) one.tmin = tmin[i];
-        if (!tmax.empty()) one.tmax = tmax[i];
-        return one;
+        Range<double> ray_range{.open = open};
+        if (!tmin.empty()) ray_range.tmin = tmin[i];
+        if (!tmax.empty()) ray_range.tmax = tmax[i];
+        return ray_range;
     }
     [[nodiscard]] Ray<T> operator[](std::size_t i) const { return {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}}; }
-    /// The six numbers of the rays, one column each.
+    /// The six numbers of the rays, with a column for each number.
     [[nodiscard]] auto numbers() { return std::array{&ox, &oy, &oz, &dx, &dy, &dz}; }
     [[nodiscard]] auto numbers() const { return std::array{&ox, &oy, &oz, &dx, &dy, &dz}; }
     /// Declares that the rays are a list and not a picture: one line.
@@ -62,7 +63,7 @@ using RayBlock = BasicRayBlock<double>;
 class GeneratedRays;
 /// The ideal rays. Each takes about 500 bytes; make a few rows at a time.
 struct IdealRayBlock : BasicRayBlock<Real> {
-    /// Makes the rays in each format; null: each component is rounded.
+    /// Makes the rays in each format; null: each component of the ideal rays is rounded.
     std::shared_ptr<const GeneratedRays> made = {};
 };
 
@@ -80,8 +81,9 @@ struct RayGroup {
 
 /// Makes a group of one ray, without a primitive.
 RayGroup group_of(const Ray<double>& ray);
-/// Returns every n-th ray as a list, so that at most `most` are left, with their primitives except those of meshes.
-RayGroup some_of(const RayGroup& all, std::size_t most);
+/// Returns every n-th ray as a list, with the smallest n for which at most `most` rays are left, and their primitives
+/// except those of meshes.
+RayGroup some_of(const RayGroup& group, std::size_t most);
 
 /// Sets the range of the scene's rays for all rays of a block.
 template <class T>
@@ -97,23 +99,23 @@ RayBlock make_shared_rays(const file::Scene& scene, int y0, int y1);
 /// Own inputs: the ideal rays, for `round_rays`.
 IdealRayBlock make_own_rays(const file::Scene& scene, int y0, int y1);
 
-/// Rounds each component of the ideal rays once to F, or makes the rays in F. A direction that rounds to zero is kept,
+/// Rounds each component of the ideal rays once to F, or makes the rays in F. A direction that rounds to zero stays,
 /// and the measurement shows what a form makes of it.
 RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f);
 
-/// Rounds each component once to F: shared inputs in a format narrower than binary32. If F holds them, nothing
-/// changes.
+/// Rounds each component once to F, for shared inputs in a format narrower than binary32. Components that F holds do
+/// not change.
 RayBlock round_block(const RayBlock& block, const FloatFormat& f);
 
-/// The primitives of a scene, in its order, each number rounded once to binary32; 56 bytes each.
+/// The primitives of a scene, in its order, with each number rounded once to binary32. A primitive takes 56 bytes.
 std::vector<Primitive<double>> shared_primitives(const file::Scene& scene);
 
-/// The primitive with each number rounded once to F. A radius that rounds to zero is kept, as above.
-Primitive<double> round_primitive(const Primitive<Real>& spec, const FloatFormat& f);
+/// The primitive with each number rounded once to F. A radius that rounds to zero stays, too.
+Primitive<double> round_primitive(const Primitive<Real>& primitive, const FloatFormat& f);
 Primitive<double> round_primitive(const Primitive<double>& primitive, const FloatFormat& f);
 
-/// The primitives of a scene as in a map: those of all formats if inputs are shared, else each number rounded once to
-/// F.
+/// The primitives of a scene as in a map: if inputs are shared, the primitives of all formats; else each number rounded
+/// once to F.
 std::vector<Primitive<double>> stored_primitives(const file::Scene& scene, const FloatFormat& f);
 
 /// The inputs of a form in format F, for either kind of `inputs`: shared inputs are rounded to binary32 and then, if F

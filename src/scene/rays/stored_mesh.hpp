@@ -9,7 +9,7 @@
 
 namespace lostbits::scene::rays {
 
-/// The triangles of meshes among `stored_primitives`, the last of these; null where there are none.
+/// The triangles of meshes, which are the last of `stored_primitives`; null if there are none.
 inline std::shared_ptr<const MeshColumns> stored_mesh(const file::Scene& scene, const FloatFormat& f) {
     if (!scene.mesh || scene.inputs == file::Inputs::shared) return shared_mesh(scene);
     const auto stored = [&f](double x) { return rounding::to_format(x, 0, f); };
@@ -21,15 +21,15 @@ inline std::shared_ptr<const MeshColumns> stored_mesh(const file::Scene& scene, 
     return std::make_shared<const MeshColumns>(mesh, placed, file::Inputs::own);
 }
 
-/// The others among `stored_primitives`.
+/// The primitives of `stored_primitives` that are not triangles of meshes.
 inline std::vector<Primitive<double>> stored_beside_mesh(const file::Scene& scene, const FloatFormat& f) {
-    file::Scene others = scene;
-    others.mesh = nullptr;
-    return stored_primitives(others, f);
+    file::Scene without_mesh = scene;
+    without_mesh.mesh = nullptr;
+    return stored_primitives(without_mesh, f);
 }
 
-/// The primitives, and two triangles for a mesh of more: enough to see of which shapes all are, and whether they are
-/// one.
+/// The primitives and at most two triangles of the mesh. They show the shapes of all primitives, and whether there is
+/// more than one primitive.
 inline std::vector<Primitive<double>> examples_of(std::vector<Primitive<double>> primitives, const MeshColumns* mesh) {
     for (std::size_t i = 0; mesh != nullptr && i < std::min<std::size_t>(mesh->size(), 2); ++i)
         primitives.push_back((*mesh)[i]);
@@ -39,11 +39,12 @@ inline std::vector<Primitive<double>> examples_of(std::vector<Primitive<double>>
 /// True if binary32 represents every number of the triangles.
 inline bool fits_binary32(const MeshColumns& triangles) {
     bool fits = true;
-    const auto look = [&fits](double x) {
+    const auto check_number = [&fits](double x) {
         fits &= static_cast<double>(static_cast<float>(x)) == x;
         return x;
     };
-    for (std::size_t i = 0; fits && i < triangles.size(); ++i) static_cast<void>(transformed(triangles[i], look));
+    for (std::size_t i = 0; fits && i < triangles.size(); ++i)
+        static_cast<void>(transformed(triangles[i], check_number));
     return fits;
 }
 

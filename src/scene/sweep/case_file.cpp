@@ -20,60 +20,61 @@ using toml::TableReader;
 
 namespace {
 
-std::vector<Quantity> quantities(TableReader& table, std::string_view key, std::size_t count, bool special) {
+std::vector<Quantity> quantities(TableReader& table, std::string_view key, std::size_t count, bool allows_special) {
     const Node& node = table.node(key);
     if (node.kind != Node::Kind::array || node.items.size() != count)
         table.fail_at(key, "is " + node.describe() + ", but " + std::to_string(count) + " numbers are expected here");
-    std::vector<Quantity> all;
-    for (const Node& item : node.items) all.emplace_back(item, special);
-    return all;
+    std::vector<Quantity> values;
+    for (const Node& item : node.items) values.emplace_back(item, allows_special);
+    return values;
 }
 
-/// A symmetry of a cube: x → sign·x of another axis, for all three axes. There are 48.
+/// One of the 48 symmetries of a cube. Coordinate i of the result is signs[i] times coordinate source_axes[i].
 struct Symmetry {
-    std::array<int, 3> from;
-    std::array<double, 3> sign;
+    std::array<int, 3> source_axes;
+    std::array<double, 3> signs;
 
-    [[nodiscard]] Vec<double> of(const Vec<double>& v) const {
-        return {sign[0] * v[from[0]], sign[1] * v[from[1]], sign[2] * v[from[2]]};
+    [[nodiscard]] Vec<double> applied_to(const Vec<double>& v) const {
+        return {signs[0] * v[source_axes[0]], signs[1] * v[source_axes[1]], signs[2] * v[source_axes[2]]};
     }
-    /// S M for a matrix to the world, and M⁻¹ S⁻¹ for a stored inverse. The primitive stays in its own space.
-    [[nodiscard]] Placement<double> of(const Placement<double>& m) const {
-        auto to = m.matrix;
+    /// Returns S M for a matrix M to the world, and M⁻¹ S⁻¹ for a stored inverse. The primitive stays in its own space.
+    [[nodiscard]] Placement<double> applied_to(const Placement<double>& m) const {
+        auto result = m.matrix;
         for (std::size_t i = 0; i < 3; ++i) {
-            const auto k = static_cast<std::size_t>(from[i]);
+            const auto k = static_cast<std::size_t>(source_axes[i]);
             for (std::size_t j = 0; j < 4; ++j) {
-                if (!m.is_inverse) to[4 * i + j] = sign[i] * m.matrix[4 * k + j];
-                else if (j < 3) to[4 * j + i] = sign[i] * m.matrix[4 * j + k];
+                if (!m.is_inverse) result[4 * i + j] = signs[i] * m.matrix[4 * k + j];
+                else if (j < 3) result[4 * j + i] = signs[i] * m.matrix[4 * j + k];
             }
         }
-        return placement_of(to, m.is_inverse);
+        return placement_of(result, m.is_inverse);
     }
-    [[nodiscard]] Primitive<double> of(const Primitive<double>& s) const {
-        Primitive<double> to = s;
+    [[nodiscard]] Primitive<double> applied_to(const Primitive<double>& s) const {
+        Primitive<double> result = s;
         if (s.placed) {
-            to.placed = of(*s.placed);
-            return to;
+            result.placed = applied_to(*s.placed);
+            return result;
         }
         for_each_key(s.shape, [&](const Key& key, std::size_t k) {
             if (key.count() != 3) return;
-            const Vec<double> point = of(s.point(k));
+            const Vec<double> point = applied_to(s.point(k));
             for (int i = 0; i < 3; ++i) {
-                double& x = to.numbers[k + static_cast<std::size_t>(i)] = point[i];
+                double& x = result.numbers[k + static_cast<std::size_t>(i)] = point[i];
                 if (key.kind == Key::Kind::lengths) x = std::fabs(x);
                 if (key.limit != Key::Limit::at_least_before) continue;
-                // A mirror swaps the corners. They are not sorted: −0 and +0 are equal, and each stays where the file
-                // has it. Corners that a format's rounding puts in the wrong order (1 + ulp to 1.0001) are swapped.
-                double& before = to.numbers[k + static_cast<std::size_t>(i) - 3];
-                if (before > x || (before == x && sign[i] < 0)) std::swap(before, x);
+                // A mirror swaps the corners. Coordinates are not sorted, because −0 and +0 are equal, and each of them
+                // stays where the file has it. Corners that a format's rounding puts in the wrong order (1 + ulp to
+                // 1.0001) are swapped.
+                double& lower = result.numbers[k + static_cast<std::size_t>(i) - 3];
+                if (lower > x || (lower == x && signs[i] < 0)) std::swap(lower, x);
             }
         });
-        return to;
+        return result;
     }
 };
 
-std::vector<Symmetry> symmetries(bool all) {
-    if (!all) return {{{0, 1, 2}, {1, 1, 1}}};
+std::vector<Symmetry> symmetries(bool is_symmetric) {
+    if (!is_symmetric) return {{{0, 1, 2}, {1, 1, 1}}};
     std::vector<Symmetry> found;
     std::array<int, 3> order{0, 1, 2};
     do {
@@ -85,8 +86,8 @@ std::vector<Symmetry> symmetries(bool all) {
     return found;
 }
 
-/// Refuses the range of a ray that holds no t in binary64. One that rounds to nothing in a narrower format stays, and
-/// every ray with it misses there.
+/// Fails if the range of a ray holds no t in binary64. A range that holds no t only in a narrower format is valid; the
+/// ray misses in that format.
 void require_range(TableReader& ray, const Range<double>& range) {
     if (!(range.tmin >= 0 && range.tmin < HUGE_VAL))
         ray.fail_at("tmin", "is not a finite t of 0 or more, but a ray looks ahead; write one, or leave it out for 0");
@@ -103,12 +104,12 @@ Vec<double> vec_in(const std::vector<Quantity>& v, const FloatFormat& f, int exp
 
 }  // namespace
 
-/// Returns spheres = [{ centre, radius }, …] or boxes = [{ lo, hi }, …]
+/// Returns "spheres = [{ centre, radius }, …] or boxes = [{ lo, hi }, …]".
 std::string primitives_of_a_case() {
-    std::string words;
+    std::string text;
     for (const ShapeRow& row : shape_rows)
-        words += (words.empty() ? "" : " or ") + std::string(row.plural) + " = [{ " + key_list(row.shape) + " }, …]";
-    return words;
+        text += (text.empty() ? "" : " or ") + std::string(row.plural) + " = [{ " + key_list(row.shape) + " }, …]";
+    return text;
 }
 
 CaseFile::Case CaseFile::read_case(TableReader& table) {
@@ -145,15 +146,15 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
             primitives.emplace_back(std::pair(where.line, where.column), std::move(spec));
         }
     }
-    std::ranges::stable_sort(primitives, {}, [](const auto& placed) { return placed.first; });
-    for (auto& [place, spec] : primitives) c.primitives.push_back(std::move(spec));
+    std::ranges::stable_sort(primitives, {}, [](const auto& positioned) { return positioned.first; });
+    for (auto& [position, spec] : primitives) c.primitives.push_back(std::move(spec));
     table.read("open_ends", c.open, open_ends_names);
     for (TableReader& ray : table.tables("rays")) {
         c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true), {}, {}});
         if (ray.has("tmin")) c.rays.back().tmin.emplace_back(ray.node("tmin"), true);
         if (ray.has("tmax")) c.rays.back().tmax.emplace_back(ray.node("tmax"), true);
-        const auto end = [](const std::vector<Quantity>& given, double otherwise) {
-            return given.empty() ? otherwise : given.front().in(binary64, 0);
+        const auto end = [](const std::vector<Quantity>& values, double default_t) {
+            return values.empty() ? default_t : values.front().in(binary64, 0);
         };
         require_range(ray, {end(c.rays.back().tmin, 0), end(c.rays.back().tmax, HUGE_VAL), c.open});
         ray.reject_unknown_keys();
@@ -174,7 +175,7 @@ CaseFile::CaseFile(const std::filesystem::path& path) {
         conventions.clear();
         for (const std::string& name : *names) {
             if (name == "own") conventions.emplace_back(std::nullopt);
-            else if (const auto judged = convention_named(name)) conventions.emplace_back(judged);
+            else if (const auto convention = convention_named(name)) conventions.emplace_back(convention);
             else file.fail_at("conventions", "holds \"" + name + "\"; write own, closed or open");
         }
         if (conventions.empty()) file.fail_at("conventions", "is empty; leave it out, or name own, closed or open");
@@ -214,14 +215,14 @@ bool CaseFile::are_placed() const {
 }
 
 std::vector<Shape> CaseFile::shapes() const {
-    std::vector<Shape> all;
+    std::vector<Shape> found;
     for (const ShapeRow& row : shape_rows) {
-        const auto has_one = [&row](const Case& c) {
+        const auto has_shape = [&row](const Case& c) {
             return std::ranges::find(c.primitives, row.shape, &PrimitiveSpec::shape) != c.primitives.end();
         };
-        if (std::ranges::any_of(cases_, has_one)) all.push_back(row.shape);
+        if (std::ranges::any_of(cases_, has_shape)) found.push_back(row.shape);
     }
-    return all;
+    return found;
 }
 
 std::vector<std::size_t> CaseFile::matching(const std::string& glob, const toml::Where& where) const {
@@ -243,27 +244,27 @@ std::vector<RayGroup> CaseFile::rays_before(std::size_t i, const FloatFormat& fo
     return rays(cases_[i], format, binary64);
 }
 
-std::vector<RayGroup> CaseFile::rays(const Case& c, const FloatFormat& of, const FloatFormat& format) {
-    const int lengths = c.lengths.in(of), directions = c.directions.in(of);
+std::vector<RayGroup> CaseFile::rays(const Case& c, const FloatFormat& scale_format, const FloatFormat& format) {
+    const int lengths = c.lengths.in(scale_format), directions = c.directions.in(scale_format);
     std::vector<RayGroup> groups;
     for (const Symmetry& symmetry : symmetries(c.symmetric)) {
         RayGroup group;
         for (const PrimitiveSpec& spec : c.primitives)
-            group.primitives.push_back(symmetry.of(spec.in(format, lengths)));
+            group.primitives.push_back(symmetry.applied_to(spec.in(format, lengths)));
         for (const RaySpec& ray : c.rays) {
-            Vec<double> d = symmetry.of(vec_in(ray.direction, format, directions));
+            Vec<double> d = symmetry.applied_to(vec_in(ray.direction, format, directions));
             for (int k = 0; c.zeros && k < 3; ++k) d[k] = d[k] == 0 ? *c.zeros : d[k];
-            group.rays.push({symmetry.of(vec_in(ray.origin, format, lengths)), d});
+            group.rays.push({symmetry.applied_to(vec_in(ray.origin, format, lengths)), d});
         }
-        const auto put_ends = [&](std::vector<toml::Quantity> RaySpec::*end, double otherwise,
-                                  std::vector<double>& to) {
+        const auto add_ends = [&](std::vector<toml::Quantity> RaySpec::*end, double default_t,
+                                  std::vector<double>& ends) {
             if (!std::ranges::any_of(c.rays, [end](const RaySpec& ray) { return !(ray.*end).empty(); })) return;
             // tmin and tmax are parameters, not lengths: they are not scaled.
             for (const RaySpec& ray : c.rays)
-                to.push_back((ray.*end).empty() ? otherwise : (ray.*end).front().in(format, 0));
+                ends.push_back((ray.*end).empty() ? default_t : (ray.*end).front().in(format, 0));
         };
-        put_ends(&RaySpec::tmin, 0, group.rays.tmin);
-        put_ends(&RaySpec::tmax, HUGE_VAL, group.rays.tmax);
+        add_ends(&RaySpec::tmin, 0, group.rays.tmin);
+        add_ends(&RaySpec::tmax, HUGE_VAL, group.rays.tmax);
         group.rays.open = c.open;
         group.rays.set_as_list();
         groups.push_back(std::move(group));
@@ -273,9 +274,9 @@ std::vector<RayGroup> CaseFile::rays(const Case& c, const FloatFormat& of, const
 
 namespace {
 
-/// Refuses misspelt tables. A misspelt table makes the file one of another kind, and the error would be about what
-/// that kind lacks.
-void refuse_misspelt_tables(const Node& root) {
+/// Fails for a misspelt table. Such a table gives the file another kind, and the error would be about a table that this
+/// kind lacks.
+void reject_misspelt_tables(const Node& root) {
     std::vector<std::string> tables{"axis", "case", "edge_search", "march", "mark", "ray", "search"};
     for (const ShapeRow& row : shape_rows) tables.emplace_back(row.name);
     for (const DistributionRow& row : distributions()) tables.emplace_back(row.table);
@@ -293,10 +294,11 @@ SweepKind sweep_kind(const std::filesystem::path& path) {
     const Node root = toml::read_toml(path);
     if (TableReader file(root); file.has("schema")) {
         toml::require_schema(file, sweep_schema);
-        refuse_misspelt_tables(root);
+        reject_misspelt_tables(root);
     }
     const Node* const axis = root.find("axis");
-    // Old files of every float have one [axis] table without steps. With steps it is a mistake for [[axis]].
+    // Old files of every float have one [axis] table without steps. An [axis] table with steps is a mistake for
+    // [[axis]].
     const bool is_of_every_float = axis != nullptr && axis->kind == Node::Kind::table && axis->find("steps") == nullptr;
     return root.find("case") != nullptr                       ? SweepKind::cases
            : root.find("search") != nullptr                   ? SweepKind::search

@@ -1,4 +1,4 @@
-// Named cases: rays and primitives at the extremes of a format, scaled to each format.
+// Reads files of named cases: rays and primitives at the extremes of a format, scaled to each format.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,8 @@ public:
 
     /// An answer within this many bits of the envelope is right, if its decision is.
     double right_within_bits = 3;
-    /// The conventions on touching by which the forms are judged, one after another. Nothing means each form's own.
+    /// The conventions on touching by which the forms are judged, one after another. An absent convention is each
+    /// form's own.
     std::vector<std::optional<intersect::Touching>> conventions{std::nullopt};
 
     [[nodiscard]] std::size_t size() const { return cases_.size(); }
@@ -29,7 +30,7 @@ public:
     /// Number of rays of the case. Each of its groups has all of them.
     [[nodiscard]] int rays_of(std::size_t i) const { return static_cast<int>(cases_[i].rays.size()); }
     [[nodiscard]] const std::string& note_of(std::size_t i) const { return cases_[i].note; }
-    /// The shapes of the primitives of all cases, each once. A case need not have them all.
+    /// The shapes of the primitives of all cases, each once. A case need not have all of these shapes.
     [[nodiscard]] std::vector<Shape> shapes() const;
     [[nodiscard]] bool meets(Shapes forms) const { return forms == Shapes(shapes()).placed(are_placed()); }
     /// True if primitives of cases are under matrices.
@@ -41,7 +42,7 @@ public:
     /// The rays of a case as numbers of the format, in groups that share their primitives. They may be improper rays:
     /// components may be NaN or infinite, directions zero.
     [[nodiscard]] std::vector<rays::RayGroup> rays(std::size_t i, const FloatFormat& format) const;
-    /// The same numbers at the format's scale before they are rounded to it, in binary64.
+    /// The rays of a case at the scale of the format, in binary64, before they are rounded to the format.
     [[nodiscard]] std::vector<rays::RayGroup> rays_before(std::size_t i, const FloatFormat& format) const;
 
 private:
@@ -49,32 +50,32 @@ private:
         Shape shape;
         std::vector<toml::Quantity> numbers;
         std::vector<toml::Quantity> matrix = {};  ///< matrix of the primitive, row by row; empty: none
-        bool is_inverse = false;                  ///< the matrix leads from the world to the primitive
+        bool is_inverse = false;                  ///< true if the matrix leads from the world to the primitive
 
-        /// The primitive as numbers of the format, at that scale.
+        /// The primitive as numbers of the format, with lengths multiplied by 2^lengths.
         [[nodiscard]] Primitive<double> in(const FloatFormat& format, int lengths) const;
     };
     struct RaySpec {
         std::vector<toml::Quantity> origin, direction;
-        std::vector<toml::Quantity> tmin, tmax;  ///< one each; none: the range begins at 0, or has no end
+        std::vector<toml::Quantity> tmin, tmax;  ///< one quantity each; empty: the range begins at 0, or has no end
     };
     struct Case {
         std::string name, note;
         toml::Exponent lengths, directions;  ///< every length and every direction is multiplied by two to this power
         std::optional<double> zeros;         ///< +0 or −0: replaces every zero of a direction
         OpenEnds open = {};                  ///< for the ranges of all rays
-        bool symmetric = false;              ///< ray and primitive, once under each of the 48 symmetries of the axes
+        bool symmetric = false;  ///< true: ray and primitive are repeated under each of the 48 symmetries of the axes
         std::vector<PrimitiveSpec> primitives;
         std::vector<RaySpec> rays;
     };
     static Case read_case(toml::TableReader& table);
-    /// The rays at the scale of the format `of`, as numbers of `format`.
-    static std::vector<rays::RayGroup> rays(const Case& c, const FloatFormat& of, const FloatFormat& format);
+    /// The rays at the scale of `scale_format`, as numbers of `format`.
+    static std::vector<rays::RayGroup> rays(const Case& c, const FloatFormat& scale_format, const FloatFormat& format);
 
     std::vector<Case> cases_;
 };
 
-/// The kinds of sweep files, told by their tables.
+/// Kinds of sweep files, which differ in their tables.
 enum class SweepKind { axes, cases, search, edge_search, every_float };
 /// Throws InputError for a file of another schema, and for a table whose name is misspelt.
 SweepKind sweep_kind(const std::filesystem::path& path);

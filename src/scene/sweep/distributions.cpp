@@ -10,16 +10,16 @@ namespace lostbits::scene::sweep {
 namespace {
 
 template <class F>
-Drawer drawer(toml::TableReader table) {
-    return [distribution = F::read(table)](std::uint64_t further) mutable {
-        distribution.seed += further;
+Drawer make_drawer(toml::TableReader table) {
+    return [distribution = F::read(table)](std::uint64_t seed_offset) mutable {
+        distribution.seed += seed_offset;
         return distribution.draw();
     };
 }
 
 template <class F>
 constexpr DistributionRow row_of(Shape shape) {
-    DistributionRow row{.shape = shape, .table = F::table, .read = drawer<F>, .sets = F::sets, .timed = F::timed};
+    DistributionRow row{.shape = shape, .table = F::table, .read = make_drawer<F>, .sets = F::sets, .timed = F::timed};
     if constexpr (requires { F::aims; }) row.aims = F::aims, row.aimed_at = F::aimed_at;
     return row;
 }
@@ -36,8 +36,8 @@ std::span<const DistributionRow> distributions() {
 std::string distribution_tables() {
     std::string text;
     for (const DistributionRow& row : distributions()) {
-        const bool last = &row == &distributions().back();
-        if (!text.empty()) text += last ? " or " : ", ";
+        const bool is_last = &row == &distributions().back();
+        if (!text.empty()) text += is_last ? " or " : ", ";
         const std::string shape = with_article(row.shape);
         text += shape.substr(0, shape.find(' ')) + " [" + std::string(row.table) + "]";
     }

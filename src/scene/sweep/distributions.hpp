@@ -1,4 +1,4 @@
-// The ray distribution of each shape.
+// Table of the ray distributions, one for each shape.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 
 namespace lostbits::scene::sweep {
 
-/// Draws the rays of a distribution's table. `further` is added to its seed.
-using Drawer = std::function<std::vector<rays::RayGroup>(std::uint64_t further)>;
+/// Draws the rays of a distribution's table. `seed_offset` is added to its seed.
+using Drawer = std::function<std::vector<rays::RayGroup>(std::uint64_t seed_offset)>;
 
 /// The ray distribution of a shape.
 struct DistributionRow {
@@ -22,8 +22,8 @@ struct DistributionRow {
     std::string_view table;  ///< the name of its table in sweep files: `sphere_rays`
     /// Throws InputError with a position for anything out of range.
     Drawer (*read)(toml::TableReader);
-    std::span<const rays::RaySet> (*sets)();  ///< the easy one first; seeded: always the same rays
-    rays::HitsAndMisses (*timed)();           ///< rays of the easy kind
+    std::span<const rays::RaySet> (*sets)();  ///< the easy set first; drawn from fixed seeds, so always the same rays
+    rays::HitsAndMisses (*timed)();           ///< rays for timing, like those of the easy set
     /// Targets of the key `aim` by name; none for spheres and planes.
     std::span<const std::pair<std::string_view, int>> aims = {};
     rays::AimedPlace (*aimed_at)(rays::Random&, const Primitive<double>&, int aim) = nullptr;

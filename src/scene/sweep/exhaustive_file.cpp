@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view ray_paths[] = {"ray.origin.x",    "ray.origin.y",    "ray.origin.z",
                                           "ray.direction.x", "ray.direction.y", "ray.direction.z"};
 
-/// The floats on either side of a real number that is not a float itself.
+/// The floats on both sides of a real number that is not itself a float.
 struct AdjacentFloats {
     float below, above;
 };
@@ -28,13 +28,13 @@ AdjacentFloats adjacent_floats(const Real& x) {
     return {float_at(index_of(nearest) - 1), nearest};
 }
 
-std::string shown(float x) { return '"' + toml::exact_text(Real(x)) + '"'; }
+std::string quoted(float x) { return '"' + toml::exact_text(Real(x)) + '"'; }
 
 std::string nearest_text(const Real& x) {
     const auto [below, above] = adjacent_floats(x);
-    if (std::isinf(above)) return "the largest is " + shown(below);
-    if (std::isinf(below)) return "the lowest is " + shown(above);
-    return "the nearest below and above are " + shown(below) + " and " + shown(above);
+    if (std::isinf(above)) return "the largest is " + quoted(below);
+    if (std::isinf(below)) return "the lowest is " + quoted(above);
+    return "the nearest below and above are " + quoted(below) + " and " + quoted(above);
 }
 
 /// Reads a number that every form gets unrounded.
@@ -46,13 +46,13 @@ float float_in(TableReader& table, std::string_view key) {
 }
 
 Vec<float> vec_in(TableReader& table, std::string_view key) {
-    const Vec<Real> all = table.vec3(key);
+    const Vec<Real> components = table.vec3(key);
     Vec<float> v;
     for (int i = 0; i < 3; ++i) {
-        const auto exact = exact_float(all[i]);
+        const auto exact = exact_float(components[i]);
         if (!exact)
             table.fail_at(key, "holds a number that is not representable in binary32, at index " + std::to_string(i) +
-                                   "; " + nearest_text(all[i]));
+                                   "; " + nearest_text(components[i]));
         v[i] = *exact;
     }
     return v;
@@ -67,19 +67,19 @@ std::optional<float> exact_float(const Real& x) {
 }
 
 void ExhaustiveFile::read_path(const std::string& path, const TableReader& table) {
-    std::vector<std::string> all(std::begin(ray_paths), std::end(ray_paths));
-    if (!mesh) std::ranges::copy(number_paths(primitive.shape), std::back_inserter(all));
-    const auto found = static_cast<std::size_t>(std::ranges::find(all, path) - all.begin());
-    if (found == all.size())
+    std::vector<std::string> paths(std::begin(ray_paths), std::end(ray_paths));
+    if (!mesh) std::ranges::copy(number_paths(primitive.shape), std::back_inserter(paths));
+    const auto found = static_cast<std::size_t>(std::ranges::find(paths, path) - paths.begin());
+    if (found == paths.size())
         table.fail_at("set", "names \"" + path + "\", which is not a number of the ray" +
                                  (mesh ? std::string(", and the numbers of a mesh are fixed")
                                        : " or of its " + std::string(name_of(primitive.shape))) +
-                                 "; " + toml::did_you_mean(path, all));
-    auto& places = found < 6 ? ray_places : primitive_places;
-    const std::size_t place = found < 6 ? found : found - 6;
-    if (std::ranges::find(places, place) != places.end())
+                                 "; " + toml::did_you_mean(path, paths));
+    auto& indices = found < 6 ? ray_places : primitive_places;
+    const std::size_t number_index = found < 6 ? found : found - 6;
+    if (std::ranges::find(indices, number_index) != indices.end())
         table.fail_at("set", "names \"" + path + "\" twice; once is enough");
-    places.push_back(place);
+    indices.push_back(number_index);
 }
 
 void ExhaustiveFile::read_range(TableReader& table) {
@@ -123,7 +123,7 @@ void ExhaustiveFile::read_axis(TableReader& table) {
     table.reject_unknown_keys();
 }
 
-void ExhaustiveFile::check_primitives(TableReader& file, const TableReader& of_axis) const {
+void ExhaustiveFile::check_primitives(TableReader& file, const TableReader& axis_table) const {
     if (mesh) return;
     const std::string name(name_of(primitive.shape));
     if (primitive_places.empty()) {
@@ -136,9 +136,9 @@ void ExhaustiveFile::check_primitives(TableReader& file, const TableReader& of_a
     for (const FloatRange& range : ranges_) {
         for (const std::uint32_t end : {range.first, range.last}) {
             if (const auto broken = broken_limit(primitive_at(float_at(end))))
-                of_axis.fail_at(end == range.first ? "from" : "to", "leaves a " + name + " whose " +
-                                                                        std::string(broken->key->name) + " " +
-                                                                        limit_phrase(primitive.shape, *broken->key));
+                axis_table.fail_at(end == range.first ? "from" : "to", "leaves a " + name + " whose " +
+                                                                           std::string(broken->key->name) + " " +
+                                                                           limit_phrase(primitive.shape, *broken->key));
         }
     }
 }
@@ -210,40 +210,40 @@ std::uint64_t ExhaustiveFile::floats() const {
 }
 
 void ExhaustiveFile::narrow(const Real& from, const Real& to, const toml::Where& where) {
-    const auto inside = [&](const Real& x) {
+    const auto index_in_ranges = [&](const Real& x) {
         const auto exact = exact_float(x);
         if (!exact) toml::fail(where, "a number is not representable in binary32; " + nearest_text(x));
-        const std::uint32_t place = index_of(*exact);
-        if (std::ranges::none_of(ranges_, [place](const FloatRange& r) {
-                return std::min(r.first, r.last) <= place && place <= std::max(r.first, r.last);
+        const std::uint32_t index = index_of(*exact);
+        if (std::ranges::none_of(ranges_, [index](const FloatRange& r) {
+                return std::min(r.first, r.last) <= index && index <= std::max(r.first, r.last);
             }))
-            toml::fail(where, shown(*exact) + " lies outside the axis " + axis.name + " of " + id);
-        return place;
+            toml::fail(where, quoted(*exact) + " lies outside the axis " + axis.name + " of " + id);
+        return index;
     };
-    ranges_ = {{inside(from), inside(to)}};
+    ranges_ = {{index_in_ranges(from), index_in_ranges(to)}};
 }
 
 Ray<float> ExhaustiveFile::ray_at(std::size_t ray, float value) const {
     Ray<float> r = rays[ray].ray;
-    for (const std::size_t place : ray_places)
-        (place < 3 ? r.origin : r.direction)[static_cast<int>(place % 3)] = value;
+    for (const std::size_t index : ray_places)
+        (index < 3 ? r.origin : r.direction)[static_cast<int>(index % 3)] = value;
     return r;
 }
 
 Primitive<float> ExhaustiveFile::primitive_at(float value) const {
-    Primitive<float> there = primitive;
-    for (const std::size_t place : primitive_places) there.numbers[place] = value;
-    return there;
+    Primitive<float> result = primitive;
+    for (const std::size_t index : primitive_places) result.numbers[index] = value;
+    return result;
 }
 
 rays::RayGroup ExhaustiveFile::group_over(std::size_t ray, const FloatRange& floats) const {
-    const auto wide = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
+    const auto in_double = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
     const std::size_t primitives = mesh ? 0 : primitive_places.empty() ? 1 : floats.size();
     rays::RayGroup group;
     for (std::uint64_t i = 0; i < floats.size(); ++i) {
         const float value = float_at(floats.at(i));
         const Ray<float> r = ray_at(ray, value);
-        group.rays.push({wide(r.origin), wide(r.direction)});
+        group.rays.push({in_double(r.origin), in_double(r.direction)});
         if (i < primitives)
             group.primitives.push_back(
                 transformed(primitive_at(value), [](float x) { return static_cast<double>(x); }));

@@ -31,8 +31,8 @@ public:
     std::optional<intersect::Touching> convention;
 
     AxisName axis;
-    /// The numbers that the axis sets, all to the same float. ray_places: 0 to 5 for origin x, y, z and direction x,
-    /// y, z. primitive_places: indices of the numbers of the primitive.
+    /// Indices of the numbers that the axis sets, all to the same float. `ray_places`: 0 to 5 for origin x, y, z and
+    /// direction x, y, z. `primitive_places`: indices into the numbers of the primitive.
     std::vector<std::size_t> ray_places, primitive_places;
 
     struct NamedRay {
@@ -49,18 +49,19 @@ public:
     /// The ranges to try, in order: from `from` to `to`, or from each zero outwards over all floats of its sign.
     [[nodiscard]] const std::vector<FloatRange>& ranges() const { return ranges_; }
     [[nodiscard]] std::uint64_t floats() const;
-    /// Narrows the sweep to the floats between two others, which must both be floats of the file. Otherwise throws
-    /// InputError with `where` in front.
+    /// Narrows the sweep to the floats from `from` to `to`. Throws InputError with `where` in front unless both are
+    /// floats of the file's ranges.
     void narrow(const Real& from, const Real& to, const toml::Where& where);
 
     [[nodiscard]] bool meets(Shapes forms) const { return forms == primitive.shape; }
-    /// A ray, and its primitive, with the axis at a float.
+    /// A ray, its primitive, and both as a group, with the axis at a float.
     [[nodiscard]] Ray<float> ray_at(std::size_t ray, float value) const;
     [[nodiscard]] Primitive<float> primitive_at(float value) const;
     [[nodiscard]] rays::RayGroup group_at(std::size_t ray, float value) const {
         return group_over(ray, {index_of(value), index_of(value)});
     }
-    /// The same at several floats. If the axis sets numbers of the primitive, each ray has a primitive of its own.
+    /// Group of one ray with the axis at each of several floats. If the axis sets numbers of the primitive, each ray
+    /// has a primitive of its own.
     [[nodiscard]] rays::RayGroup group_over(std::size_t ray, const FloatRange& floats) const;
 
 private:
@@ -69,7 +70,7 @@ private:
     void read_axis(toml::TableReader& table);
     void read_path(const std::string& path, const toml::TableReader& table);
     void read_range(toml::TableReader& table);
-    void check_primitives(toml::TableReader& file, const toml::TableReader& of_axis) const;
+    void check_primitives(toml::TableReader& file, const toml::TableReader& axis_table) const;
 
     std::vector<FloatRange> ranges_;
 };

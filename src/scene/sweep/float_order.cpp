@@ -8,21 +8,21 @@ Binade binade_of(float x) {
     using K = Binade::Kind;
     const auto bits = std::bit_cast<std::uint32_t>(x);
     const std::uint32_t sign = bits & 0x80000000U, size = bits & 0x7fffffffU;
-    constexpr std::uint32_t infinity = 0x7f800000U, step = 0x00800000U;
-    Binade b;
-    b.negative = sign != 0;
-    std::uint32_t first = size - size % step, last = first + step - 1;  // by |x|
-    b.exponent = static_cast<int>(first / step) - 127;
-    b.kind = K::normal;
-    if (size == 0) b.kind = K::zero, last = 0;
-    else if (size < step) b.kind = K::subnormal, first = 1;
-    else if (size == infinity) b.kind = K::infinite, last = infinity;
-    else if (size > infinity) b.kind = K::not_a_number, first = infinity + 1;
-    const std::uint32_t a = index_of(std::bit_cast<float>(first | sign)),
-                        c = index_of(std::bit_cast<float>(last | sign));
-    b.low = std::min(a, c);
-    b.high = std::max(a, c);
-    return b;
+    constexpr std::uint32_t infinity = 0x7f800000U, binade_size = 0x00800000U;
+    Binade binade;
+    binade.negative = sign != 0;
+    std::uint32_t first = size - size % binade_size, last = first + binade_size - 1;  // by |x|
+    binade.exponent = static_cast<int>(first / binade_size) - 127;
+    binade.kind = K::normal;
+    if (size == 0) binade.kind = K::zero, last = 0;
+    else if (size < binade_size) binade.kind = K::subnormal, first = 1;
+    else if (size == infinity) binade.kind = K::infinite, last = infinity;
+    else if (size > infinity) binade.kind = K::not_a_number, first = infinity + 1;
+    const std::uint32_t first_index = index_of(std::bit_cast<float>(first | sign)),
+                        last_index = index_of(std::bit_cast<float>(last | sign));
+    binade.low = std::min(first_index, last_index);
+    binade.high = std::max(first_index, last_index);
+    return binade;
 }
 
 std::string Binade::name() const {

@@ -1,4 +1,4 @@
-// All 2^32 bit patterns of binary32 in one order, and the binades that they belong to.
+// Orders all 2^32 bit patterns of binary32, and groups them into binades.
 #pragma once
 
 #include <bit>
@@ -7,14 +7,14 @@
 
 namespace lostbits::scene::sweep {
 
-/// The position of a float among all of them: by value, with −0 just before +0. NaNs with a sign come before −∞, the
-/// others after +∞, each ordered by payload. Every 32-bit number is the position of exactly one float.
+/// Index of a float in the order of all floats: by value, with −0 just before +0. NaNs with a sign come before −∞, the
+/// other NaNs after +∞, both ordered by payload. Every 32-bit number is the index of exactly one float.
 constexpr std::uint32_t index_of(float x) {
     const auto bits = std::bit_cast<std::uint32_t>(x);
     return (bits >> 31) != 0 ? ~bits : bits | 0x80000000U;
 }
-constexpr float float_at(std::uint32_t place) {
-    return std::bit_cast<float>((place >> 31) != 0 ? place & 0x7fffffffU : ~place);
+constexpr float float_at(std::uint32_t index) {
+    return std::bit_cast<float>((index >> 31) != 0 ? index & 0x7fffffffU : ~index);
 }
 
 /// Floats of one sign and one exponent. The subnormals, each zero, each infinity and the NaNs of a sign are binades of
@@ -25,7 +25,7 @@ struct Binade {
     Kind kind = Kind::zero;
     bool negative = false;
     int exponent = 0;                 ///< of normal floats: 2^exponent ≤ |x| < 2^(exponent + 1)
-    std::uint32_t low = 0, high = 0;  ///< the positions of its first and its last float
+    std::uint32_t low = 0, high = 0;  ///< indices of its first and its last float
 
     /// `+2^-3`, `-subnormal`, `+0`, `-inf`, `+nan`.
     [[nodiscard]] std::string name() const;
@@ -35,19 +35,19 @@ Binade binade_of(float x);
 
 /// Floats in order from one to another, both included: upwards, or downwards if `last` comes before `first`.
 struct FloatRange {
-    std::uint32_t first = 0, last = 0;  ///< positions
+    std::uint32_t first = 0, last = 0;  ///< indices
 
     bool operator==(const FloatRange&) const = default;
 
     [[nodiscard]] bool falls() const { return last < first; }
     [[nodiscard]] std::uint64_t size() const { return std::uint64_t{1} + (falls() ? first - last : last - first); }
-    /// The position after this many steps.
+    /// Index after `steps` steps from `first`.
     [[nodiscard]] std::uint32_t at(std::uint64_t steps) const {
         const auto n = static_cast<std::uint32_t>(steps);
         return falls() ? first - n : first + n;
     }
-    /// The number of steps to a position.
-    [[nodiscard]] std::uint64_t steps_to(std::uint32_t place) const { return falls() ? first - place : place - first; }
+    /// Number of steps from `first` to an index.
+    [[nodiscard]] std::uint64_t steps_to(std::uint32_t index) const { return falls() ? first - index : index - first; }
 };
 
 }  // namespace lostbits::scene::sweep

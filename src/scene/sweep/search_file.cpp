@@ -11,10 +11,11 @@ using toml::TableReader;
 
 namespace {
 
-/// Reads a file and applies changes to its one table. Their paths need not name the table.
-toml::Node read_changed(const std::filesystem::path& path, const std::string& table, std::vector<toml::Override> set) {
+/// Reads a file and applies changes to its one table. The paths of the changes need not name the table.
+toml::Node read_with_changes(const std::filesystem::path& path, const std::string& table,
+                             std::vector<toml::Override> changes) {
     toml::Node root = toml::read_toml(path);
-    for (toml::Override& change : set) {
+    for (toml::Override& change : changes) {
         if (!change.path.starts_with(table)) change.path = table + change.path;
         toml::apply_override(root, change);
     }
@@ -35,22 +36,24 @@ double distance_in_radii(const Ray<double>& ray, const Primitive<double>& primit
     return length(ray.origin - centre) / radius;
 }
 
-SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml::Override>& set) {
-    const toml::Node root = read_changed(path, "search.", set);
+SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml::Override>& changes) {
+    const toml::Node root = read_with_changes(path, "search.", changes);
     TableReader file(root);
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
     TableReader table = file.table("search");
-    const auto thrice = [&](std::string_view key) { ranges.insert(ranges.end(), 3, read_range(table, key)); };
-    thrice("origin");
-    thrice("direction");
-    // The shape whose first key and most other keys are present. If no first key is present, it may be misspelt.
-    const auto written = [&table](const ShapeRow& row) {
-        const auto is = [&table](const Key& key) { return table.has(key.name); };
-        return std::pair(is(row.keys.front()), std::ranges::count_if(row.keys, is));
+    const auto read_three_ranges = [&](std::string_view key) {
+        ranges.insert(ranges.end(), 3, read_range(table, key));
     };
-    shape = std::ranges::max(shape_rows, {}, written).shape;  // and the first of equals
+    read_three_ranges("origin");
+    read_three_ranges("direction");
+    // The shape whose first key and most other keys are present. If no first key is present, it may be misspelt.
+    const auto key_counts = [&table](const ShapeRow& row) {
+        const auto is_present = [&table](const Key& key) { return table.has(key.name); };
+        return std::pair(is_present(row.keys.front()), std::ranges::count_if(row.keys, is_present));
+    };
+    shape = std::ranges::max(shape_rows, {}, key_counts).shape;  // and the first shape if several are equal
     for (const Key& key : row_of(shape).keys) {
-        if (key.count() == 3) thrice(key.name);
+        if (key.count() == 3) read_three_ranges(key.name);
         else ranges.push_back(read_range(table, key.name));
     }
     if (is_round()) {
@@ -89,8 +92,8 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
 
 void SearchFile::read_aim(TableReader& table) {
     const auto aims = std::ranges::find(distributions(), shape, &DistributionRow::shape)->aims;
-    const std::string of = std::string(row_of(shape).plural);
-    if (aims.empty()) table.reject("aim", "names a place, and " + of + " have none; leave it out");
+    const std::string plural = std::string(row_of(shape).plural);
+    if (aims.empty()) table.reject("aim", "names a place, and " + plural + " have none; leave it out");
     aim = table.one_of("aim", aims);
     if (at_edge || exponents)
         table.reject("aim", "places the ray by itself, as at_edge and exponents do; leave one of them out");
@@ -117,8 +120,8 @@ bool SearchFile::holds(const Ray<double>& ray, const Primitive<double>& primitiv
 }
 
 EdgeSearchFile::EdgeSearchFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
-                               const std::vector<toml::Override>& set, intersect::process::StopToken stop) {
-    const toml::Node root = read_changed(path, "edge_search.", set);
+                               const std::vector<toml::Override>& changes, intersect::process::StopToken stop) {
+    const toml::Node root = read_with_changes(path, "edge_search.", changes);
     TableReader file(root);
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
     TableReader table = file.table("edge_search");

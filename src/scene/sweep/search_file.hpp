@@ -1,5 +1,6 @@
-// Searches in two forms: in ranges of every number of a ray and a primitive, for the worst ray of a form; and along
-// the edges of a mesh, for the smallest distance from which a form lets a ray through an edge or counts it twice.
+// Reads two kinds of searches. One kind searches in ranges of every number of a ray and a primitive, for the worst ray
+// of a form. The other searches along the edges of a mesh, for the smallest distance from which a form lets a ray
+// through an edge or counts the edge twice.
 #pragma once
 
 #include <cstdint>
@@ -29,22 +30,22 @@ double distance_in_radii(const Ray<double>& ray, const Primitive<double>& primit
 /// A sweep file with a `[search]` table in place of axes.
 class SearchFile : public SweepHead {
 public:
-    /// Throws InputError with a position for anything that is not a search. `set` changes keys of the table first:
-    /// `starts`, `radius`.
-    explicit SearchFile(const std::filesystem::path& path, const std::vector<toml::Override>& set = {});
+    /// Throws InputError with a position for anything that is not a search. `changes` are first applied to
+    /// keys of the table: `starts`, `radius`.
+    explicit SearchFile(const std::filesystem::path& path, const std::vector<toml::Override>& changes = {});
 
     Shape shape{};
-    /// True if its primitives are round, so that they have a distance and an impact in radii.
+    /// True if the primitives of the search are round, so that a ray has a distance and an impact in radii.
     [[nodiscard]] bool is_round() const { return row_of(shape).round; }
     /// The ranges of origin x, y, z, direction x, y, z, and the primitive's numbers, in this order.
     std::vector<SearchedRange> ranges;
-    /// Spheres only: eye to centre and line to centre, in radii. Losses of far rays and of rays near the silhouette
-    /// are expected; these ranges keep the search to rays that should be easy.
+    /// Spheres only: distances from the eye to the centre and from the line to the centre, in radii. Losses of far rays
+    /// and of rays near the silhouette are expected; these ranges keep the search to rays that should be easy.
     SearchedRange distance_radii{0, 0x1p1000}, impact_radii{0, 0x1p1000};
-    std::string metric = "lost_bits";  ///< to be maximised; a wrong decision counts more than any value
-    /// The metric is minimised instead, as for `bound_ratio`; hits only.
+    std::string metric = "lost_bits";  ///< the metric to maximise; a wrong decision counts more than any value
+    /// True if the metric is minimised instead, as for `bound_ratio`; then only hits count.
     bool smallest = false;
-    /// Wrong decisions are ignored; the search looks for the worst hit.
+    /// True if wrong decisions are ignored; the search looks for the worst hit.
     bool hits_only = false;
     std::uint64_t seed = 1;
     int starts = 16;       ///< random rays from which the search begins
@@ -53,15 +54,16 @@ public:
     /// last places from a power of two, where roundings are largest. Moves also flip single bits and change exponents.
     /// If absent, numbers are drawn uniformly from their ranges.
     std::optional<SearchedRange> exponents;
-    /// Boxes only: one plane by which the ray enters and one by which it leaves are drawn where the ray passes at the
-    /// same t, and the others at the ends of their ranges: an edge.
+    /// Boxes only: if true, rays are aimed at an edge. One plane by which the ray enters and one by which it leaves are
+    /// drawn where the ray passes them at the same t, and the other planes at the ends of their ranges.
     bool at_edge = false;
-    /// Place of the primitive at which rays are aimed, by the `aims` of the shape's ray distribution: a rim, an apex, a
-    /// line of the side. If absent, rays are aimed at any of its points.
+    /// Part of the primitive at which rays are aimed, by the `aims` of the shape's ray distribution: a rim, an apex, a
+    /// line of the side. If absent, rays are aimed at any point of the primitive.
     std::optional<int> aim;
-    SearchedRange distance{0x1p-10, 0x1p20};  ///< from the eye to that place, in halves of its size
-    /// Spheres only: the worst ray is the wrong decision nearest to the sphere, in radii. The search does not end with
-    /// the first.
+    /// From the eye to the part that `aim` names, in halves of the primitive's size.
+    SearchedRange distance{0x1p-10, 0x1p20};
+    /// Spheres only: if true, the worst ray is the wrong decision nearest to the sphere, in radii. The search does not
+    /// end with the first wrong decision.
     bool nearest = false;
 
     /// True if a ray and a primitive are in the ranges (the derived ranges to double precision) and are proper.
@@ -75,14 +77,14 @@ private:
 class EdgeSearchFile : public SweepHead {
 public:
     /// Throws InputError with a position for anything that is not such a search. A scene is looked up in `data_dir`.
-    /// `set` changes keys of the table first: `rays`, `census`, `seed`.
+    /// `changes` are first applied to keys of the table: `rays`, `census`, `seed`.
     EdgeSearchFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
-                   const std::vector<toml::Override>& set = {}, intersect::process::StopToken stop = {});
+                   const std::vector<toml::Override>& changes = {}, intersect::process::StopToken stop = {});
 
     /// The scene of the triangles: only meshes, shared by all formats. Its camera is not used.
     file::Scene scene;
     SearchedRange distance{1, 0x1p20};  ///< from the eye to the point of an edge, in lengths of the edge
-    int ulps = 2;                       ///< each component of a direction is moved by at most this many
+    int ulps = 2;                       ///< each component of a direction is moved by at most this many ulps
     std::uint64_t seed = 1;
     std::int64_t rays = 1 << 20;  ///< number of rays tried for each form and each outcome
     std::int64_t census = 20000;  ///< number of rays from the whole range whose outcomes are counted for each form

@@ -44,7 +44,7 @@ void fill(Axis& axis, TableReader& table) {
                 "leaves more than 100000 floats between from and to; bring them closer together, or try every float "
                 "of one ray: see data/sweeps/exhaustive-distance.toml");
         for (std::uint64_t n = 0; n < floats.size(); ++n) {
-            // A step is a value, and both zeros are one value: 0. An [axis] tries each of them.
+            // A step is a value, and both zeros are the value 0. An [axis] of every float tries each zero.
             const double x = static_cast<double>(float_at(floats.at(n))) + 0.0;
             if (axis.values.empty() || x != axis.values.back()) axis.values.push_back(x);
         }
@@ -54,11 +54,11 @@ void fill(Axis& axis, TableReader& table) {
     if (axis.spacing == S::log2 && (axis.from <= 0 || axis.to <= 0))
         table.fail_at("from", "and to must be positive with spacing = \"log2\"");
     for (long long i = 0; i < steps; ++i) {
-        const Real share = Real(i) / Real(steps - 1);
+        const Real fraction = Real(i) / Real(steps - 1);
         // Uses MPFR, because libm's exp2 and log2 differ between machines.
         const Real value = axis.spacing == S::log2
-                               ? Real(Real(axis.from) * pow(Real(Real(axis.to) / Real(axis.from)), share))
-                               : Real(Real(axis.from) + share * (Real(axis.to) - Real(axis.from)));
+                               ? Real(Real(axis.from) * pow(Real(Real(axis.to) / Real(axis.from)), fraction))
+                               : Real(Real(axis.from) + fraction * (Real(axis.to) - Real(axis.from)));
         const auto x = static_cast<double>(value);
         axis.values.push_back(axis.spacing == S::log2    ? to_12_bits(x)
                               : axis.spacing == S::whole ? std::nearbyint(x)
@@ -67,8 +67,8 @@ void fill(Axis& axis, TableReader& table) {
     axis.values.erase(std::unique(axis.values.begin(), axis.values.end()), axis.values.end());
 }
 
-/// Reads a string that is one of the names. A mark with an unknown name would silently not be drawn.
-std::string known(TableReader& table, std::string_view key, const std::vector<std::string>& names) {
+/// Reads a string that is one of `names`. A mark with an unknown name would silently not be drawn.
+std::string read_name(TableReader& table, std::string_view key, const std::vector<std::string>& names) {
     std::string name = table.string(key);
     if (std::ranges::find(names, name) == names.end())
         table.fail_at(key, "is \"" + name + "\"; " + toml::did_you_mean(name, names));
@@ -91,7 +91,8 @@ Axis read_axis(TableReader table, const std::string& prefix) {
     axis.spacing = table.one_of<S>("spacing", spacings);
     axis.from = static_cast<double>(table.number("from"));
     axis.to = static_cast<double>(table.number("to"));
-    // The axis may run downwards: an onset is the first problem in the order of the steps, and some are below.
+    // The axis may run downwards: an onset is the first problem in the order of the steps, and some problems are at
+    // small values.
     if (axis.from == axis.to) table.fail_at("to", "equals from, which leaves nothing to sweep");
     fill(axis, table);
     const auto paths = table.strings("set");
@@ -109,24 +110,25 @@ Axis read_axis(TableReader table, const std::string& prefix) {
 }
 
 SweepFile::Mark read_mark(TableReader& mark) {
-    SweepFile::Mark m{.at = static_cast<double>(mark.number("at")),
-                      .label = mark.string("label"),
-                      .format = mark.optional_string("format").value_or("")};
+    SweepFile::Mark result{.at = static_cast<double>(mark.number("at")),
+                           .label = mark.string("label"),
+                           .format = mark.optional_string("format").value_or("")};
     if (auto measured = mark.optional_table("measured")) {
-        m.form = known(*measured, "form", form_names());
-        m.event = measured->has("event")
-                      ? known(*measured, "event",
-                              {"lost_bits", "false_hit", "false_miss", "not_a_number", "wrong_primitive", "crack",
-                               "double_hit", "out_of_order", "max_dist", "max_steps", "stagnated"})
-                      : "lost_bits";
-        m.statistic = measured->has("statistic") ? known(*measured, "statistic", {"p50", "p99", "max", "count"})
-                      : m.event == "lost_bits"   ? "p50"
-                                                 : "count";
-        m.threshold = static_cast<double>(measured->number("threshold"));
+        result.form = read_name(*measured, "form", form_names());
+        result.event = measured->has("event")
+                           ? read_name(*measured, "event",
+                                       {"lost_bits", "false_hit", "false_miss", "not_a_number", "wrong_primitive",
+                                        "crack", "double_hit", "out_of_order", "max_dist", "max_steps", "stagnated"})
+                           : "lost_bits";
+        result.statistic = measured->has("statistic")
+                               ? read_name(*measured, "statistic", {"p50", "p99", "max", "count"})
+                           : result.event == "lost_bits" ? "p50"
+                                                         : "count";
+        result.threshold = static_cast<double>(measured->number("threshold"));
         measured->reject_unknown_keys();
     }
     mark.reject_unknown_keys();
-    return m;
+    return result;
 }
 
 }  // namespace
@@ -140,7 +142,7 @@ double Axis::middle(double a, double b) const {
     }
     const std::uint32_t low = index_of(static_cast<float>(a)), high = index_of(static_cast<float>(b));
     const std::uint32_t half = low < high ? low + (high - low) / 2 : high + (low - high + 1) / 2;
-    return static_cast<double>(float_at(half)) + 0.0;  // of the two zeros, the one above
+    return static_cast<double>(float_at(half)) + 0.0;  // of the two zeros, +0
 }
 
 SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
@@ -159,22 +161,22 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
                    "both axes are named \"" + axes[0].name + "\"; give each its own name: they become column names");
     for (TableReader& mark : file.tables("mark")) marks.push_back(read_mark(mark));
     file.reject_unknown_keys();
-    refuse_what_axes_set(changes);
-    try_both_ends();
+    reject_changes_of_axes(changes);
+    read_both_ends();
 }
 
-/// Applies changes to the file, and keeps those of its scene for later.
+/// Applies changes to the file, and stores the changes of its scene for later.
 void SweepFile::change(const SweepChanges& changes) {
-    const bool scene = TableReader(root_).has("scene");
+    const bool has_scene = TableReader(root_).has("scene");
     const std::string name = root_.where.source;
-    if (changes.size && !scene)
+    if (changes.size && !has_scene)
         throw InputError(name +
                          ": --size is for the picture of a scene, but this sweep draws random rays; try "
                          "--set rays=N or --set views=N");
     size_ = changes.size;
     for (toml::Override change : changes.set) {
-        const bool in_file = change.path.starts_with("axis[") || (!scene && change.path.starts_with("march."));
-        if (scene && !in_file) {
+        const bool in_file = change.path.starts_with("axis[") || (!has_scene && change.path.starts_with("march."));
+        if (has_scene && !in_file) {
             changes_.push_back(std::move(change));
             continue;
         }
@@ -200,8 +202,8 @@ void SweepFile::change(const SweepChanges& changes) {
     }
 }
 
-/// Refuses a change of a number that an axis sets at every step, because it would silently have no effect.
-void SweepFile::refuse_what_axes_set(const SweepChanges& changes) const {
+/// Fails for a change of a number that an axis sets at every step, because this change would silently have no effect.
+void SweepFile::reject_changes_of_axes(const SweepChanges& changes) const {
     for (const toml::Override& change : changes.set) {
         for (const Axis& axis : axes) {
             for (const Axis::Target& target : axis.targets) {
@@ -219,9 +221,9 @@ void SweepFile::refuse_what_axes_set(const SweepChanges& changes) const {
 /// Reads the subject of the sweep, and its axes, whose paths belong to the subject.
 void SweepFile::read_subject(TableReader& file, const std::filesystem::path& data_dir) {
     const auto scene = file.optional_string("scene");
-    const auto named =
+    const auto distribution_count =
         std::ranges::count_if(distributions(), [&](const DistributionRow& row) { return file.has(row.table); });
-    if (named + int{scene.has_value()} != 1)
+    if (distribution_count + int{scene.has_value()} != 1)
         toml::fail(file.where(),
                    "a sweep is over either scene = \"…\", " + distribution_tables() +
                        "; write one of them, or [[ray]] tables and their primitive to try every float of a number");
@@ -242,8 +244,8 @@ void SweepFile::read_subject(TableReader& file, const std::filesystem::path& dat
     for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, prefix));
 }
 
-/// Tries both ends of the axes, so that errors show up before the first of a thousand steps.
-void SweepFile::try_both_ends() {
+/// Reads the rays at both ends of the axes, so that errors show up before the first of a thousand steps.
+void SweepFile::read_both_ends() {
     for (const bool last : {false, true}) {
         std::vector<double> values;
         for (const Axis& axis : axes) values.push_back(last ? axis.values.back() : axis.values.front());
@@ -299,9 +301,9 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
 }
 
 SweepFile SweepFile::with_seed_offset(int offset) const {
-    SweepFile other = *this;
-    other.seed_offset_ += static_cast<std::uint64_t>(offset);
-    return other;
+    SweepFile result = *this;
+    result.seed_offset_ += static_cast<std::uint64_t>(offset);
+    return result;
 }
 
 RayGroup SweepFile::first_rays() const {
@@ -317,31 +319,31 @@ bool is_sweep_file(const std::filesystem::path& path) {
 }
 
 std::filesystem::path find_sweep(const std::string& name_or_path, const std::filesystem::path& data_dir) {
-    std::error_code none;
-    const auto there = std::filesystem::status(name_or_path, none);
-    if (std::filesystem::is_regular_file(there)) return name_or_path;
-    if (std::filesystem::exists(there) && (!is_directory(there) || name_or_path.ends_with(".toml")))
+    std::error_code ignored;
+    const auto status = std::filesystem::status(name_or_path, ignored);
+    if (std::filesystem::is_regular_file(status)) return name_or_path;
+    if (std::filesystem::exists(status) && (!is_directory(status) || name_or_path.ends_with(".toml")))
         throw InputError(name_or_path + ": is a folder or a pipe; name a .toml file, because it may be read twice");
     // `hard/padding` is found only by its whole name, because the search that found it has the same last part.
-    if (const auto hard = data_dir / (name_or_path + ".toml");
-        name_or_path.starts_with("hard/") && std::filesystem::is_regular_file(hard))
-        return hard;
+    if (const auto hard_case = data_dir / (name_or_path + ".toml");
+        name_or_path.starts_with("hard/") && std::filesystem::is_regular_file(hard_case))
+        return hard_case;
     std::vector<std::string> names;
     const auto folder = data_dir / "sweeps";
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, none)) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, ignored)) {
         if (entry.path().extension() == ".toml")
             names.push_back(entry.path().lexically_relative(folder).replace_extension().string());
     }
     std::ranges::sort(names);
     if (std::ranges::find(names, name_or_path) != names.end()) return folder / (name_or_path + ".toml");
     // `near` stands for `worst/near` if only one file has that name. The file's results have that name too.
-    const auto last_part = [&](const std::string& name) {
+    const auto has_last_part = [&](const std::string& name) {
         return std::filesystem::path(name).filename() == name_or_path;
     };
-    if (std::ranges::count_if(names, last_part) == 1)
-        return folder / (*std::ranges::find_if(names, last_part) + ".toml");
-    if (const std::string meant = toml::nearby_file(name_or_path); !meant.empty())
-        throw InputError(name_or_path + ": no such file; " + meant);
+    if (std::ranges::count_if(names, has_last_part) == 1)
+        return folder / (*std::ranges::find_if(names, has_last_part) + ".toml");
+    if (const std::string hint_text = toml::nearby_file(name_or_path); !hint_text.empty())
+        throw InputError(name_or_path + ": no such file; " + hint_text);
     const std::string hint = toml::did_you_mean(std::filesystem::path(name_or_path).stem().string(), names);
     throw InputError(name_or_path + ": is neither a file nor the name of a sweep in " + folder.string() +
                      (hint.empty() ? "; check the path" : "; " + hint));

@@ -1,4 +1,4 @@
-// A sweep: a scene or a ray distribution, and one or two of its numbers that take many values.
+// Reads a sweep: a scene or a ray distribution, and one or two axes on which its numbers take many values.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@ struct Axis : AxisName {
     enum class Spacing { linear, log2, every_float, whole };
     Spacing spacing = Spacing::log2;
     double from = 1, to = 2;
-    std::vector<double> values;  ///< in order; log2 steps are rounded to 12 significant bits
+    std::vector<double> values;  ///< in order; values with log2 spacing are rounded to 12 significant bits
     struct Target {
         std::string path;   ///< in the scene, or in the table of the ray distribution
         double factor = 1;  ///< the path is set to base + factor · value
@@ -30,7 +30,7 @@ struct Axis : AxisName {
     [[nodiscard]] double middle(double a, double b) const;
 };
 
-/// The changes to a sweep before a run begins.
+/// Changes to a sweep before a run begins.
 struct SweepChanges {
     std::optional<std::pair<int, int>> size = {};  ///< size of the scene's picture, and so the number of rays per step
     /// Assignments to paths of the scene or of the table of the ray distribution, as in an axis; also to paths that
@@ -47,8 +47,8 @@ public:
               const SweepChanges& changes = {}, intersect::process::StopToken stop = {});
 
     std::vector<Axis> axes;  ///< one or two
-    std::optional<intersect::Touching>
-        convention;  ///< the convention on touching by which all forms are judged; absent: each form's own
+    /// Convention on touching by which all forms are judged; absent: each form's own.
+    std::optional<intersect::Touching> convention;
 
     /// A predicted position on the first axis, which a plot marks. It is for one format, or for all if `format` is
     /// empty. If `form` is not empty, the measured onset of that form is drawn beside the mark.
@@ -72,19 +72,19 @@ public:
     [[nodiscard]] std::filesystem::path scene_path() const { return scene_ ? scene_->path() : std::filesystem::path(); }
     /// True if the rays are random: rays of a ray distribution are, rays of a scene are not.
     [[nodiscard]] bool has_random_rays() const { return !scene_; }
-    /// The same sweep with other random rays: its seed is `offset` larger.
+    /// Returns this sweep with other random rays: its seed is `offset` larger.
     [[nodiscard]] SweepFile with_seed_offset(int offset) const;
 
-    /// The rays of one step, one value per axis.
+    /// The rays of one step. `values` has one value per axis.
     [[nodiscard]] std::vector<rays::RayGroup> rays(const std::vector<double>& values) const;
     /// The first group of rays of the first step. It shows which primitives and march constants the sweep has.
     [[nodiscard]] rays::RayGroup first_rays() const;
 
 private:
     void change(const SweepChanges& changes);
-    void refuse_what_axes_set(const SweepChanges& changes) const;
+    void reject_changes_of_axes(const SweepChanges& changes) const;
     void read_subject(toml::TableReader& file, const std::filesystem::path& data_dir);
-    void try_both_ends();
+    void read_both_ends();
 
     toml::Node root_;
     std::optional<file::SceneFile> scene_;

@@ -24,7 +24,7 @@ constexpr std::pair<std::string_view, Touching> conventions[] = {{convention_nam
                                                                  {convention_name(Touching::miss), Touching::miss}};
 
 /// Returns `distance, in radii` for `distance_radii`: a unit at the end of the name is not repeated.
-std::string words_of(std::string name, const std::string& unit) {
+std::string default_label(std::string name, const std::string& unit) {
     const std::string plural = unit == "r" ? "radii" : unit;
     if (!unit.empty() && name.ends_with("_" + plural)) name.resize(name.size() - plural.size() - 1);
     std::ranges::replace(name, '_', ' ');
@@ -34,19 +34,19 @@ std::string words_of(std::string name, const std::string& unit) {
 }  // namespace
 
 AxisName read_axis_name(toml::TableReader& axis) {
-    AxisName read{axis.string("name"), axis.optional_string("unit").value_or(""), "", axis.where("name")};
-    const bool plain = !read.name.empty() && std::ranges::all_of(read.name, [](char c) {
+    AxisName axis_name{axis.string("name"), axis.optional_string("unit").value_or(""), "", axis.where("name")};
+    const bool is_plain = !axis_name.name.empty() && std::ranges::all_of(axis_name.name, [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
     });
-    if (!plain)
+    if (!is_plain)
         axis.fail_at("name", "must be a column name of lower-case letters, digits and _, such as \"distance_radii\"");
-    read.label = axis.has("label") ? axis.title("label") : words_of(read.name, read.unit);
-    return read;
+    axis_name.label = axis.has("label") ? axis.title("label") : default_label(axis_name.name, axis_name.unit);
+    return axis_name;
 }
 
-std::optional<Touching> convention_named(std::string_view word) {
-    for (const auto& [name, touching] : conventions)
-        if (name == word) return touching;
+std::optional<Touching> convention_named(std::string_view name) {
+    for (const auto& [known_name, touching] : conventions)
+        if (known_name == name) return touching;
     return std::nullopt;
 }
 

@@ -1,5 +1,5 @@
-// The common parts of sweep files: their head, their axes, the convention by which forms are judged, and the scenes
-// that they name.
+// Reads the common parts of sweep files: their head, their axes, the convention by which forms are judged, and the
+// scenes that they name.
 #pragma once
 
 #include <filesystem>
@@ -20,29 +20,29 @@ struct SweepHead {
     std::string id, title, source, note;
 };
 
-/// Reads the head of the file at `path`. Throws InputError with a position if it is of another kind, or has no title
-/// or source.
+/// Reads the head of the file at `path`. Throws InputError with a position if the file is of another kind, or has no
+/// title or source.
 SweepHead read_sweep_head(toml::TableReader& file, const std::filesystem::path& path);
 
 struct AxisName {
-    std::string name;        ///< column and label: `distance_over_radius`
+    std::string name;        ///< name of the column: `distance_over_radius`
     std::string unit;        ///< unit of the values; may be empty
-    std::string label;       ///< the label in plots, in words and with its unit: `distance, in radii`
+    std::string label;       ///< label in plots, in words and with the unit: `distance, in radii`
     toml::Where where = {};  ///< position of the name
 };
 
-/// Throws InputError if the name cannot be that of a column.
+/// Reads the name of an axis. Throws InputError if it is not a valid name of a column.
 AxisName read_axis_name(toml::TableReader& axis);
 
-/// Returns the convention of a word. `closed`: touching is a hit; `open`: it is a miss (`intersect::convention_name`
-/// writes them). Returns nothing for any other word.
-std::optional<intersect::Touching> convention_named(std::string_view word);
+/// Returns the convention with this name. `closed`: touching is a hit; `open`: touching is a miss
+/// (`intersect::convention_name` writes these names). Returns nothing for any other name.
+std::optional<intersect::Touching> convention_named(std::string_view name);
 
-/// Reads the key `convention` of a table, which is one of the two words. Returns nothing if it is missing.
+/// Reads the key `convention` of a table, `closed` or `open`. Returns nothing if the key is missing.
 std::optional<intersect::Touching> read_convention(toml::TableReader& table);
 
-/// Finds the scene that the key `scene` of a table names: a file beside the table's own, or one of the data folder.
-/// Throws InputError with its position if there is none.
+/// Finds the scene that the key `scene` of a table names: a file in the folder of the table's file, or a scene of the
+/// data folder. Throws InputError with the position of the key if there is no such scene.
 file::SceneName find_scene_of(const toml::TableReader& table, const std::string& name,
                               const std::filesystem::path& data_dir);
 

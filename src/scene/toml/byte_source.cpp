@@ -28,7 +28,7 @@ ByteSource::ByteSource(const std::filesystem::path& path, intersect::process::St
 }
 
 void ByteSource::open(Opens opens) {
-    // `open` would wait for a pipe that nobody writes to. O_NONBLOCK changes nothing for a file.
+    // Without O_NONBLOCK, `open` would wait for a pipe that no process writes to. O_NONBLOCK has no effect on a file.
     const int flags = O_RDONLY | O_CLOEXEC | (opens == Opens::files ? O_NONBLOCK : 0);
     do {
         stop_.check();
@@ -48,33 +48,35 @@ ByteSource::~ByteSource() { ::close(fd_); }
 void ByteSource::fail(const std::string& what) const { throw EnvironmentError(name_ + ": " + what); }
 
 template <class ReadSome>
-std::size_t ByteSource::fill(std::string& to, std::size_t most, const ReadSome& read_some) const {
+std::size_t ByteSource::fill(std::string& buffer, std::size_t most, const ReadSome& read_some) const {
     constexpr std::size_t first_piece = std::size_t{1} << 20;
-    const std::size_t begin = to.size();
+    const std::size_t begin = buffer.size();
     // A file is usually shorter than a block, and clearing a buffer takes longer than reading into it. For a pipe the
     // buffer doubles each time it is full.
-    to.resize(begin + static_cast<std::size_t>(std::min<std::uint64_t>(most, size_ ? *size_ + 1 : first_piece)));
-    std::size_t got = 0;
-    while (got < most) {
+    buffer.resize(begin + static_cast<std::size_t>(std::min<std::uint64_t>(most, size_ ? *size_ + 1 : first_piece)));
+    std::size_t bytes_read = 0;
+    while (bytes_read < most) {
         stop_.check();
-        if (begin + got == to.size()) to.resize(begin + std::min(most, std::max(first_piece, 2 * got)));
-        const ssize_t n = read_some(to.data() + begin + got, to.size() - begin - got, got);
+        if (begin + bytes_read == buffer.size())
+            buffer.resize(begin + std::min(most, std::max(first_piece, 2 * bytes_read)));
+        const ssize_t n = read_some(buffer.data() + begin + bytes_read, buffer.size() - begin - bytes_read, bytes_read);
         if (n < 0 && errno == EINTR) continue;
         if (n < 0) fail(std::string("cannot read: ") + std::strerror(errno));
         if (n == 0) break;
-        got += static_cast<std::size_t>(n);
+        bytes_read += static_cast<std::size_t>(n);
     }
-    to.resize(begin + got);
-    return got;
+    buffer.resize(begin + bytes_read);
+    return bytes_read;
 }
 
-std::size_t ByteSource::read(std::string& to, std::size_t most) {
-    return fill(to, most, [this](char* buffer, std::size_t size, std::size_t) { return ::read(fd_, buffer, size); });
+std::size_t ByteSource::read(std::string& buffer, std::size_t most) {
+    return fill(buffer, most,
+                [this](char* destination, std::size_t size, std::size_t) { return ::read(fd_, destination, size); });
 }
 
-std::size_t ByteSource::read_at(std::uint64_t place, std::string& to, std::size_t most) const {
-    return fill(to, most, [&](char* buffer, std::size_t size, std::size_t got) {
-        return ::pread(fd_, buffer, size, static_cast<off_t>(place + got));
+std::size_t ByteSource::read_at(std::uint64_t offset, std::string& buffer, std::size_t most) const {
+    return fill(buffer, most, [&](char* destination, std::size_t size, std::size_t bytes_read) {
+        return ::pread(fd_, destination, size, static_cast<off_t>(offset + bytes_read));
     });
 }
 

@@ -26,17 +26,18 @@ public:
     [[nodiscard]] const std::string& name() const { return name_; }
     /// Size of a regular file; nothing for a pipe.
     [[nodiscard]] std::optional<std::uint64_t> size() const { return size_; }
-    /// Appends up to `most` of the next bytes. Returns their number, which is less only at the end.
-    std::size_t read(std::string& to, std::size_t most);
-    /// Appends up to `most` bytes from a position in a regular file. Returns the same.
-    std::size_t read_at(std::uint64_t place, std::string& to, std::size_t most) const;
+    /// Appends up to `most` of the next bytes to `buffer`. Returns the number of bytes, which is less than `most` only
+    /// at the end.
+    std::size_t read(std::string& buffer, std::size_t most);
+    /// Appends up to `most` bytes from an offset in a regular file. Returns the number of bytes, as `read` does.
+    std::size_t read_at(std::uint64_t offset, std::string& buffer, std::size_t most) const;
 
 private:
     void open(Opens opens);
     [[noreturn]] void fail(const std::string& what) const;
-    /// Appends up to `most` bytes. Calls `read_some(buffer, size, got)` until it returns none.
+    /// Appends up to `most` bytes to `buffer`. Calls `read_some(destination, size, bytes_read)` until it returns 0.
     template <class ReadSome>
-    std::size_t fill(std::string& to, std::size_t most, const ReadSome& read_some) const;
+    std::size_t fill(std::string& buffer, std::size_t most, const ReadSome& read_some) const;
 
     std::string name_;
     intersect::process::StopToken stop_;

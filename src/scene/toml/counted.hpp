@@ -1,4 +1,4 @@
-// Counts with their noun: `1 ray`, `2 rays`.
+// Writes counts with their noun: `1 ray`, `2 rays`.
 #pragma once
 
 #include <string>

@@ -16,20 +16,20 @@ int most_edits(std::size_t letters) {
     return static_cast<int>(letters / 3);
 }
 
-/// Returns the candidate that `fits`, if there is only one.
-template <class Fits>
-std::optional<std::string> only_one(const std::vector<std::string>& candidates, const Fits& fits) {
-    const auto found = std::ranges::find_if(candidates, fits);
-    if (found == candidates.end() || std::find_if(found + 1, candidates.end(), fits) != candidates.end()) return {};
+/// Returns the candidate for which `matches` is true, if there is exactly one.
+template <class Matches>
+std::optional<std::string> single_match(const std::vector<std::string>& candidates, const Matches& matches) {
+    const auto found = std::ranges::find_if(candidates, matches);
+    if (found == candidates.end() || std::find_if(found + 1, candidates.end(), matches) != candidates.end()) return {};
     return *found;
 }
 
 /// True if the letters of `part` appear in `whole` in their order, beginning with its first letter.
-bool is_left_of(std::string_view part, std::string_view whole) {
+bool is_subsequence(std::string_view part, std::string_view whole) {
     if (part.size() < 3 || part.front() != whole.front()) return false;
-    std::size_t at = 0;
-    for (const char c : whole) at += at < part.size() && part[at] == c;
-    return at == part.size();
+    std::size_t matched = 0;
+    for (const char c : whole) matched += matched < part.size() && part[matched] == c;
+    return matched == part.size();
 }
 
 }  // namespace
@@ -38,7 +38,7 @@ std::string excerpt(std::string_view text) {
     constexpr std::size_t most_bytes = 400;
     if (text.size() <= most_bytes) return std::string(text);
     std::size_t end = most_bytes / 4;
-    while ((text[end] & 0xC0) == 0x80) --end;  // no letter is cut
+    while ((text[end] & 0xC0) == 0x80) --end;  // so that no letter is cut
     return std::string(text.substr(0, end)) + "... (" + std::to_string(text.size()) + " bytes)";
 }
 
@@ -46,18 +46,18 @@ std::string quoted_excerpt(std::string_view text) { return '"' + excerpt(text) +
 
 int edit_distance(std::string_view a, std::string_view b) {
     // Three rows of the table are kept, because a swap looks two rows back.
-    std::vector<int> two_back(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+    std::vector<int> two_back(b.size() + 1), previous(b.size() + 1), row(b.size() + 1);
     for (std::size_t j = 0; j <= b.size(); ++j) row[j] = static_cast<int>(j);
     for (std::size_t i = 1; i <= a.size(); ++i) {
-        two_back.swap(last);
-        last.swap(row);
+        two_back.swap(previous);
+        previous.swap(row);
         row[0] = static_cast<int>(i);
         for (std::size_t j = 1; j <= b.size(); ++j) {
-            const bool same = lower(a[i - 1]) == lower(b[j - 1]);
-            row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (same ? 0 : 1)});
-            const bool swapped =
+            const bool is_same = lower(a[i - 1]) == lower(b[j - 1]);
+            row[j] = std::min({previous[j] + 1, row[j - 1] + 1, previous[j - 1] + (is_same ? 0 : 1)});
+            const bool is_swap =
                 i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
-            if (swapped) row[j] = std::min(row[j], two_back[j - 2] + 1);
+            if (is_swap) row[j] = std::min(row[j], two_back[j - 2] + 1);
         }
     }
     return row[b.size()];
@@ -65,10 +65,11 @@ int edit_distance(std::string_view a, std::string_view b) {
 
 namespace {
 
-/// Keeps the candidate, whole or by a part of it, that takes the fewest edits so far.
-class Fewest {
+/// Stores the candidate that needs the fewest edits so far. A candidate is compared as a whole, or by a part of its
+/// name.
+class FewestEdits {
 public:
-    explicit Fewest(std::string_view word) : edits(most_edits(word.size()) + 1), word_(word) {}
+    explicit FewestEdits(std::string_view word) : edits(most_edits(word.size()) + 1), word_(word) {}
     void consider(std::string_view part, const std::string& candidate) {
         // Each edit changes the length by at most one, so a name of a megabyte is rejected at once.
         const std::size_t longer = std::max(word_.size(), part.size()), shorter = std::min(word_.size(), part.size());
@@ -86,8 +87,8 @@ private:
     std::string_view word_;
 };
 
-Fewest fewest_edits(std::string_view word, const std::vector<std::string>& candidates) {
-    Fewest fewest(word);
+FewestEdits fewest_edits(std::string_view word, const std::vector<std::string>& candidates) {
+    FewestEdits fewest(word);
     for (const std::string& candidate : candidates) fewest.consider(candidate, candidate);
     return fewest;
 }
@@ -99,12 +100,13 @@ std::optional<std::string> slip_of(std::string_view word, const std::vector<std:
 }
 
 std::optional<std::string> closest(std::string_view word, const std::vector<std::string>& candidates) {
-    Fewest fewest = fewest_edits(word, candidates);
-    // A name that is not complete, or has another ending: `sphere-dist`, `ulps`.
+    FewestEdits fewest = fewest_edits(word, candidates);
+    // Finds a name that is not complete, or has another ending: `sphere-dist`, `ulps`.
     if (fewest.edits > 1 && word.size() >= 3) {
-        const std::string_view begin = word.substr(0, std::max<std::size_t>(3, word.size() - 1));
-        for (const std::string_view start : {word, begin})
-            if (auto one = only_one(candidates, [&](const std::string& c) { return c.starts_with(start); })) return one;
+        const std::string_view without_last_letter = word.substr(0, std::max<std::size_t>(3, word.size() - 1));
+        for (const std::string_view prefix : {word, without_last_letter})
+            if (auto match = single_match(candidates, [&](const std::string& c) { return c.starts_with(prefix); }))
+                return match;
     }
     // If no whole name is near, compare the last part of the names: `unified` is `sphere.unified`.
     if (fewest.best || word.find_first_of("./") != std::string_view::npos) return fewest.best;
@@ -114,12 +116,13 @@ std::optional<std::string> closest(std::string_view word, const std::vector<std:
         if (part.size() > 2) fewest.consider(part, candidate);
     }
     if (fewest.best) return fewest.best;
-    return only_one(candidates, [&](const std::string& c) { return is_left_of(c, word); });  // `ouput`: out
+    return single_match(candidates, [&](const std::string& c) { return is_subsequence(c, word); });  // `ouput`: out
 }
 
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
     if (candidates.empty()) return "";
-    if (const auto near = closest(word, candidates)) return "did you mean " + quoted_excerpt(*near) + "?";
+    if (const auto closest_name = closest(word, candidates))
+        return "did you mean " + quoted_excerpt(*closest_name) + "?";
     std::string text = "known here: ";
     for (std::size_t i = 0; i < std::min(candidates.size(), most_listed); ++i)
         text += (i > 0 ? ", " : "") + quoted_excerpt(candidates[i]);

@@ -1,4 +1,4 @@
-// Advice for an unknown name: the same words for keys, scenes, forms, formats and metrics.
+// Gives advice for an unknown name, in the same words for keys, scenes, forms, formats and metrics.
 #pragma once
 
 #include <optional>
@@ -12,8 +12,9 @@ namespace lostbits::scene::toml {
 /// ("optimal string alignment"). Upper and lower case count as the same letter.
 int edit_distance(std::string_view a, std::string_view b);
 
-/// Returns the candidate nearest to `word`, the first of equals, if a typing error explains the difference: at most
-/// one edit in a word of up to five letters, two up to eight, then a third of its length.
+/// Returns the candidate with the fewest edits from `word` (the first if several have equally many), if a typing error
+/// explains the difference: at most one edit in a word of up to five letters, two up to eight, then a third of its
+/// length.
 std::optional<std::string> slip_of(std::string_view word, const std::vector<std::string>& candidates);
 
 /// Returns `slip_of`, or the only candidate that begins with `word` or with all but its last letter, or whose letters
@@ -22,7 +23,7 @@ std::optional<std::string> closest(std::string_view word, const std::vector<std:
 
 /// Shortens a user's text for messages: of a long text, its first letters and the number of its bytes.
 std::string excerpt(std::string_view text);
-/// The same excerpt in quotes.
+/// Returns `excerpt` in quotes.
 std::string quoted_excerpt(std::string_view text);
 
 /// Returns the end of an error message: `did you mean "camera"?`, or, if nothing is near, `known here: "camera",

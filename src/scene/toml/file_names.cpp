@@ -26,17 +26,17 @@ std::string result_name(const std::filesystem::path& file) {
 
 std::string nearby_file(const std::filesystem::path& path) {
     std::vector<std::string> names;
-    std::error_code none;
+    std::error_code ignored;
     const auto folder = path.parent_path();
-    for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder, none)) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder, ignored)) {
         if (entry.path().extension() == ".toml" && entry.path().filename() != path.filename())
             names.push_back(entry.path().filename().string());
     }
     std::ranges::sort(names);
     const std::string name = path.filename().string();
-    const bool bare = std::ranges::find(names, name + ".toml") != names.end();
-    const auto near = bare ? std::optional(name + ".toml") : closest(name, names);
-    return near ? "did you mean \"" + (folder / *near).string() + "\"?" : "";
+    const bool lacks_ending = std::ranges::find(names, name + ".toml") != names.end();
+    const auto closest_name = lacks_ending ? std::optional(name + ".toml") : closest(name, names);
+    return closest_name ? "did you mean \"" + (folder / *closest_name).string() + "\"?" : "";
 }
 
 std::string error_phrase(const std::filesystem::filesystem_error& error) {
@@ -45,8 +45,8 @@ std::string error_phrase(const std::filesystem::filesystem_error& error) {
            "; check the path, and the links on it";
 }
 
-std::filesystem::path folder_of_data(const std::filesystem::path& data, const std::string& what) {
-    const std::filesystem::path folder = data / what;
+std::filesystem::path folder_of_data(const std::filesystem::path& data_dir, const std::string& folder_name) {
+    const std::filesystem::path folder = data_dir / folder_name;
     std::error_code error;
     const auto status = std::filesystem::status(folder, error);
     if (std::filesystem::is_directory(status)) return folder;
@@ -54,7 +54,7 @@ std::filesystem::path folder_of_data(const std::filesystem::path& data, const st
     throw InputError(
         folder.string() +
         (is_missing ? ": this folder does not exist; run in the project folder, or " : ": is not a folder; ") +
-        "name the folder that contains " + what + "/ with --data, or in LOSTBITS_DATA");
+        "name the folder that contains " + folder_name + "/ with --data, or in LOSTBITS_DATA");
 }
 
 }  // namespace lostbits::scene::toml

@@ -14,12 +14,13 @@ namespace lostbits::scene::toml {
 /// nearest name, if a typing error explains the difference. Otherwise empty.
 std::string nearby_file(const std::filesystem::path& path);
 
-/// The message for a path that the system cannot resolve: links in a circle, a part that is a file, a folder that may
-/// not be read.
+/// Returns the message for a path that the system cannot resolve: links in a circle, a part that is a file, a folder
+/// that may not be read.
 [[nodiscard]] std::string error_phrase(const std::filesystem::filesystem_error& error);
 
-/// The folder `scenes`, `sweeps` or `claims` of the data folder. Throws InputError if it does not exist, since an empty
-/// list would hide that.
-[[nodiscard]] std::filesystem::path folder_of_data(const std::filesystem::path& data, const std::string& what);
+/// Returns the folder `scenes`, `sweeps` or `claims` of the data folder. Throws InputError if it does not exist, since
+/// an empty list would hide this fault.
+[[nodiscard]] std::filesystem::path folder_of_data(const std::filesystem::path& data_dir,
+                                                   const std::string& folder_name);
 
 }  // namespace lostbits::scene::toml

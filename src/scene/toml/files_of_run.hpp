@@ -1,4 +1,4 @@
-// Keeps a run from writing a file that it reads, so that no scene, sweep, claim, file of rays or library is
+// Prevents a run from writing a file that it reads, so that no scene, sweep, claim, file of rays or library is
 // overwritten.
 #pragma once
 
@@ -6,11 +6,12 @@
 
 namespace lostbits::scene::toml {
 
-/// Records the files of a run. While an object lives, readers record what they read and writers what they write.
-/// Without one, nothing is recorded. If there are several, the youngest counts.
+/// Records the files of a run. While a `FilesOfRun` exists, readers record the files that they read, and writers the
+/// files that they write. If none exists, no file is recorded. If there are several, files are recorded in the
+/// youngest.
 ///
-/// Files are compared by device and number, so a link or another spelling of a path is the same file. Devices, pipes
-/// and files that do not exist yet are not recorded.
+/// Files are compared by device and inode number, so a link or another spelling of a path is the same file. Devices,
+/// pipes and files that do not exist yet are not recorded.
 class FilesOfRun {
 public:
     FilesOfRun();
@@ -19,10 +20,10 @@ public:
     FilesOfRun& operator=(const FilesOfRun&) = delete;
 };
 
-/// Called by a reader before it reads. Throws InputError if the run writes that file.
+/// Called by a reader before it reads. Throws InputError if the run writes the same file.
 void note_read(const std::filesystem::path& path);
 
-/// Called by a writer before it replaces or removes a file. Throws InputError if the run reads that file.
+/// Called by a writer before it replaces or removes a file. Throws InputError if the run reads the same file.
 void note_written(const std::filesystem::path& path);
 
 }  // namespace lostbits::scene::toml

@@ -1,4 +1,4 @@
-// Names of earlier versions that files may still hold, with the names of today.
+// Names of earlier versions that files may still use, with their current names.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace lostbits::scene::toml {
 
-/// Columns of tables and values of keys: the former name and the name of today. CHANGELOG.md lists them for users.
+/// Columns of tables and values of keys: the former name and the current name. CHANGELOG.md lists them for users.
 inline constexpr std::array<std::pair<std::string_view, std::string_view>, 3> former_names{
     {{"wrong_object", "wrong_primitive"},
      {"wrong_object_fraction", "wrong_primitive_fraction"},
@@ -28,13 +28,13 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 11> f
      {"plane_family", "plane_rays"},
      {"torus_family", "torus_rays"}}};
 
-/// Returns the name of today for a former name, and every other text as it is.
+/// Returns the current name for a former name, and every other text unchanged.
 constexpr std::string_view current_name(std::string_view name) {
     const auto found = std::ranges::find(former_names, name, [](const auto& pair) { return pair.first; });
     return found == former_names.end() ? name : found->second;
 }
 
-/// The same for a key of a file, or of a path in it.
+/// Returns the current name for a former key of a file or of a path in a file, and every other key unchanged.
 constexpr std::string_view current_table_name(std::string_view key) {
     const auto found = std::ranges::find(former_tables, key, [](const auto& pair) { return pair.first; });
     return found == former_tables.end() ? key : found->second;

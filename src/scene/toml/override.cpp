@@ -1,4 +1,4 @@
-// Overrides: one mechanism for variants, `--set` and sweep axes.
+// Applies overrides, which variants, `--set` and sweep axes all use.
 #include <algorithm>
 #include <charconv>
 #include <string_view>
@@ -10,26 +10,26 @@
 namespace lostbits::scene::toml {
 namespace {
 
-/// A key, or with `is_index` an index of an array; `end` is its end in the path.
-struct Step {
+/// Part of a path: a key or, with `is_index`, an index of an array. `end` is the end of the part in the path.
+struct PathPart {
     bool is_index;
     std::string key;
     std::size_t index;
     std::size_t end;
 };
 
-std::vector<Step> steps_of(const Override& change) {
+std::vector<PathPart> parts_of_path(const Override& change) {
     const std::string& path = change.path;
     const auto malformed = [&](const std::string& why) {
         fail(change.where,
              "the path \"" + path + "\" " + why + "; write keys and indices from 0, as in sphere[0].radius");
     };
-    std::vector<Step> steps;
+    std::vector<PathPart> parts;
     std::size_t i = 0;
     while (true) {
         const std::size_t end = std::min(path.find_first_of(".[", i), path.size());
         if (end == i) malformed("has an empty key");
-        steps.push_back({false, std::string(current_table_name(std::string_view(path).substr(i, end - i))), 0, end});
+        parts.push_back({false, std::string(current_table_name(std::string_view(path).substr(i, end - i))), 0, end});
         i = end;
         while (i < path.size() && path[i] == '[') {
             std::size_t index = 0;
@@ -38,77 +38,78 @@ std::vector<Step> steps_of(const Override& change) {
                 malformed(error == std::errc::result_out_of_range ? "has an index that is too large"
                                                                   : "has an index that is not a whole number");
             i = static_cast<std::size_t>(stop - path.data()) + 1;
-            steps.push_back({true, "", index, i});
+            parts.push_back({true, "", index, i});
         }
-        if (i == path.size()) return steps;
+        if (i == path.size()) return parts;
         if (path[i] != '.') malformed("continues after an index without a dot");
         ++i;
     }
 }
 
 /// Advice for a key of an array: the text to write after the array, `[0].key` for tables, or the index of x, y or z.
-std::string in_array(const Node& array, const std::string& key) {
+std::string array_access(const Node& array, const std::string& key) {
     if (array.items.empty() || array.items.front().kind == Node::Kind::table) return "[0]." + key;
-    const std::size_t place = key.size() == 1 ? std::string_view("xyz").find(key) : std::string_view::npos;
-    return "[" + std::to_string(place == std::string_view::npos ? 0 : place) + "]";
+    const std::size_t coordinate = key.size() == 1 ? std::string_view("xyz").find(key) : std::string_view::npos;
+    return "[" + std::to_string(coordinate == std::string_view::npos ? 0 : coordinate) + "]";
 }
 
 }  // namespace
 
 void apply_override(Node& root, const Override& change) {
-    const std::vector<Step> steps = steps_of(change);
+    const std::vector<PathPart> parts = parts_of_path(change);
     Node* node = &root;
-    std::string so_far;  // for errors: the path to `node`
-    for (std::size_t i = 0; i < steps.size(); ++i) {
-        const Step& step = steps[i];
-        const bool last = i + 1 == steps.size();
-        const std::string here = so_far.empty() ? "the file" : so_far;
+    std::string path_so_far;  // for errors: the path to `node`
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        const PathPart& part = parts[i];
+        const bool is_last = i + 1 == parts.size();
+        const std::string location = path_so_far.empty() ? "the file" : path_so_far;
         const std::string unknown = "unknown path \"" + change.path + "\": ";
-        if (step.is_index) {
+        if (part.is_index) {
             if (node->kind != Node::Kind::array)
                 fail(change.where,
-                     unknown + here + " is " + node->describe() + ", which has no indices; leave [...] out");
-            if (step.index >= node->items.size()) {
+                     unknown + location + " is " + node->describe() + ", which has no indices; leave [...] out");
+            if (part.index >= node->items.size()) {
                 const std::string advice =
                     node->items.empty() ? "" : "; indices go from 0 to " + std::to_string(node->items.size() - 1);
-                fail(change.where, unknown + here + " is " + node->describe() + advice);
+                fail(change.where, unknown + location + " is " + node->describe() + advice);
             }
             node->where = change.where;  // errors about the whole value now name the override
-            node = &node->items[step.index];
+            node = &node->items[part.index];
         } else {
             if (node->kind == Node::Kind::array)
-                fail(change.where,
-                     unknown + here + " is " + node->describe() + "; say which: " + here + in_array(*node, step.key));
+                fail(change.where, unknown + location + " is " + node->describe() + "; say which: " + location +
+                                       array_access(*node, part.key));
             if (node->kind != Node::Kind::table)
                 fail(change.where,
-                     unknown + here + " is " + node->describe() + ", which has no keys; end the path there");
-            Node* next = node->find(step.key);
-            if (next == nullptr && !last) {
-                const std::string hint = did_you_mean(step.key, node->keys());
-                fail(change.where, unknown + here + " has no \"" + step.key + '"' + (hint.empty() ? "" : "; " + hint));
+                     unknown + location + " is " + node->describe() + ", which has no keys; end the path there");
+            Node* next = node->find(part.key);
+            if (next == nullptr && !is_last) {
+                const std::string hint = did_you_mean(part.key, node->keys());
+                fail(change.where,
+                     unknown + location + " has no \"" + part.key + '"' + (hint.empty() ? "" : "; " + hint));
             }
             if (next == nullptr) {
-                node->entries.push_back({step.key, change.where, {}});
+                node->entries.push_back({part.key, change.where, {}});
                 next = &node->entries.back().value;
             }
             node = next;
         }
-        so_far = change.path.substr(0, step.end);
+        path_so_far = change.path.substr(0, part.end);
     }
     *node = change.value;
 }
 
 std::vector<Override> overrides_in(const Node& table) {
-    std::vector<Override> all;
+    std::vector<Override> overrides;
     for (const Node::Entry& entry : table.entries) {
         if (entry.value.kind != Node::Kind::table) {
-            all.push_back({entry.key, entry.value, entry.key_where});
+            overrides.push_back({entry.key, entry.value, entry.key_where});
             continue;
         }
         for (Override& inner : overrides_in(entry.value))
-            all.push_back({entry.key + '.' + inner.path, std::move(inner.value), inner.where});
+            overrides.push_back({entry.key + '.' + inner.path, std::move(inner.value), inner.where});
     }
-    return all;
+    return overrides;
 }
 
 }  // namespace lostbits::scene::toml

@@ -19,27 +19,27 @@ std::string text_of(const Node& node) {
     if (node.kind == Node::Kind::integer) return std::to_string(node.integer);
     if (node.kind != Node::Kind::string && node.kind != Node::Kind::floating)
         fail(node.where, "is " + node.describe() + " where a number or a string is expected");
-    std::string out;
-    bool space = false;
+    std::string text;
+    bool after_space = false;
     for (const char c : node.text) {
         if (std::isspace(static_cast<unsigned char>(c)) != 0) {
-            space = true;
+            after_space = true;
             continue;
         }
-        if (space && !out.empty() && is_part_of_a_word(out.back()) && is_part_of_a_word(c))
+        if (after_space && !text.empty() && is_part_of_a_word(text.back()) && is_part_of_a_word(c))
             fail(node.where, "\"" + node.text + "\" contains a space inside a number or word; remove it");
-        space = false;
-        out += c;
+        after_space = false;
+        text += c;
     }
-    return out;
+    return text;
 }
 
 /// ⌊n/d⌋, also for negative n.
 int floor_quotient(int n, int d) { return n / d - (n % d < 0 ? 1 : 0); }
 
-bool ends(std::string& text, std::string_view tail) {
-    if (!text.ends_with(tail)) return false;
-    text.erase(text.size() - tail.size());
+bool remove_ending(std::string& text, std::string_view ending) {
+    if (!text.ends_with(ending)) return false;
+    text.erase(text.size() - ending.size());
     return true;
 }
 
@@ -47,32 +47,32 @@ bool ends(std::string& text, std::string_view tail) {
 
 Exponent::Exponent(const Node& node) {
     const std::string text = text_of(node);
-    const auto bad = [&] {
+    const auto fail_here = [&] {
         fail(node.where,
              "\"" + text +
                  "\" is not an exponent; write a sum of whole numbers, emax, emin and p, each optionally divided by 2 "
                  "or 4, such as \"emax/2 + 1\"");
     };
-    std::size_t at = 0;
-    while (at < text.size()) {
+    std::size_t position = 0;
+    while (position < text.size()) {
         Term term{1, 0, Term::Word::none, 1};
-        if (text[at] == '+' || text[at] == '-') term.sign = text[at++] == '-' ? -1 : 1;
-        else if (at > 0) bad();
-        const std::string_view rest = std::string_view(text).substr(at);
-        if (rest.starts_with("emax")) term.word = Term::Word::emax, at += 4;
-        else if (rest.starts_with("emin")) term.word = Term::Word::emin, at += 4;
-        else if (rest.starts_with("p")) term.word = Term::Word::p, at += 1;
+        if (text[position] == '+' || text[position] == '-') term.sign = text[position++] == '-' ? -1 : 1;
+        else if (position > 0) fail_here();
+        const std::string_view rest = std::string_view(text).substr(position);
+        if (rest.starts_with("emax")) term.word = Term::Word::emax, position += 4;
+        else if (rest.starts_with("emin")) term.word = Term::Word::emin, position += 4;
+        else if (rest.starts_with("p")) term.word = Term::Word::p, position += 1;
         else {
             const auto [stop, error] = std::from_chars(rest.data(), rest.data() + rest.size(), term.number);
-            if (error != std::errc{} || term.number < 0 || term.number > 10000) bad();
-            at += static_cast<std::size_t>(stop - rest.data());
+            if (error != std::errc{} || term.number < 0 || term.number > 10000) fail_here();
+            position += static_cast<std::size_t>(stop - rest.data());
         }
-        if (text.compare(at, 2, "/2") == 0 || text.compare(at, 2, "/4") == 0)
-            term.divisor = text[at + 1] - '0', at += 2;
+        if (text.compare(position, 2, "/2") == 0 || text.compare(position, 2, "/4") == 0)
+            term.divisor = text[position + 1] - '0', position += 2;
         terms_.push_back(term);
     }
     constexpr std::size_t most_terms = 16;
-    if (terms_.empty() || terms_.size() > most_terms) bad();
+    if (terms_.empty() || terms_.size() > most_terms) fail_here();
 }
 
 int Exponent::in(const FloatFormat& f) const {
@@ -85,21 +85,21 @@ int Exponent::in(const FloatFormat& f) const {
     return sum;
 }
 
-Quantity::Quantity(const Node& node, bool special) {
+Quantity::Quantity(const Node& node, bool allows_special) {
     std::string text = text_of(node);
-    if (ends(text, "+ulp")) step_ = 1;
-    else if (ends(text, "-ulp")) step_ = -1;
+    if (remove_ending(text, "+ulp")) ulps_ = 1;
+    else if (remove_ending(text, "-ulp")) ulps_ = -1;
     std::string_view rest = text;
-    const bool sign = !rest.empty() && (rest.front() == '-' || rest.front() == '+');
-    const bool minus = sign && rest.front() == '-';
+    const bool has_sign = !rest.empty() && (rest.front() == '-' || rest.front() == '+');
+    const bool is_negative = has_sign && rest.front() == '-';
     constexpr std::pair<std::string_view, Word> words[] = {
         {"nan", Word::nan}, {"inf", Word::inf}, {"max", Word::max}, {"min", Word::min}, {"tiny", Word::tiny}};
     for (const auto& [name, word] : words) {
-        if (rest.substr(sign ? 1 : 0) != name) continue;
-        if (!special && (word == Word::nan || word == Word::inf))
+        if (rest.substr(has_sign ? 1 : 0) != name) continue;
+        if (!allows_special && (word == Word::nan || word == Word::inf))
             fail(node.where, "is " + std::string(name) + ", which is allowed in rays only; write a finite number");
         word_ = word;
-        negative_ = minus;
+        negative_ = is_negative;
         return;
     }
     const auto parsed = parse_number(rest);
@@ -119,8 +119,8 @@ double Quantity::in(const FloatFormat& f, int exponent) const {
         case Word::tiny: x = std::ldexp(1.0, f.emin - f.precision + 1); break;
     }
     if (negative_) x = -x;
-    if (step_ > 0) return rounding::next_up(x, f);
-    if (step_ < 0) return -rounding::next_up(-x, f);
+    if (ulps_ > 0) return rounding::next_up(x, f);
+    if (ulps_ < 0) return -rounding::next_up(-x, f);
     return x;
 }
 

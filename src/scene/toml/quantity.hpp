@@ -1,4 +1,4 @@
-// Numbers with the same meaning in every format: "the largest", "one ulp above 3", "2 to the half of emax".
+// Reads numbers that have the same meaning in every format: "the largest", "one ulp above 3", "2 to the half of emax".
 #pragma once
 
 #include <vector>
@@ -27,12 +27,12 @@ private:
 };
 
 /// One number of a ray or a primitive: an ordinary number; `nan`, `inf`; `max` (largest finite), `min` (smallest
-/// normal), `tiny` (smallest subnormal). Each may have a sign, and `+ ulp` or `- ulp` for the neighbour above or
-/// below.
+/// normal), `tiny` (smallest subnormal). Each of these may have a sign, and `+ ulp` or `- ulp` for the neighbour above
+/// or below.
 class Quantity {
 public:
-    /// Reads a quantity. `special` allows nan and inf. Throws InputError at `node` for anything else.
-    Quantity(const Node& node, bool special);
+    /// Reads a quantity. `allows_special` allows nan and inf. Throws InputError at `node` for anything else.
+    Quantity(const Node& node, bool allows_special);
     /// base·2^exponent rounded once to the format, then moved to its neighbour. `max`, `min` and `tiny` are not
     /// scaled.
     [[nodiscard]] double in(const FloatFormat& f, int exponent) const;
@@ -42,7 +42,7 @@ private:
     Word word_ = Word::none;
     Real base_;
     bool negative_ = false;
-    int step_ = 0;
+    int ulps_ = 0;
 };
 
 }  // namespace lostbits::scene::toml

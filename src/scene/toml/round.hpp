@@ -1,4 +1,4 @@
-// Rounds the ideal numbers of a scene to a format: one correct rounding each, never two.
+// Rounds the ideal numbers of a scene to a format, each by one correct rounding, never by two.
 #pragma once
 
 #include "number/format.hpp"
@@ -11,7 +11,7 @@ namespace lostbits::scene::toml {
 /// sign.
 double round_to_format(const Real& x, const FloatFormat& f);
 
-/// Rounds x to 12 significant bits. A few such numbers have exact products and sums in binary32.
+/// Rounds x to 12 significant bits. Products and sums of a few such numbers are exact in binary32.
 double to_12_bits(double x);
 
 }  // namespace lostbits::scene::toml

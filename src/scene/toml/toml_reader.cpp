@@ -13,12 +13,12 @@ namespace {
 
 using Kind = Node::Kind;
 
-[[noreturn]] void wrong_type(const Node& node, const std::string& name, std::string_view expected) {
+[[noreturn]] void fail_for_type(const Node& node, const std::string& name, std::string_view expected) {
     fail(node.where, name + " is " + node.describe() + ", but " + std::string(expected) + " is expected here");
 }
 
 void require_kind(const Node& node, Kind kind, const std::string& name, std::string_view expected) {
-    if (node.kind != kind) wrong_type(node, name, expected);
+    if (node.kind != kind) fail_for_type(node, name, expected);
 }
 
 std::string element(const std::string& name, std::size_t i) { return name + '[' + std::to_string(i) + ']'; }
@@ -27,7 +27,7 @@ constexpr std::string_view a_number = R"(a number (4100, 1e-3, "0x1.004p+12"))";
 
 Real as_number(const Node& node, const std::string& name) {
     if (node.kind == Kind::integer) return Real(node.integer);
-    if (node.kind != Kind::string && node.kind != Kind::floating) wrong_type(node, name, a_number);
+    if (node.kind != Kind::string && node.kind != Kind::floating) fail_for_type(node, name, a_number);
     const auto parsed = parse_number(node.text);
     if (const auto* fault = std::get_if<NumberFault>(&parsed)) {
         fail(node.where,
@@ -39,18 +39,19 @@ Real as_number(const Node& node, const std::string& name) {
 long long as_integer(const Node& node, const std::string& name, long long lowest, long long highest) {
     const std::string range = "a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest);
     require_kind(node, Kind::integer, name, range);
-    if (node.integer < lowest || node.integer > highest) wrong_type(node, name, range);
+    if (node.integer < lowest || node.integer > highest) fail_for_type(node, name, range);
     return node.integer;
 }
 
-std::string array_of(std::size_t count, std::string_view what) {
-    return count == 0 ? "an array of " + std::string(what)
-                      : "an array of " + std::to_string(count) + ' ' + std::string(what);
+std::string array_of(std::size_t count, std::string_view element_name) {
+    return count == 0 ? "an array of " + std::string(element_name)
+                      : "an array of " + std::to_string(count) + ' ' + std::string(element_name);
 }
 
-const std::vector<Node>& as_array(const Node& node, const std::string& name, std::size_t count, std::string_view what) {
-    const bool right_length = count == 0 ? !node.items.empty() : node.items.size() == count;
-    if (node.kind != Kind::array || !right_length) wrong_type(node, name, array_of(count, what));
+const std::vector<Node>& as_array(const Node& node, const std::string& name, std::size_t count,
+                                  std::string_view element_name) {
+    const bool has_right_length = count == 0 ? !node.items.empty() : node.items.size() == count;
+    if (node.kind != Kind::array || !has_right_length) fail_for_type(node, name, array_of(count, element_name));
     return node.items;
 }
 
@@ -61,17 +62,18 @@ std::vector<Real> as_numbers(const Node& node, const std::string& name, std::siz
     return values;
 }
 
-/// Returns a text without control characters. Text goes to terminals, tables and pages, and a character that a
-/// terminal would obey is a mistake, or worse.
+/// Returns the text of a string without control characters. Text goes to terminals, tables and pages, and a character
+/// that a terminal would obey is a mistake, or worse.
 const std::string& as_text(const Node& node, const std::string& name) {
     require_kind(node, Kind::string, name, "a string");
-    unsigned char before = 0;
+    unsigned char previous_byte = 0;
     for (const char c : node.text) {
         const auto byte = static_cast<unsigned char>(c);
-        // U+0080 to U+009F, which are \xC2 and such a byte, begin what ESC and a letter begin: U+009B is ESC [.
-        const bool of_eight_bits = before == 0xC2 && byte >= 0x80 && byte < 0xA0;
-        before = byte;
-        if (!of_eight_bits && ((byte >= ' ' && byte != 0x7F) || c == '\n' || c == '\t')) continue;
+        // U+0080 to U+009F, which are \xC2 followed by a byte in this range, have the effect of ESC and a letter:
+        // U+009B is ESC [.
+        const bool is_c1_control = previous_byte == 0xC2 && byte >= 0x80 && byte < 0xA0;
+        previous_byte = byte;
+        if (!is_c1_control && ((byte >= ' ' && byte != 0x7F) || c == '\n' || c == '\t')) continue;
         fail(node.where, name + " holds the control character " + std::to_string(byte) +
                              ", which a terminal would obey; leave it out");
     }
@@ -106,7 +108,8 @@ void TableReader::fail_at(std::string_view key, const std::string& message) cons
 }
 
 const Node* TableReader::seek(std::string_view key) {
-    if (std::find(asked_for_.begin(), asked_for_.end(), key) == asked_for_.end()) asked_for_.emplace_back(key);
+    if (std::find(requested_keys_.begin(), requested_keys_.end(), key) == requested_keys_.end())
+        requested_keys_.emplace_back(key);
     return table_->find(key);
 }
 
@@ -117,12 +120,13 @@ const Node& TableReader::demand(std::string_view key, std::string_view expected)
     // A misspelt key shows up as a missing key first, so the error points at the misspelling.
     std::vector<std::string> unread;
     for (const std::string& present : table_->keys())
-        if (std::find(asked_for_.begin(), asked_for_.end(), present) == asked_for_.end()) unread.push_back(present);
-    if (const auto near = closest(key, unread)) {
+        if (std::find(requested_keys_.begin(), requested_keys_.end(), present) == requested_keys_.end())
+            unread.push_back(present);
+    if (const auto closest_key = closest(key, unread)) {
         for (const Node::Entry& entry : table_->entries)
-            if (entry.key == *near)
-                fail(entry.key_where,
-                     missing + ", but there is " + path_to(*near) + "; did you mean \"" + std::string(key) + "\"?");
+            if (entry.key == *closest_key)
+                fail(entry.key_where, missing + ", but there is " + path_to(*closest_key) + "; did you mean \"" +
+                                          std::string(key) + "\"?");
     }
     fail(table_->where, missing + "; give it " + std::string(expected));
 }
@@ -223,9 +227,9 @@ void TableReader::reject(std::string_view key, std::string_view why) {
 
 void TableReader::reject_unknown_keys() const {
     for (const Node::Entry& entry : table_->entries) {
-        if (std::find(asked_for_.begin(), asked_for_.end(), entry.key) != asked_for_.end()) continue;
+        if (std::find(requested_keys_.begin(), requested_keys_.end(), entry.key) != requested_keys_.end()) continue;
         fail(entry.key_where,
-             "unknown key " + path_to(excerpt(entry.key)) + "; " + did_you_mean(entry.key, asked_for_));
+             "unknown key " + path_to(excerpt(entry.key)) + "; " + did_you_mean(entry.key, requested_keys_));
     }
 }
 
@@ -243,8 +247,8 @@ void require_schema(TableReader& file, std::string_view schema) {
         return std::pair(name.substr(0, slash), version);
     };
     const auto [kind, version] = split(found);
-    const auto [wanted_kind, newest] = split(schema);
-    if (kind == wanted_kind && version > newest)
+    const auto [expected_kind, newest_version] = split(schema);
+    if (kind == expected_kind && version > newest_version)
         file.fail_at("schema", "is " + quoted_excerpt(found) +
                                    ", newer than this program reads; use a newer lostbits, or write " + expected);
     file.fail_at("schema", "is " + quoted_excerpt(found) + ", which is another kind of file than " +

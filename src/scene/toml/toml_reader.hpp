@@ -1,4 +1,5 @@
-// Typed reading of a TOML table: scenes, sweeps and claims. Every error says where, what, why and what to try.
+// Reads tables of TOML files (scenes, sweeps and claims) with the types of their keys. Every error says where and what
+// is wrong, why, and what to try.
 #pragma once
 
 #include <concepts>
@@ -17,10 +18,10 @@
 
 namespace lostbits::scene::toml {
 
-/// Reads one table, key by key, and records the keys that it was asked for. At the end, `reject_unknown_keys` reports
-/// all others as mistakes. `x(key)` requires the key, `optional_x(key)` does not. A key of the wrong type and a number
-/// that is not finite are an InputError at the value; a missing key is one at the table. The tree must outlive the
-/// reader.
+/// Reads one table, key by key, and records which keys were requested. At the end, `reject_unknown_keys` reports all
+/// other keys as mistakes. `x(key)` requires the key, `optional_x(key)` does not. Throws InputError at the value for a
+/// key of the wrong type and for a number that is not finite, and InputError at the table for a missing key. The tree
+/// must outlive the reader.
 class TableReader {
     template <class T, class... Args>
     std::optional<T> optional(std::string_view key, T (TableReader::*reader)(std::string_view, Args...), Args... args) {
@@ -51,13 +52,13 @@ public:
     std::optional<std::vector<long long>> optional_integers(std::string_view key, std::size_t count, long long lowest,
                                                             long long highest);
 
-    /// A TOML integer or float, or a string: a decimal or a hexadecimal float. Read exactly, rounded once
+    /// A TOML integer or float, or a string: a decimal or a hexadecimal float. It is read exactly and rounded once
     /// (`parse_number`): 0.1 and "0.1" are both one tenth, not the nearest double.
     Real number(std::string_view key);
     std::optional<Real> optional_number(std::string_view key) { return optional(key, &TableReader::number); }
     /// Sets `x` to the number in [lowest, highest], if the key is present.
     void read_number(std::string_view key, double& x, double lowest, double highest);
-    /// `count` numbers, or any positive number of them for count = 0.
+    /// `count` numbers; if count = 0, one or more numbers.
     std::vector<Real> numbers(std::string_view key, std::size_t count = 0);
     std::optional<std::vector<Real>> optional_numbers(std::string_view key, std::size_t count = 0) {
         return optional(key, &TableReader::numbers, count);
@@ -93,7 +94,7 @@ public:
     [[nodiscard]] bool has(std::string_view key) { return seek(key) != nullptr; }
     /// Names of all keys, in the order of the file.
     [[nodiscard]] std::vector<std::string> keys() const { return table_->keys(); }
-    /// Returns the value itself, for a notation of its own. `expected` says what to write if it is missing.
+    /// Returns the value itself, for a notation of its own. `expected` says what to write if the value is missing.
     const Node& node(std::string_view key, std::string_view expected = "a value");
 
     TableReader table(std::string_view key);
@@ -103,7 +104,7 @@ public:
 
     /// Rejects a key that has no meaning here. `why` continues the sentence after `path.key`.
     void reject(std::string_view key, std::string_view why);
-    /// Call this last: every key that nothing asked for is an error with did-you-mean.
+    /// Throws InputError with did-you-mean for every key that was not requested. Call this last.
     void reject_unknown_keys() const;
 
     /// Position of the value, or of the table if the key is missing.
@@ -122,17 +123,17 @@ private:
     template <class E>
     static std::vector<std::string> names_of(std::span<const std::pair<std::string_view, E>> choices) {
         std::vector<std::string> names;
-        for (const auto& each : choices) names.emplace_back(each.first);
+        for (const auto& entry : choices) names.emplace_back(entry.first);
         return names;
     }
 
     const Node* table_;
     std::string path_;
-    std::vector<std::string> asked_for_;
+    std::vector<std::string> requested_keys_;
 };
 
-/// Checks the key `schema` of a file against e.g. "lostbits-scene/1". A missing, a different or a newer one is an
-/// error.
+/// Checks the key `schema` of a file against e.g. "lostbits-scene/1". Throws InputError if the schema is missing,
+/// different or newer.
 void require_schema(TableReader& file, std::string_view schema);
 
 }  // namespace lostbits::scene::toml

@@ -27,31 +27,32 @@ public:
         }
     }
 
-    [[nodiscard]] Node convert(const ::toml::node& from) const {
+    [[nodiscard]] Node convert(const ::toml::node& source) const {
         Node node;
-        node.where = at(from.source());
-        if (const auto* table = from.as_table()) {
+        node.where = position_of(source.source());
+        if (const auto* table = source.as_table()) {
             node.kind = Node::Kind::table;
             for (auto&& [key, value] : *table)
-                node.entries.push_back({std::string(current_table_name(key.str())), at(key.source()), convert(value)});
+                node.entries.push_back(
+                    {std::string(current_table_name(key.str())), position_of(key.source()), convert(value)});
             // toml++ sorts by name, but overrides apply in the order of writing.
             std::stable_sort(node.entries.begin(), node.entries.end(), [](const Node::Entry& a, const Node::Entry& b) {
                 return std::pair(a.key_where.line, a.key_where.column) <
                        std::pair(b.key_where.line, b.key_where.column);
             });
-        } else if (const auto* array = from.as_array()) {
+        } else if (const auto* array = source.as_array()) {
             node.kind = Node::Kind::array;
             for (const ::toml::node& item : *array) node.items.push_back(convert(item));
-        } else if (const auto* string = from.as_string()) {
+        } else if (const auto* string = source.as_string()) {
             node.kind = Node::Kind::string;
             node.text = current_name(string->get());
-        } else if (const auto* integer = from.as_integer()) {
+        } else if (const auto* integer = source.as_integer()) {
             node.kind = Node::Kind::integer;
             node.integer = integer->get();
-        } else if (from.is_floating_point()) {
+        } else if (source.is_floating_point()) {
             node.kind = Node::Kind::floating;
             node.text = digits_at(node.where);
-        } else if (const auto* boolean = from.as_boolean()) {
+        } else if (const auto* boolean = source.as_boolean()) {
             node.kind = Node::Kind::boolean;
             node.boolean = boolean->get();
         }
@@ -59,37 +60,37 @@ public:
     }
 
 private:
-    [[nodiscard]] Where at(const ::toml::source_region& region) const {
+    [[nodiscard]] Where position_of(const ::toml::source_region& region) const {
         return {source_, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
     }
 
     [[nodiscard]] std::string digits_at(const Where& where) const {
         const std::string_view line = lines_.at(static_cast<std::size_t>(where.line) - 1);
         std::size_t byte = byte_of(where, line);
-        constexpr std::string_view of_numbers = "0123456789+-._eEinfa";
+        constexpr std::string_view number_characters = "0123456789+-._eEinfa";
         std::string digits;
-        for (; byte < line.size() && of_numbers.find(line[byte]) != std::string_view::npos; ++byte)
+        for (; byte < line.size() && number_characters.find(line[byte]) != std::string_view::npos; ++byte)
             if (line[byte] != '_') digits += line[byte];
         return digits;
     }
 
     /// Returns the byte of a column. Columns count characters, so the continuation bytes of UTF-8 are not counted. A
-    /// million numbers may be in one line, so the characters of the last line are kept.
+    /// million numbers may be in one line, so the starts of the characters of the last line are stored.
     [[nodiscard]] std::size_t byte_of(const Where& where, std::string_view line) const {
         if (where.line != counted_line_) {
             counted_line_ = where.line;
-            begins_.clear();
+            character_begins_.clear();
             for (std::uint32_t byte = 0; byte < line.size(); ++byte)
-                if ((line[byte] & 0xc0) != 0x80) begins_.push_back(byte);
+                if ((line[byte] & 0xc0) != 0x80) character_begins_.push_back(byte);
         }
         const auto column = static_cast<std::size_t>(where.column) - 1;
-        return column < begins_.size() ? begins_[column] : line.size();
+        return column < character_begins_.size() ? character_begins_[column] : line.size();
     }
 
     std::string source_;
     std::vector<std::string_view> lines_;
     mutable int counted_line_ = 0;
-    mutable std::vector<std::uint32_t> begins_;  ///< starts of the characters of that line
+    mutable std::vector<std::uint32_t> character_begins_;  ///< bytes at which the characters of `counted_line_` begin
 };
 
 Node parse(std::string_view text, const std::string& source) {
@@ -172,9 +173,9 @@ Node Node::of_array(std::vector<Node> items, Where where) {
 
 namespace {
 
-/// Refuses very long keys: toml++ 3.3 recurses once for each part of a dotted key, and overflows the stack on a key of
-/// 50000 parts.
-void reject_endless_keys(const std::string& text, const std::string& source) {
+/// Fails for a very long key: toml++ 3.3 recurses once for each part of a dotted key, and overflows the stack on a key
+/// of 50000 parts.
+void reject_long_keys(const std::string& text, const std::string& source) {
     constexpr int most_parts = 256;
     int line = 1, dots = 0;
     for (const char c : text) {
@@ -195,22 +196,22 @@ Node read_toml(const std::filesystem::path& path, intersect::process::StopToken 
     std::string text;
     file.read(text, most_bytes + 1);
     if (text.size() > most_bytes) fail(start, "is larger than 16 MiB; check that this is the right file");
-    reject_endless_keys(text, start.source);
+    reject_long_keys(text, start.source);
     return parse(text, start.source);
 }
 
 Override parse_override(std::string_view assignment, std::string_view option) {
     const Where where{std::string(option) + ' ' + std::string(assignment), 0, 0};
-    const std::size_t equals = assignment.find('=');
-    if (equals == std::string_view::npos || equals == 0)
+    const std::size_t equals_sign = assignment.find('=');
+    if (equals_sign == std::string_view::npos || equals_sign == 0)
         fail(where, "is not an assignment; write path=value, as in sphere[0].radius=1e3");
     const auto trimmed = [](std::string_view s) {
         while (!s.empty() && s.front() == ' ') s.remove_prefix(1);
         while (!s.empty() && s.back() == ' ') s.remove_suffix(1);
         return s;
     };
-    const std::string path(trimmed(assignment.substr(0, equals)));
-    const std::string text(trimmed(assignment.substr(equals + 1)));
+    const std::string path(trimmed(assignment.substr(0, equals_sign)));
+    const std::string text(trimmed(assignment.substr(equals_sign + 1)));
     if (text.empty()) fail(where, "has no value after =; write path=value, as in sphere[0].radius=1e3");
 
     Node value = Node::of_string(text, where);
@@ -218,11 +219,12 @@ Override parse_override(std::string_view assignment, std::string_view option) {
         try {
             value = parse("value = " + text, "").entries.at(0).value;
         } catch (const InputError&) {
-            // Not TOML: a bare word or a hexadecimal float. Its reader handles it as a string.
+            // The text is not TOML: it is a bare word or a hexadecimal float. The reader of the key handles it as a
+            // string.
         }
     }
     // The option is the position, so no column inside the value is reported.
-    const auto relocate = [&where](auto&& self, Node& node) -> void {
+    const auto set_position = [&where](auto&& self, Node& node) -> void {
         node.where = where;
         for (Node& item : node.items) self(self, item);
         for (Node::Entry& entry : node.entries) {
@@ -230,7 +232,7 @@ Override parse_override(std::string_view assignment, std::string_view option) {
             self(self, entry.value);
         }
     };
-    relocate(relocate, value);
+    set_position(set_position, value);
     return {path, std::move(value), where};
 }
 

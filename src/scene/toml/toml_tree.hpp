@@ -1,5 +1,5 @@
-// A TOML file as a tree of our own. Every value knows where it was written and, for a float, its digits as written.
-// Only toml_tree.cpp uses toml++.
+// Reads a TOML file into a tree of our own. Every value has the position at which it was written and, for a float, the
+// digits as written. Only toml_tree.cpp uses toml++.
 #pragma once
 
 #include <cstdint>
@@ -20,13 +20,13 @@ struct Where {
     std::string source;
     int line = 0;
     int column = 0;
-    [[nodiscard]] std::string text() const;  ///< `file:line:col`, or the option alone
+    [[nodiscard]] std::string text() const;  ///< returns `file:line:col`, or the option alone
 };
 
 /// Throws InputError `where: message`.
 [[noreturn]] void fail(const Where& where, const std::string& message);
 
-/// One value. The set of kinds is closed; dates are kept as `other`, because nothing uses them.
+/// One value. The set of kinds is closed; dates have the kind `other`, because no key uses them.
 struct Node {
     enum class Kind { table, array, string, integer, floating, boolean, other };
     struct Entry;
@@ -42,7 +42,7 @@ struct Node {
     [[nodiscard]] const Node* find(std::string_view key) const;
     [[nodiscard]] Node* find(std::string_view key);
     [[nodiscard]] std::vector<std::string> keys() const;
-    /// `the string "abc"`, `an array of 3`, …: the found value in the words of an error.
+    /// Describes the value for an error: `the string "abc"`, `an array of 3`, …
     [[nodiscard]] std::string describe() const;
 
     static Node of_string(std::string text, Where where);
@@ -61,7 +61,7 @@ struct Node::Entry {
 /// EnvironmentError if it is not readable, and Interrupted if it is stopped, also while a pipe has no bytes.
 Node read_toml(const std::filesystem::path& path, intersect::process::StopToken stop = {});
 
-/// A change to a tree before it is interpreted: variants, `--set` and sweep axes are all lists of these.
+/// A change to a tree before the tree is interpreted. Variants, `--set` and sweep axes are lists of such changes.
 struct Override {
     std::string path;  ///< `sphere[0].radius`, `camera.eye`, `sphere[0].centre[2]`: keys and indices from 0
     Node value;
@@ -73,7 +73,7 @@ struct Override {
 Override parse_override(std::string_view assignment, std::string_view option = "--set");
 
 /// Sets the value at the path. The last key of a path may be new to its table; the reader of the table decides whether
-/// it is known. Everything before it must exist, else InputError with did-you-mean.
+/// it is known. All earlier parts of the path must exist; otherwise throws InputError with did-you-mean.
 void apply_override(Node& root, const Override& change);
 
 /// Returns the overrides of a table of `"path" = value`. Plain tables inside it extend the path.
