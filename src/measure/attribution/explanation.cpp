@@ -193,7 +193,7 @@ void find_better_generators(Explanation& x, const OneRay& ray, const ScenePixel&
         if (&generator == pixel.scene->camera.rays) continue;
         try {
             const scene::file::Scene scene = with_rays(*pixel.scene, generator);
-            const auto rays = pixels_around(pixel, scene, ray.judged());
+            const auto rays = pixels_around(pixel, scene, ray.touching());
             const FormResult s = result_of_other_form(x, ray, scene::rays::with_generator(generator, form),
                                                       rays.front(), around_pixel(x, rays));
             add_if_better(x, s);
@@ -232,7 +232,7 @@ std::optional<double> hit_in(const Range<double>& range, const OneRay& ray, cons
     for (std::size_t i = 0; i < in.all.primitives.size(); ++i) group.primitives.push_back(in.all.primitives[i]);
     group.march = in.all.march;
     OneRay other(std::move(group));
-    other.judge_by(ray.judged());
+    other.judge_by(ray.touching());
     if (!other.truth(info).is_hit()) return {};
     return other.rounded_truth(info, binary64);
 }
@@ -265,7 +265,7 @@ std::vector<answer::OneRay> neighbours_of(const answer::OneRay& ray, const answe
         group.rays.push_range(in.all.rays, in.index);
         group.primitives = primitives;
         group.march = in.all.march;
-        all.emplace_back(std::move(group)).judge_by(ray.judged());
+        all.emplace_back(std::move(group)).judge_by(ray.touching());
     }
     return all;
 }
@@ -321,13 +321,13 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     const OneRay::Inputs in = ray.inputs(form, format);
     const answer::Answers answers = answer::evaluate(form, in.all);
     const truth::Truth& truth = ray.truth(*form.info);
-    Explanation x{.form = &form, .format = format, .rounded_inputs = !ray.keeps(in), .judged = ray.judged()};
+    Explanation x{.form = &form, .format = format, .rounded_inputs = !ray.is_unrounded(in), .judged = ray.touching()};
     const Vec<double> given = in.all.rays[in.index].direction, received = in.ray(*form.info).direction;
     if (!is_same(given.x, received.x) || !is_same(given.y, received.y) || !is_same(given.z, received.z))
         x.given = given;
     x.primitives = static_cast<int>(in.all.primitives.size());
-    const std::size_t primitive =
-        answer::measured_at(in.all, in.index, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.object);
+    const std::size_t primitive = answer::measured_primitive(
+        in.all, in.index, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.object);
     x.primitive = static_cast<int>(primitive);
     x.shape = in.all.primitives[primitive].shape;
     const FormatInputs::AimedAt aim = in.all.target_for(form, primitive);
@@ -392,7 +392,7 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
         const auto near = neighbours_of(ray, in, format.parameters, primitives);
         find_better(x, ray, {near}, beside);
     } else {
-        const auto pixels = pixels_around(*pixel, *pixel->scene, ray.judged());
+        const auto pixels = pixels_around(*pixel, *pixel->scene, ray.touching());
         const Surroundings around = around_pixel(x, pixels);
         x.pixels_around = static_cast<int>(around.rays.size());
         find_better(x, ray, around, beside);

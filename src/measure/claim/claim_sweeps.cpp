@@ -85,7 +85,7 @@ struct AxesClaims {
 };
 
 void measure_place(const AxesClaims& on, const sweep::SweepRequest& request, const std::vector<double>& place) {
-    const auto summaries = sweep::run_place(request, place);
+    const auto summaries = sweep::measure_at(request, place);
     for (std::size_t k = 0; k < on.claims.size(); ++k) {
         const auto& [claim, subject, result] = on.claims[k];
         const evaluate::FormSummary& summary = summaries[on.rows[k]];

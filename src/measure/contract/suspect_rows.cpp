@@ -22,7 +22,8 @@ void judge(const truth::Band& band, const evaluate::TestedForm& row, std::vector
     for (std::size_t i = 0; i < band.pixels() && rays.size() < most_rays; ++i) {
         const truth::Truth& truth = band.truth(i, row.convention());
         if (truth.decision == truth::Truth::Decision::unresolved) continue;
-        const std::size_t primitive = answer::measured_at(in, i, truth.is_hit() ? truth.object : answers.object[i]);
+        const std::size_t primitive =
+            answer::measured_primitive(in, i, truth.is_hit() ? truth.object : answers.object[i]);
         rays.push_back(judged(in.rays_for(*row.form->info)[i], in.primitives[primitive], truth, row,
                               answers.hit[i] != 0, answers.t[i]));
     }

@@ -177,10 +177,10 @@ private:
         take(i, sample, is_margin);
     }
 
-    /// The primitive that the form hits, otherwise the one that is truly hit; for a miss, that of `measured_at`.
+    /// The primitive that the form hits, otherwise the one that is truly hit; for a miss, that of `measured_primitive`.
     [[nodiscard]] std::size_t asked_of(std::size_t i) const {
         const bool hit = result_.answers->hit[i] != 0;
-        return answer::measured_at(*result_.inputs, i, hit ? result_.answers->object[i] : truth_.object[i]);
+        return answer::measured_primitive(*result_.inputs, i, hit ? result_.answers->object[i] : truth_.object[i]);
     }
 
     /// The primitive that a ray misses most narrowly; nothing if there are too many to compare.

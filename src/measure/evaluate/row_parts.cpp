@@ -23,8 +23,8 @@ void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueL
     Outcome* const outcomes = out.outcomes.data();
     double* const measured = out.measured.data();
     for (std::size_t i = 0; i < n; ++i)
-        outcomes[i] =
-            table[answer::OutcomeTable::place(truth.decision[i], answers.hit[i] != 0, answers.t[i] != answers.t[i])];
+        outcomes[i] = table[answer::OutcomeTable::case_index(truth.decision[i], answers.hit[i] != 0,
+                                                             answers.t[i] != answers.t[i])];
     for (std::size_t i = 0; i < n; ++i) {
         const bool other = tells_t & (outcomes[i] == Outcome::agree_hit) & (answers.object[i] != truth.object[i]);
         outcomes[i] = other ? Outcome::wrong_primitive : outcomes[i];
@@ -130,7 +130,7 @@ WorstRay RowSums::named(std::size_t i, Outcome outcome) const {
     const bool hit = result_.answers->hit[i] != 0, tells_t = row_.form->info->roots != intersect::Roots::none;
     const Truth truth = result_.truth(i);
     const int object = hit ? result_.answers->object[i] : truth.object;
-    const std::size_t primitive = answer::measured_at(*result_.inputs, i, object);
+    const std::size_t primitive = answer::measured_primitive(*result_.inputs, i, object);
     // Index of the band's first ray among all rays.
     const std::int64_t first = request_.first + std::int64_t{result_.y0} * result_.width;
     WorstRay w{.x = request_.first + static_cast<std::int64_t>(i % static_cast<std::size_t>(result_.width)),

@@ -63,7 +63,7 @@ void evaluate_among(const TapeForm& form, const truth::FormatInputs& in, answer:
             form.program().run<S>(batch, target, hits);
             intersect::table::keep_in_range(*form.row().info, form.row().shape, batch, hits);
         });
-        pairs.put(answers);
+        pairs.write_to(answers);
     }
 }
 

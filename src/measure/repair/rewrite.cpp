@@ -192,7 +192,7 @@ RaySample::RaySample(const RepairRequest& request, int rays)
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
         const auto truth = band.truth(i, row.convention());
-        const std::size_t primitive = answer::measured_at(inputs, i, truth.object);
+        const std::size_t primitive = answer::measured_primitive(inputs, i, truth.object);
         inputs_.push_back(tape::inputs_of(own[i], inputs.primitives[primitive], band.range(i).tmax));
         exact_inputs_.push_back(unit ? along_axis(inputs_.back()) : inputs_.back());
         const double t = truth.is_hit() ? band.rounded_truth(i, binary64, row.form->info->direction, row.convention())
