@@ -60,8 +60,8 @@ struct DeepExact {
     static double difference(double computed, const Number& exact) { return nearest(Number(computed) - exact); }
     /// Rounds to the nearest number of the format, as if in one step.
     static double round_to(const Number& x, const FloatFormat& format) {
-        const double nearest_double = nearest(x), remainder = nearest(x - Number(nearest_double));
-        return rounding::to_format(nearest_double, (remainder > 0) - (remainder < 0), format);
+        const double nearest_double = nearest(x), low_part = nearest(x - Number(nearest_double));
+        return rounding::to_format(nearest_double, (low_part > 0) - (low_part < 0), format);
     }
     static bool is_good(const Number& /*x*/, double /*computed*/) { return true; }
 
@@ -78,7 +78,7 @@ std::optional<typename Exact::Number> result_of_call(const Tape& tape, NodeId ca
 }
 
 /// Factors by which errors of the arguments pass through a call. The arguments move from their exact to their computed
-/// values one after the other, so the quotients leave no remainder. For an argument that is exact, the quotient is the
+/// values one after the other, so the quotients leave no low_part. For an argument that is exact, the quotient is the
 /// derivative.
 struct CallSlopes {
     using Number = DeepExact::Number;
