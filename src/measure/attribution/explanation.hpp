@@ -23,8 +23,7 @@ struct FormResult {
     /// Mean lost bits over the ray's `neighbours`, or over the pixels around it if a camera makes the ray. A wrong
     /// decision counts as all bits. NaN if not computed, or if no truth is proved.
     double lost_nearby = truth::missing;
-    bool other_question =
-        false;  ///< its contract gives another truth on this ray than the contract of the explained form
+    bool other_question = false;  ///< by its contract the truth differs from that by the explained form's contract
     bool is_right() const { return outcome == answer::Outcome::agree_hit || outcome == answer::Outcome::agree_miss; }
     /// Compares on this ray alone, which may be luck: a right decision beats a wrong one, then fewer lost bits win.
     bool beats(const FormResult& other) const;

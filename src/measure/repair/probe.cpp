@@ -151,8 +151,7 @@ public:
     /// The number of each node, with these inputs in place of the tape's own.
     std::vector<int> numbers_with(const std::vector<int>& inputs) {
         std::vector<int> ids;
-        std::vector<std::vector<int>>
-            terms_of_node;  // for each term of a sum, twice its number, plus one if it is subtracted
+        std::vector<std::vector<int>> terms_of_node;  // for each term of a sum, 2 · its number, + 1 if subtracted
         for (NodeId i = 0; i < tape_.size(); ++i) {
             const TapeNode& n = tape_[i];
             const auto part = [&](std::size_t k) { return terms_of_node[static_cast<std::size_t>(n.operands[k])]; };
