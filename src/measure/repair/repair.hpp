@@ -60,10 +60,9 @@ struct Rewriting {
 };
 
 struct SearchLimit {
-    std::size_t rounds = 8;  ///< in each round the most promising candidates are rewritten once
-    std::size_t beam = 4;    ///< candidates kept by accuracy; as many again are kept by work
-    std::size_t places =
-        24;  ///< candidates from each form; replacements of the operations that lose most bits come first
+    std::size_t rounds = 8;     ///< in each round the most promising candidates are rewritten once
+    std::size_t beam = 4;       ///< candidates kept by accuracy; as many again are kept by work
+    std::size_t places = 24;    ///< candidates from each form; operations that lose most bits come first
     std::size_t proposals = 3;  ///< forms kept in the end
 };
 
