@@ -137,7 +137,7 @@ void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
             request.progress(block.floats.size() * rows);
         });
         for (std::size_t k = 0; k < block_tallies.size(); ++k) {
-            const std::size_t tally_index = request.tally_index(blocks[k / rays].binade, k % rays, 0);
+            const std::size_t tally_index = request.place(blocks[k / rays].binade, k % rays, 0);
             for (std::size_t row = 0; row < rows; ++row) state.tallies[tally_index + row].append(block_tallies[k][row]);
             state.stages += stages[k];
         }
@@ -161,8 +161,7 @@ std::vector<RangeFinding> findings_of(const ExhaustiveRequest& request, const Ex
             for (std::size_t range = 0; range < request.sweep.ranges().size(); ++range) {
                 RangeFinding finding{range, ray, row, request.sweep.ranges()[range], {}};
                 for (std::size_t b = 0; b < binades.size(); ++b) {
-                    if (binades[b].range == range)
-                        finding.tally.append(state.tallies[request.tally_index(b, ray, row)]);
+                    if (binades[b].range == range) finding.tally.append(state.tallies[request.place(b, ray, row)]);
                 }
                 findings.push_back(std::move(finding));
             }

@@ -94,7 +94,7 @@ struct ExhaustiveRequest;
 /// Progress of a run: all that is needed to continue it.
 struct ExhaustiveState {
     std::uint64_t tried = 0;          ///< floats of the share done so far, in order, each by every form on every ray
-    std::vector<FloatTally> tallies;  ///< see `ExhaustiveRequest::tally_index`
+    std::vector<FloatTally> tallies;  ///< see `ExhaustiveRequest::place`
     truth::StageCounts stages{};      ///< counts of truths; their sum depends on how often forms shared a truth
 
     /// Appends the results of the next share.
@@ -115,7 +115,7 @@ struct ExhaustiveRequest {
     std::function<void(const ExhaustiveState&)> keep = [](const ExhaustiveState&) {};
 
     /// Index of the tally of a form on a ray in a binade.
-    [[nodiscard]] std::size_t tally_index(std::size_t binade, std::size_t ray, std::size_t row) const {
+    [[nodiscard]] std::size_t place(std::size_t binade, std::size_t ray, std::size_t row) const {
         return (binade * sweep.rays.size() + ray) * rows.size() + row;
     }
 };
