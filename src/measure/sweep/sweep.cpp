@@ -126,7 +126,8 @@ void narrow(const scene::sweep::Axis& axis, double& first, double& second, RowEv
 /// Steps in the order in which an onset is looked for.
 using StepOrder = std::vector<const SweepStep*>;
 
-/// Finds the last step after `bad` at which the form is good again, and the value at which it stops being good.
+/// Finds the last step after step `bad_index` at which the form is good again, and the value at which it stops being
+/// good.
 void find_recovery(const SweepRequest& request, const StepOrder& steps, std::size_t bad_index, const Event& event,
                    RowEvaluator& evaluator, Onset& onset) {
     std::size_t good_index = steps.size() - 1;

@@ -29,7 +29,7 @@ struct Onset {
     std::string event;       ///< `lost_bits`, a step of a transform, an outcome, or why a march stopped
     std::string statistic;   ///< `p50`, `p99`, `max`; `count` for the outcomes
     double threshold;        ///< in bits, in ulps of a step, or 1 for a count
-    bool from_last = false;  ///< read from the last step backwards: `first`, `last` and `after` are in that order
+    bool from_last = false;  ///< the steps are read backwards: `first`, `last` and `after` are in this order
     bool found = false;
     bool from_start = false;  ///< bad at the first step already: there is no last good value
     double last_good = 0, first_bad = 0;
